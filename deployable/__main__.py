@@ -18,7 +18,7 @@ def program() -> int:
     if message := check_fpm_module():
         print(message, file=sys.stderr)
         return 1
-    from deployable.campaign.stopping import end_on_ctrl_c, leave
+    from deployable.campaign.interrupts import end_on_ctrl_c, leave
 
     end_on_ctrl_c()
     for name in ("stdout", "stderr"):

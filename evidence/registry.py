@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.cases import CASES
+from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES
 from fpm.kernels.sources import syntax_digest
 
 ROOT = Path(__file__).parents[1]
@@ -47,8 +47,8 @@ class Study:
     def code(self) -> list[str]:
         """Digests of the code that decides what the study leaves, beside its measured parts."""
         files = (f"evidence/{name}.py" for name in ("rows", "results", "plots"))
-        telling = digest(*files, f"evidence/{self.name}")
-        return [telling] if self.parts else [telling, self.measuring_code()]
+        report_digest = digest(*files, f"evidence/{self.name}")
+        return [report_digest] if self.parts else [report_digest, self.measuring_code()]
 
 
 @cache

@@ -17,7 +17,7 @@ from fpm.files import trajectory
 from fpm.files.outcome import Outcome
 from fpm.reading import quantities, responses
 from fpm.scenes.scene import Link, Scene
-from fpm.scenes.timestep import SAFETY, StableStep, stable_step
+from fpm.scenes.timestep import SAFETY, StableStep, find_stable_step
 from fpm.solver.simulate import divide_time, is_compiled, simulate, warm_up
 
 __all__ = [
@@ -31,11 +31,11 @@ __all__ = [
     "Section",
     "StableStep",
     "divide_time",
+    "find_stable_step",
     "is_compiled",
     "quantities",
     "responses",
     "simulate",
-    "stable_step",
     "trajectory",
     "warm_up",
 ]

@@ -51,7 +51,7 @@ class InstabilityError(RuntimeError):
         self.balance, self.scale, self.cause = balance, scale, cause
         self.largest, self.words, self.remedy = largest or {}, words, remedy
         text = (
-            f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
+            f"the energy balance has an error of {balance:.3g} J in {scale:.3g} J"
             if isfinite(balance)
             else "numbers are no longer finite"
         )
@@ -122,6 +122,7 @@ NEW_NAMES = {
     "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
     "motions": "initial_velocities",
     "stand": "locked", "factors": "uncertainty_factors", "drives": "actuation_factors",
+    "accelerate": "specified_acceleration", "deliver": "output_torque",
 }  # fmt: skip
 """Keys and words of configs and structures that were called otherwise, and their names of today."""
 

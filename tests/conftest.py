@@ -13,7 +13,7 @@ from deployable.one_thread import set_environment
 # for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
 set_environment()
 
-# By the named tuples of their kinds (`fpm.kernels.compiled`).
+# By the named tuples of their kinds (`fpm.kernels.compiled_loop`).
 SHARED = {
     "StraightElements-Openings-Hinges-Springs-Contacts",  # the Bennett linkage
     "StraightElements-Openings-Hinges-Springs",  # a panel on a spring
@@ -27,7 +27,7 @@ _seen: set[str] = set()
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_teardown(item: pytest.Item) -> None:
     """Fail a quick test that was the first to need another time loop."""
-    compiled = sys.modules.get("fpm.kernels.compiled")
+    compiled = sys.modules.get("fpm.kernels.compiled_loop")
     ready = compiled.READY if compiled else ()
     needed = {
         "+".join(["-".join(kind.__name__ for kind in kinds), *more])

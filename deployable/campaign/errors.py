@@ -6,7 +6,7 @@ import errno
 import shutil
 from pathlib import Path
 
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT}
 _LITTLE = 64 << 20

@@ -1,8 +1,8 @@
 """Interval analysis of responses with uncertain parameters: boxes, designs, surrogates, bounds.
 
 Given a box of interval parameters, `make_design` says where to run the model, `fit` turns its
-responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them at every instant.
-The package knows nothing of the model: it takes arrays, or netCDF files as datasets."""
+responses into polynomials, and `find_surrogate_range` or `bounds_dataset` bound them at every
+instant. The package knows nothing of the model: it takes arrays, or netCDF files as datasets."""
 
 from .bounds import add_errors, bounds_dataset, compare_bounds, compare_runs, hausdorff
 from .box import Box, held_out_points, match_points
@@ -10,9 +10,9 @@ from .chebyshev import Surrogate
 from .designs import METHODS, Design, fit, make_design
 from .errors import IntervalError
 from .models import MODELS, Model
-from .ranges import Range, surrogate_range
+from .ranges import Range, find_surrogate_range
 from .rounds import BoundPoints, choose_bound_points, seek_points
-from .sensitivity import parameter_sensitivity, sensitivity_dataset, surrogate_dataset
+from .sensitivity import measure_sensitivity, sensitivity_dataset, surrogate_dataset
 from .spline_extremes import spline_range
 from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
@@ -34,16 +34,16 @@ __all__ = [
     "choose_bound_points",
     "compare_bounds",
     "compare_runs",
+    "find_surrogate_range",
     "fit",
     "fit_spline",
     "hausdorff",
     "held_out_points",
     "make_design",
     "match_points",
-    "parameter_sensitivity",
+    "measure_sensitivity",
     "seek_points",
     "sensitivity_dataset",
     "spline_range",
     "surrogate_dataset",
-    "surrogate_range",
 ]

@@ -170,8 +170,7 @@ def fit_curves(
 
 def _interpolation_errors(times: np.ndarray, curves: np.ndarray, delay: float) -> np.ndarray:
     """Largest error (n, R) of cubics through the instants of any run, near each instant: by those
-    through every second and every fourth, which tell a kink from a curve. delay: width of its
-    limits (s), over which an error may be shifted."""
+    through every second and fourth. delay: width of its limits (s), by which errors may shift."""
     width = 2 * _GAP_INSTANTS + 1 + int(2 * delay / (times[1] - times[0]))
 
     def gaps(stride: int) -> np.ndarray:
@@ -240,9 +239,8 @@ class _Problem:
         self, start: np.ndarray, hull: np.ndarray, sign: float, cost: np.ndarray | None = None,
         level: float = 0.0, sufficient: float = -inf,
     ) -> tuple[np.ndarray, float]:  # fmt: skip
-        """Return values (size), and their misfit: the least one, or with a `cost` (size) those of
-        the least cost among misfits up to `level`. hull (2, size): limits; sufficient: misfit at
-        which the search may end."""
+        """Return values (size), and their misfit: the least one, or with a `cost` (size) that of
+        least cost up to `level`. hull (2, size): limits; sufficient: misfit that ends it."""
         cost, penalty = (np.zeros(self.size), 1.0) if cost is None else (cost, _PENALTY)
         half = np.ptp(hull, axis=0) / 2
         values, radius = np.clip(start, *hull), 1.0
@@ -697,11 +695,11 @@ def _fractions(
             continue
         counts += [_misfit(state, problem, values, pool, INNER) <= level, 1.0]
         rows.append(values)
-    share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
-    shares = counts / _SAMPLES
-    spread = _DEVIATIONS * np.sqrt(shares * (1.0 - shares) / _SAMPLES)
+    scale = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
+    fractions = counts / _SAMPLES
+    spread = _DEVIATIONS * np.sqrt(fractions * (1.0 - fractions) / _SAMPLES)
     hull_share = float((np.ptp(state.hull, axis=0)[free] / widths[free]).prod())
-    inner, outer = np.clip((shares + spread * [-1.0, 1.0]) * share, 0.0, hull_share)
+    inner, outer = np.clip((fractions + spread * [-1.0, 1.0]) * scale, 0.0, hull_share)
     return np.array(rows), (float(inner), float(outer))
 
 

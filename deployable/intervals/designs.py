@@ -61,8 +61,7 @@ class Method:
     that is known, and that raises if there are too many; options: its keyword-only arguments, for
     users. needs_order: whether a user must give an order. symmetric: whether directions in another
     order have the same points, in that order; those of a sequence have not, so that such a design
-    is always made in one order of the parameters, a campaign's in the structure's. most: directions
-    with a width that it is for."""
+    is always made in one order of the parameters, the structure's. most: directions at most."""
 
     make: Callable[..., Design]
     needs_order: bool = True

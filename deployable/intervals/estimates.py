@@ -51,7 +51,7 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
     return float(scipy.special.betaincinv(2, runs - 1, confidence))
 
 
-def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
+def extrapolate_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
     """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
     when its mesh or step is halved: the sum of this and all further changes, with the sign of
     `change`. ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc.
@@ -82,7 +82,7 @@ class ErrorEstimate:
     decay: np.ndarray
 
 
-def error_estimate(
+def estimate_error(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
     """Combine error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
@@ -91,7 +91,7 @@ def error_estimate(
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
-def decay_estimate(
+def estimate_decay(
     surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
 ) -> np.ndarray:
     """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients:

@@ -12,14 +12,14 @@ from .designs import Design, fit
 from .estimates import (
     MAX_DIRECTIONS,
     ErrorEstimate,
-    decay_estimate,
-    error_estimate,
+    estimate_decay,
+    estimate_error,
     limit_decay,
     power_mean,
     share_outside,
 )
-from .ranges import Range, surrogate_range, to_range
-from .samples import Running, Samples
+from .ranges import Range, find_surrogate_range, to_range
+from .samples import RunBounds, Samples
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
 
@@ -76,7 +76,7 @@ class PolynomialModel(Model):
     def range(self) -> Range:
         """Range of the polynomials over the box: bounds (n, T) guaranteed for them, attained bounds
         (n, T), and the points (n, T, k) in [-1, 1]^k where the latter are attained."""
-        return surrogate_range(self.surrogate, self.tolerance)
+        return find_surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         """Estimated error (n, T): the larger of residuals at runs not fitted and the neglected tail
@@ -85,13 +85,12 @@ class PolynomialModel(Model):
         samples, surrogate = self.samples, self.surrogate
         points, time = samples.points[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
-        decay = decay_estimate(surrogate, time, window)
+        decay = estimate_decay(surrogate, time, window)
         decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
-        return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
+        return estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
-        """Return the n responses at T instants (n, T), in their units, that the polynomials give at
-        the centre of the box."""
+        """Return the n responses at T instants (n, T), in their units, at the centre of the box."""
         return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]
 
 
@@ -102,8 +101,7 @@ class ScanModel(Model):
     the first half of the runs to all of them is their error: an estimate of what is still missing,
     no limit. How much they grew with the last quarter alone is in the dataset too, and which share
     of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
-    Samples are read in chunks of runs, unless the dataset has the least and largest values of each
-    quarter."""
+    Samples are read in chunks of runs, unless the dataset has the extremes of each quarter."""
 
     kind = "least and largest sample"
 
@@ -140,7 +138,7 @@ class ScanModel(Model):
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
 
-def _growth(previous: Running | None, current: Running) -> np.ndarray:
+def _growth(previous: RunBounds | None, current: RunBounds) -> np.ndarray:
     """By how much bounds grew, on the side where they grew more."""
     if previous is None:
         return np.zeros_like(current.low)
@@ -219,7 +217,7 @@ class SplineModel(Model):
                 for x in (bounds.argmin, bounds.argmax):
                     left_out = np.maximum(left_out, self._next_to(x[..., self.order], free + 1))
         left_out = left_out + spline.misfit
-        return error_estimate(self.samples.time, left_out, np.zeros_like(left_out), window)
+        return estimate_error(self.samples.time, left_out, np.zeros_like(left_out), window)
 
     def _next_to(self, points: np.ndarray, count: int) -> np.ndarray:
         """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""

@@ -1,6 +1,6 @@
 """Ranges over the box: what bounds a function of the parameters, guaranteed or attained.
 
-`surrogate_range` is that of a polynomial, `to_range` that of anything else."""
+`find_surrogate_range` is that of a polynomial, `to_range` that of anything else."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:
     return Range(*(np.clip(end, least, most) for end in ends), bounds.argmin, bounds.argmax)
 
 
-def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
+def find_surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
     """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range, arrays of
     the shape of its values. tolerance: gap of both, over the attained width, that is small enough.
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
     outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
-    (`inner_range`); subdivision goes on until the gap is small enough, or its budget is spent."""
+    (`find_inner_range`); subdivision ends where the gap is small enough or its budget is spent."""
     indices = surrogate.multi_indices
     shape = surrogate.coefficients.shape[1:]
     k = indices.shape[1]
@@ -68,7 +68,7 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
         argmin[:, j], argmax[:, j] = x_low, x_high
         lower, upper = low - rounding_error, high + rounding_error
     else:
-        low, high, argmin, argmax = inner_range(c, indices)
+        low, high, argmin, argmax = find_inner_range(c, indices)
         lower, upper = effects_enclosure(c, indices)
         grid_lower, grid_upper = grid_enclosure(c, indices)
         lower, upper = np.maximum(lower, grid_lower), np.minimum(upper, grid_upper)
@@ -111,7 +111,7 @@ _MAX_GRID = 1024
 _CHUNK = 1 << 22
 
 
-def inner_range(
+def find_inner_range(
     coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Find values that T polynomials attain over [-1, 1]^k, as extreme as a search by coordinate

@@ -36,7 +36,7 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
     curves = [np.where(is_ratio, ratio(end), curve) for end, curve in zip(ends, old, strict=True)]
-    places = [
+    points = [
         np.where(is_ratio[..., None], mirror, point)
         for mirror, point in ((bounds.argmax, bounds.argmin), (bounds.argmin, bounds.argmax))
     ]
@@ -47,7 +47,7 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
         return np.where(is_ratio, np.maximum(*changes), part)
 
     errors = (at_ends(part) for part in (error.total, error.held_out, error.decay))
-    return Range(*curves, *places), ErrorEstimate(*errors)
+    return Range(*curves, *points), ErrorEstimate(*errors)
 
 
 def ratio(share: np.ndarray) -> np.ndarray:

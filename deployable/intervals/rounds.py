@@ -72,7 +72,7 @@ def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 def _nearest(points: np.ndarray, candidates: np.ndarray) -> np.ndarray:
     """Index (n, T) of the place (P, k) nearest to each point (n, T, k)."""
-    distances = np.stack([((points - place) ** 2).sum(axis=-1) for place in candidates])
+    distances = np.stack([((points - candidate) ** 2).sum(axis=-1) for candidate in candidates])
     return distances.argmin(axis=0)
 
 

@@ -34,11 +34,11 @@ _COORDINATES = (
 )
 
 _CHUNK = 1 << 23  # numbers in memory at a time
-_RUNNING = ("lower", "upper", "lower_run", "upper_run")
+_BOUND_NAMES = ("lower", "upper", "lower_run", "upper_run")
 
 
 @dataclass(frozen=True)
-class Running:
+class RunBounds:
     """Least and largest values of a stream of runs, merged batch by batch: `low`, `high` (...), for
     each response and instant, and `low_run`, `high_run` (...), the indices of the runs that have
     them; of equal values the least index, so that neither order nor grouping of runs matters."""
@@ -49,7 +49,7 @@ class Running:
     high_run: np.ndarray
 
     @classmethod
-    def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
+    def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> RunBounds:
         """Make the least and largest values of R runs from their finite values (R, ...); runs (R):
         indices of the runs, increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
@@ -61,14 +61,14 @@ class Running:
             numbers[high[0]],
         )
 
-    def merge(self, rival: Running | None) -> Running:
+    def merge(self, rival: RunBounds | None) -> RunBounds:
         """Return the least and largest values of these runs and those of `rival`, with the runs
         that have them; None: these alone."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
         higher = _comes_first(-rival.high, -self.high, rival.high_run, self.high_run)
-        return Running(
+        return RunBounds(
             np.where(lower, rival.low, self.low),
             np.where(higher, rival.high, self.high),
             np.where(lower, rival.low_run, self.low_run),
@@ -132,25 +132,25 @@ class Samples:
             return self.source["nominal"].values[self.rows]
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
-    def quarters(self) -> Iterator[Running | None]:
+    def quarters(self) -> Iterator[RunBounds | None]:
         """Iterate over the four quarters of the runs: least and largest values (n, T) of each, None
         for one without runs; from the dataset if it stores them, else from the runs in chunks.
         Raises IntervalError if a response is not finite."""
         if "values" not in self.source:
-            arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
-            quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
+            arrays = [self.source[name].values[:, self.rows] for name in _BOUND_NAMES]
+            quarters = (RunBounds(*quarter) for quarter in zip(*arrays, strict=True))
             yield from (None if (quarter.low_run < 0).any() else quarter for quarter in quarters)
             return
         step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
         for first, last in pairwise(quarter_ends(len(self.points))):
-            running = None
+            bounds = None
             for start in range(first, last, step):
                 stop = min(start + step, last)
                 values = self.read(slice(start, stop))
                 if not np.isfinite(values).all():
                     raise IntervalError("samples", "not finite", "finite responses in every run")
-                running = Running.of_runs(values, np.arange(start, stop)).merge(running)
-            yield running
+                bounds = RunBounds.of_runs(values, np.arange(start, stop)).merge(bounds)
+            yield bounds
 
     def coordinates(self) -> dict:
         """Coordinates of the samples dataset by name, with the selected responses only, for a new
@@ -181,7 +181,7 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
     and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
     parameters, at which its first run then is."""
-    arrays = ("values",) if "lower_run" not in samples else _RUNNING
+    arrays = ("values",) if "lower_run" not in samples else _BOUND_NAMES
     for name in ("time", "response", *arrays, "normalized", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")

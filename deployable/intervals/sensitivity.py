@@ -11,7 +11,7 @@ import numpy as np
 from .box import find_other_runs, match_points
 from .chebyshev import Surrogate
 from .designs import Design, fit
-from .estimates import decay_estimate, widen
+from .estimates import estimate_decay, widen
 from .line_range import line_range
 from .samples import Samples, read_samples
 
@@ -32,13 +32,13 @@ class Sensitivity:
     variance: np.ndarray
 
 
-def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
+def measure_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
     """Compute the influence of each parameter on responses from their polynomial surrogate. centre
     (k): point in [-1, 1]^k through which one parameter at a time varies for the widths; None: the
     middle. The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the
-    arcsine density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
-    intervals more than a uniform one; intervals have no density, so this is a convention. Where the
-    variance is 0 they are 0."""
+    arcsine density, for which Chebyshev polynomials are orthogonal which weighs the ends of
+    intervals more than a uniform one: a convention, as intervals have none. They are 0 without
+    variance."""
     indices, c = surrogate.multi_indices, surrogate.coefficients
     k, shape = surrogate.dimension, c.shape[1:]
     centre = np.zeros(k) if centre is None else np.asarray(centre, dtype=float)
@@ -87,7 +87,7 @@ def sensitivity_dataset(
     data = read_samples(samples, responses)
     surrogate = fit(design, data.values[match_points(design.points, data.points)])
     error = _error(data, design, surrogate)
-    influence = parameter_sensitivity(surrogate)
+    influence = measure_sensitivity(surrogate)
     width, first, total = (
         np.moveaxis(array, 0, 1) for array in (influence.width, influence.first, influence.total)
     )
@@ -118,7 +118,7 @@ def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
     test_rows = find_other_runs(data.points, design.points)
     if not len(test_rows):
-        return decay_estimate(surrogate, data.time)
+        return estimate_decay(surrogate, data.time)
     residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.points[test_rows]))
     return widen(data.time, residuals.max(axis=0))
 

@@ -124,8 +124,8 @@ def _best_of(spline, flat, trial, count) -> np.ndarray:
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
     """Maxima (T) and their points (T, k) by at most `_STEPS` steps of Newton's method, downward
     curvatures taken as upward ones, inside the box; a step is no longer than a radius, which is
-    quartered where it gains nothing and doubled else. They end where the next one gains no more
-    than rounding, by the `spread` (T) of the runs' values."""
+    quartered where it gains nothing and doubled else. They end where one gains no more than
+    rounding, by the runs' `spread` (T)."""
     free = np.flatnonzero(spline.scales > 0)
     half = spline.scales[free]
     x, columns = start.copy(), np.arange(len(start))

@@ -43,7 +43,7 @@ def picture(arguments: list[str], structure: str, name: str, folder: Path, moves
     """Make a picture unless it is there; its name."""
     from deployable.campaign.config.sections import scene_type
     from deployable.campaign.export import choose, export
-    from deployable.campaign.pictures.still import write_structure
+    from deployable.campaign.pictures.drawing import write_structure
 
     found = scene_type(structure, str(ROOT / structure))
     path = folder / f"{name}-{found.digest[:8]}.{'gif' if moves else 'png'}"

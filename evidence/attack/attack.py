@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 from deployable.campaign.files import write_text
-from evidence.attack.configs import attack_by_config, attack_by_running, mutate_config
+from evidence.attack.configs import attack_by_config, attack_runs, mutate_config
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
 from evidence.attack.metamorphic.attack import attack_by_pairs
@@ -54,7 +54,7 @@ def _attack_once(
     elif kind == "configs":
         text = mutate_config(rng)
         if case := attack_by_config(text, target, ledger, rng.random() < 0.05):
-            attack_by_running(case, text, target, ledger)
+            attack_runs(case, text, target, ledger)
     elif kind == "pairs":
         attack_by_pairs(ledger, rng)
     else:

@@ -124,11 +124,11 @@ def _is_cheap(case: Campaign) -> bool:
     experiment = case.experiment
     if experiment.scene.parameters.get("elements", 12) > 4:
         return False
-    steps = experiment.solver.duration / fpm.stable_step(experiment.nominal_scene).step
+    steps = experiment.solver.duration / fpm.find_stable_step(experiment.nominal_scene).step
     return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000
 
 
-def attack_by_running(case: Campaign, text: str, place: Path, ledger: Ledger) -> None:
+def attack_runs(case: Campaign, text: str, place: Path, ledger: Ledger) -> None:
     """Simulate what was accepted: bounds, or a sentence."""
 
     def run() -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from deployable import campaign
-from fpm.files.sealed import DamagedError, check
+from fpm.files.seals import DamagedError, check
 
 RAW = {
     "campaign": "victim",

@@ -135,7 +135,7 @@ def time_campaign(
     busy_seconds = union([(start, end) for _, start, end in spans])
     runs = sum(manifest["runs"] for manifest in manifests)
     batch_seconds = sum(manifest["seconds"][0] for manifest in manifests) / cores
-    arithmetic = integrating(manifests) / cores
+    arithmetic = core_seconds(manifests) / cores
     note = f"sum over the batches, shared by {cores} cores"
     rows = [
         info("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
@@ -159,7 +159,7 @@ def whole(samples: int, keep: str) -> tuple[list[Row], float]:
     cores = os.cpu_count() or 1
     with warm(samples, keep, cores) as (folder, config):
         wall = run_seconds(folder, "deployable", "run", str(config))
-        share = integrating(manifests_in(folder)) / cores / wall
+        share = core_seconds(manifests_in(folder)) / cores / wall
     note = f"one process that computes, one that draws; {cores} cores"
     return [info("all", wall, "s", note)], share
 
@@ -182,7 +182,7 @@ def manifests_in(folder: Path) -> list[dict]:
     return [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
 
 
-def integrating(manifests: list[dict]) -> float:
+def core_seconds(manifests: list[dict]) -> float:
     """Cpu seconds, of all cores together."""
     return sum(manifest["seconds_integrating"][1] for manifest in manifests)
 
@@ -204,7 +204,7 @@ def cpu_of_children() -> float:
 def arithmetic_seconds(runs: int) -> float:
     """Cpu seconds that integrating `runs` samples of the paper's scene for 1 s takes."""
     scenes = linkages(32)
-    step = 0.9 * fpm.stable_step(scenes[0]).step
+    step = 0.9 * fpm.find_stable_step(scenes[0]).step
     steps = round(0.05 / step)
     seconds = best({"run": runner(scenes, steps, step)}, 3)["run"]
     return seconds / 0.05 * runs / 32

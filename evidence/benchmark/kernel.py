@@ -37,7 +37,7 @@ print(read("VmHWM") - before, before)
 
 def stable(scenes: list[fpm.Scene]) -> float:
     """A step (s) that suits all the scenes, found from the first."""
-    return 0.85 * fpm.stable_step(scenes[0]).step
+    return 0.85 * fpm.find_stable_step(scenes[0]).step
 
 
 def cost(steps: int, repeats: int, samples: int = 32, meshes=(8, 12, 16, 32)) -> list[Row]:

@@ -35,7 +35,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     """
     import numba
 
-    from fpm.kernels import compiled, hooks, lanes, references, sources, vectors
+    from fpm.kernels import compiled_loop, hooks, lanes, references, sources, vectors
     from fpm.kernels import run as loop
 
     for path in (sources.PACKAGE / "elements").rglob("*_kernels.py"):
@@ -47,14 +47,14 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     for name, value in list(vars(loop).items()):
         if isinstance(value, types.FunctionType) and value is not loop.run:
             setattr(loop, name, in_part(_name_of(value), value))
-    instead = {id(compiled.loop_for): lambda arguments: loop.run, **_find_overloads()}
-    instead[id(references.by_reference)] = lambda value: value
+    substitutes = {id(compiled_loop.loop_for): lambda arguments: loop.run, **_find_overloads()}
+    substitutes[id(references.by_reference)] = lambda value: value
     for name, operation in operations.items():
-        instead[id(getattr(vectors if name == "vector" else lanes, name))] = operation
+        substitutes[id(getattr(vectors if name == "vector" else lanes, name))] = operation
     for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
         for name, value in list(vars(module).items()):
-            if id(value) in instead:
-                setattr(module, name, instead[id(value)])
+            if id(value) in substitutes:
+                setattr(module, name, substitutes[id(value)])
 
 
 def _name_of(kernel: Callable) -> str:

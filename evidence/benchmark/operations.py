@@ -125,8 +125,8 @@ def absolute(x):
     return Lanes(np.abs(x.value))
 
 
-COUNTING = (load, store, sqrt, where_negative, any_negative, floor, absolute)
-OPERATIONS = {"vector": Vector, **{operation.__name__: operation for operation in COUNTING}}
+COUNTS = (load, store, sqrt, where_negative, any_negative, floor, absolute)
+OPERATIONS = {"vector": Vector, **{operation.__name__: operation for operation in COUNTS}}
 """What stands for the compiled operations of these names."""
 
 

@@ -28,7 +28,7 @@ print(json.dumps([imported - start, numba_there - imported, time.perf_counter() 
 """
 
 
-def starting(repeats: int) -> list[Row]:
+def time_start(repeats: int) -> list[Row]:
     """Import of fpm, of numba, and loading the compiled kernels, in fresh processes."""
     fpm.warm_up(linkages(1)[0])
     times = []
@@ -44,20 +44,20 @@ def starting(repeats: int) -> list[Row]:
 
 def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int = 10) -> list[Row]:
     """Fit and range of many instants and responses, in one dimension."""
-    from deployable.intervals import fit, make_design, surrogate_range
+    from deployable.intervals import find_surrogate_range, fit, make_design
 
     design = make_design("tensor_roots", 1, order)
     time_axis, lines = np.linspace(0, 1, instants), np.arange(1, responses + 1)
     x = design.points[:, :1, None]
     values = np.sin(lines * (1 + x) * time_axis[:, None]) + np.abs(x - 0.3 * time_axis[:, None])
     seconds = best(
-        {"both": lambda: surrogate_range(fit(design, values))}, repeats, time.perf_counter
+        {"both": lambda: find_surrogate_range(fit(design, values))}, repeats, time.perf_counter
     )
     name = f"surrogate and bounds, {instants} instants x {responses} responses, order {order}"
     return [at_most(name, seconds["both"], 1.0, unit="s")]
 
 
-def writing(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
+def time_write(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
     """Making the dataset of a run and writing it as netCDF, against simulating it."""
     import xarray  # noqa: F401 - its import is not part of the writing
 

@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 
 import fpm
-from deployable.intervals import fit, make_design, surrogate_range
+from deployable.intervals import find_surrogate_range, fit, make_design
 from evidence.linkage import runs as linkage
 
 PAPER = {"BD": 0.063, "vBz": 4.38}
@@ -127,7 +127,7 @@ def scene(reading: Reading, a: float, stiffness: float) -> fpm.Scene:
 def time_step(reading: Reading, stiffest: float) -> float:
     """Step (s) for all runs of a reading with K_F up to `stiffest`: no run depends on another."""
     sides = [SIDE * (1 + sign * HALF_WIDTH) for sign in (-1, 1)]
-    limits = [fpm.stable_step(scene(reading, a, stiffest)).step for a in sides]
+    limits = [fpm.find_stable_step(scene(reading, a, stiffest)).step for a in sides]
     return reading.safety * min(limits)
 
 
@@ -164,7 +164,7 @@ def _numbers(stiffness: float, design, runs: list[fpm.Outcome]) -> Numbers:
     curves = [linkage.curves(run) for run in runs]
     largest, instants, early, span = {}, {}, {}, {}
     for name in PAPER:
-        bounds = surrogate_range(fit(design, np.array([curve[name] for curve in curves])))
+        bounds = find_surrogate_range(fit(design, np.array([curve[name] for curve in curves])))
         width = bounds.inner_upper - bounds.inner_lower
         largest[name], instants[name] = float(width.max()), float(time[width.argmax()])
         early[name] = float(width[time < first].max())

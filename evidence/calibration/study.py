@@ -85,7 +85,7 @@ def tables(facts: dict, scans: list[Scan]) -> str:
 
 
 def _line(scan: Scan, k: float) -> tuple[str, ...]:
-    best, numbers, fitting = scan.best, scan.numbers_at(k), scan.K_F[scan.fits]
+    best, numbers, fits = scan.best, scan.numbers_at(k), scan.K_F[scan.fits]
     if not scan.K_F.min() <= k <= scan.K_F.max():
         raise ValueError(f"K_F = {k} N/rad of the scene is outside the scan of {scan.reading}")
     second = numbers.closure(1)
@@ -93,7 +93,7 @@ def _line(scan: Scan, k: float) -> tuple[str, ...]:
     return (
         scan.reading.label, f"{scan.K_F.min():g} to {scan.K_F.max():g}",
         f"{scan.fits.sum()} of {len(scan.fits)}",
-        f"{fitting[0]:g} to {fitting[-1]:g}" if len(fitting) else "none", f"{best.K_F:g}",
+        f"{fits[0]:g} to {fits[-1]:g}" if len(fits) else "none", f"{best.K_F:g}",
         f"{best.largest['BD']:.4f}", f"{best.largest['vBz']:.2f}", f"{best.misfit:.2f}",
         f"{numbers.largest['BD']:.4f}", f"{numbers.largest['vBz']:.2f}", times,
     )  # fmt: skip

@@ -22,7 +22,7 @@ PERIOD = 0.01
 """Allowed error of the time from one tightening to the next."""
 
 
-def hung(EA: float, mass: float = 1.0, start: float = 0.9, **options) -> fpm.Scene:
+def hanging_mass(EA: float, mass: float = 1.0, start: float = 0.9, **options) -> fpm.Scene:
     """A mass let go `start` m below the point from which a cable of 1 m hangs."""
     scene = fpm.Scene("hung", gravity=(0, 0, -G))
     top, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0, 0, -start)], [1, mass], 1.0))
@@ -34,7 +34,7 @@ def hung(EA: float, mass: float = 1.0, start: float = 0.9, **options) -> fpm.Sce
 
 def attempt(name: str, scene: fpm.Scene, duration: float):
     """(rows of failures, name with what helped, outcome or None)."""
-    rows, limit = [], fpm.stable_step(scene).step
+    rows, limit = [], fpm.find_stable_step(scene).step
     for share in SHARES:
         (outcome,) = fpm.simulate(
             scene, duration=duration, instants=201, step=share * limit, energy_tolerance=TOLERANCE
@@ -47,7 +47,7 @@ def attempt(name: str, scene: fpm.Scene, duration: float):
     return rows, name, None
 
 
-def bouncing() -> list[Row]:
+def check_bounces() -> list[Row]:
     """Masses that fall 0.1 m into a cable, from soft to very stiff, light and heavy."""
     rows = []
     cases = [(EA, 1.0) for EA in (30.0, 1e3, 1e5, 1e7, 1e9)] + [(1e4, 1e-6), (1e4, 1e3)]
@@ -56,7 +56,7 @@ def bouncing() -> list[Row]:
         fall, rate = np.sqrt(0.2 / G), np.sqrt(EA / mass)
         contact = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
         period = 2 * fall + contact
-        failures, name, outcome = attempt(name, hung(EA, mass), 1.5 * period + fall)
+        failures, name, outcome = attempt(name, hanging_mass(EA, mass), 1.5 * period + fall)
         rows += failures
         if outcome is None:
             continue
@@ -70,18 +70,18 @@ def bouncing() -> list[Row]:
 
 def slack() -> list[Row]:
     """Cables that never come tight do nothing; those just tight without tension stay at rest."""
-    (outcome,) = fpm.simulate(hung(1e9, rest=100.0), duration=0.5, instants=11, step=1e-3)
+    (outcome,) = fpm.simulate(hanging_mass(1e9, rest=100.0), duration=0.5, instants=11, step=1e-3)
     z = outcome.points["mass"][0][:, 2]
     error = float(np.abs(z + 0.9 + G * outcome.time**2 / 2).max())
     rows = [at_most("slack cable of 100 m: free fall (m)", error, 1e-12, "z = -g t²/2")]
-    scene = hung(1e6, start=1.0, preload=0.0)
+    scene = hanging_mass(1e6, start=1.0, preload=0.0)
     scene.gravity = (0, 0, 0)
     (outcome,) = fpm.simulate(scene, duration=1.0, instants=11)
     motion = float(np.abs(outcome.points["mass"][0][:, 2] + 1.0).max())
     rows.append(at_most("no tension at the start: stays (m)", motion, 1e-15, "nothing moves"))
     rows.append(at_most("the same: events", float(len(outcome.events)), 0.0, "nothing moves"))
     for preload in (G, 1e5):
-        scene = hung(1e6, start=1.0, mass=preload / G, preload=preload)
+        scene = hanging_mass(1e6, start=1.0, mass=preload / G, preload=preload)
         (outcome,) = fpm.simulate(scene, duration=1.0, instants=11)
         motion = float(np.abs(outcome.points["mass"][0][:, 2] + 1.0).max())
         name = f"weight of {preload:g} N hung at its tension: stays (m)"
@@ -103,7 +103,7 @@ def strings() -> list[Row]:
         scene.add_point("bead", ends[1])
         tension = 1e4 * strain
         period = 2 * np.pi / np.sqrt(2 * tension / 1e-3)
-        step = 0.1 * fpm.stable_step(scene).step  # at 0.9 the bead turns within two steps
+        step = 0.1 * fpm.find_stable_step(scene).step  # at 0.9 the bead turns within two steps
         (outcome,) = fpm.simulate(scene, duration=10 * period, instants=401, step=step)
         z = outcome.points["bead"][0][:, 2]
         error = abs(_period(outcome.time, z) / period - 1)
@@ -112,7 +112,7 @@ def strings() -> list[Row]:
     return rows
 
 
-def rubbing() -> list[Row]:
+def check_friction() -> list[Row]:
     """No friction is what a pulley has; against much, a weight hangs on its own stretch alone."""
     rows, tracks = [], {}
     for friction in (None, 0.0, 100.0):
@@ -150,7 +150,7 @@ def refusals() -> list[Row]:
     for options in ({"rest": 0.0}, {"rest": float("nan")}, {"preload": -1.0}, {"preload": np.inf}):
         name = ", ".join(f"{k} = {v:g}" for k, v in options.items())
         try:
-            hung(1e4, **options)
+            hanging_mass(1e4, **options)
         except fpm.SceneError as error:
             rows.append(refusal(f"cable, {name}", error))
         else:
@@ -168,33 +168,33 @@ def refusals() -> list[Row]:
     return rows
 
 
-def held_bar(EA: float, running: bool) -> fpm.Scene:
+def held_bar(EA: float, is_one: bool) -> fpm.Scene:
     """A bar held at both ends by cables in balance, from all sides or running through them."""
     scene = fpm.Scene("held bar")
     section, material = fpm.Section.circle(0.01), fpm.Material(7e10, 0.3, 2700.0)
     bar = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), section, material, 4)
-    offsets = (-0.3, 0.3) if running else (0.0,)
+    offsets = (-0.3, 0.3) if is_one else (0.0,)
     for end in bar.particles[[0, -1]]:
-        for k, axis in enumerate(np.eye(3)[1:] if running else np.eye(3)):
+        for k, axis in enumerate(np.eye(3)[1:] if is_one else np.eye(3)):
             for side in (-1.0, 1.0):
                 places = [scene.position[end] + side * axis + [x, 0, 0] for x in offsets]
                 anchors = scene.add_particles(places, 1.0, 1.0)
                 scene.fix(anchors)
                 points = [(int(anchors[0]), None), (int(end), None), (int(anchors[-1]), None)]
                 name = f"{end} {k} {side:g}"
-                scene.add_cable(name, points if running else points[:2], EA, preload=1e-6 * EA)
+                scene.add_cable(name, points if is_one else points[:2], EA, preload=1e-6 * EA)
     return disturb(scene, 1e-9)
 
 
 def steps() -> list[Row]:
     """The stable step is never above the true limit; where cables set it, it may be below."""
     rows = []
-    for running in (False, True):
+    for is_one in (False, True):
         for EA in (1e5, 1e8, 1e9):
-            scene = held_bar(EA, running)
-            stable = fpm.stable_step(scene)
+            scene = held_bar(EA, is_one)
+            stable = fpm.find_stable_step(scene)
             ratio = float(stable.step / true_limit(scene, 1e-3))
-            support = "running through its ends" if running else "from all sides"
+            support = "running through its ends" if is_one else "from all sides"
             name = f"bar held by cables {support}, EA = {EA:g} N: stable step over true limit"
             row = at_most(name, ratio, 1.002, "bisection", f"set by {stable.element}")
             rows.append(replace(row, passed=row.passed and ratio >= 0.5))
@@ -202,4 +202,4 @@ def steps() -> list[Row]:
 
 
 def study() -> list[Row]:
-    return bouncing() + slack() + strings() + rubbing() + steps() + refusals()
+    return check_bounces() + slack() + strings() + check_friction() + steps() + refusals()

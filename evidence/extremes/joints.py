@@ -116,7 +116,7 @@ def swings(name: str, rods: Sequence[Rod]) -> list[Row]:
 def attempt(name: str, scene: fpm.Scene, duration: float):
     """(rows of refusals, name with what helped, outcome or None)."""
     rows: list[Row] = []
-    limit = 0.9 * fpm.stable_step(scene).step
+    limit = 0.9 * fpm.find_stable_step(scene).step
     for steps in STEPS:
         (outcome,) = fpm.simulate(
             scene, duration=duration, instants=101, step=min(limit, duration / steps),

@@ -35,10 +35,10 @@ mesh; BD is their integral over time.
 CURVE_ACCURACY = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
 
-WHIPPING = (0.05, 0.15)
+WHIP = (0.05, 0.15)
 """The same where they bend them into hooks that whip through the whole run, closure and all."""
 
-RATTLING = (0.15, 0.2)
+RATTLE = (0.15, 0.2)
 """The same after thin links have shut and sprung open several times: every impact multiplies what
 the runs differ by, and finer meshes only put that off (docs/extremes.md).
 """

@@ -30,8 +30,8 @@ def bodies(
     ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
     scene.fix(ground)
     for k, inertia in enumerate(inertias):
-        turning = (0.0, 0.0, spin if k == 3 else 0.0)
-        body = int(scene.add_particles((0.0, k, 0), 1.0, inertia, spin=turning)[0])
+        vector = (0.0, 0.0, spin if k == 3 else 0.0)
+        body = int(scene.add_particles((0.0, k, 0), 1.0, inertia, spin=vector)[0])
         scene.add_hinge(f"H{k}", (ground, body), (0, k, 0), (0, 0, 1))
     ramp = scene.add_curve([0.0, 1.0], [0.0, 1.0])
     scene.add(SyncLoop("belt", (0, 1), (0.1, 0.2), loop, preload=preload))
@@ -43,7 +43,7 @@ def bodies(
 
 def run(scene: fpm.Scene, duration: float = 1.0, share: float = 0.9) -> fpm.Outcome:
     """A run at a share of the stable step; a millisecond at most."""
-    step = min(share * fpm.stable_step(scene).step, 1e-3)
+    step = min(share * fpm.find_stable_step(scene).step, 1e-3)
     (outcome,) = fpm.simulate(scene, duration=duration, instants=101, step=step)
     if outcome.failure is not None:
         raise outcome.failure
@@ -146,7 +146,7 @@ def steps() -> list[Row]:
     rows = []
     for inertia in (INERTIA, 1e-4):
         scene = disturb(bodies((INERTIA, inertia, *[INERTIA] * 3), 1e6), 1e-6)
-        ratio = float(fpm.stable_step(scene).step / true_limit(scene))
+        ratio = float(fpm.find_stable_step(scene).step / true_limit(scene))
         row = at_most(f"loop to a body of {inertia:g} kg m²: stable step over true limit", ratio,
                       1.002, "bisection")  # fmt: skip
         rows.append(replace(row, passed=row.passed and ratio >= 0.95))

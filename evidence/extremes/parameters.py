@@ -1,7 +1,7 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
 import fpm
-from evidence.extremes.judge import CURVE_ACCURACY, RATTLING, WHIPPING, judge
+from evidence.extremes.judge import CURVE_ACCURACY, RATTLE, WHIP, judge
 from evidence.linkage.runs import build
 from evidence.rows import Row, refusal
 
@@ -10,7 +10,7 @@ def materials() -> list[Row]:
     rows = []
     # Springs that bend a link double shut it long before the linkage closes.
     for modulus in (1e5, 3e5, 1e6):
-        rows += judge(f"E = {modulus:g} Pa", {"E": modulus}, WHIPPING, is_whole_run=True)
+        rows += judge(f"E = {modulus:g} Pa", {"E": modulus}, WHIP, is_whole_run=True)
     rows += judge("E = 1e+07 Pa", {"E": 1e7}, CURVE_ACCURACY)
     for modulus in (1e8, 1e9, 1e10):
         rows += judge(f"E = {modulus:g} Pa", {"E": modulus})
@@ -23,8 +23,8 @@ def materials() -> list[Row]:
 
 
 def sections() -> list[Row]:
-    rows = judge("a = 2 mm", {"a": 0.002}, RATTLING, is_whole_run=True)
-    rows += judge("a = 5 mm", {"a": 0.005}, WHIPPING, is_whole_run=True)
+    rows = judge("a = 2 mm", {"a": 0.002}, RATTLE, is_whole_run=True)
+    rows += judge("a = 5 mm", {"a": 0.005}, WHIP, is_whole_run=True)
     rows += judge("a = 10 mm", {"a": 0.01}, CURVE_ACCURACY)
     for side in (0.02, 0.06, 0.12):
         rows += judge(f"a = {1e3 * side:g} mm", {"a": side})
@@ -55,7 +55,7 @@ def stiffnesses() -> list[Row]:
     for spring in (0.1, 50.0):
         rows += judge(f"K_F = {spring:g} N/rad", {"K_F": spring})
     rows += judge("K_F = 1000 N/rad", {"K_F": 1e3}, CURVE_ACCURACY, is_whole_run=True)
-    return rows + judge("K_F = 10000 N/rad", {"K_F": 1e4}, WHIPPING, is_whole_run=True)
+    return rows + judge("K_F = 10000 N/rad", {"K_F": 1e4}, WHIP, is_whole_run=True)
 
 
 def refusals() -> list[Row]:

@@ -146,13 +146,13 @@ def precision() -> list[Row]:
     energy_error = imbalance(single)
     failure = fpm.simulate(scenes[0], duration=duration, instants=401, dtype=np.float32)[0].failure
     source = "the same 16 runs in 64 bits"
-    saving = 1 - cost[np.float32] / cost[np.float64]
+    gain = 1 - cost[np.float32] / cost[np.float64]
     note = f"velocity of B {velocity:.2g}, energy from nowhere {energy_error:.2g}"
     row = at_most("32-bit floats: error of BD", position, 1e-4, source, note)
     good = row.passed and energy_error <= BALANCE
     rows = [
         replace(row, passed=bool(good or failure)),
-        info("32-bit floats: share of cpu time saved", saving, note="half is the most there is"),
+        info("32-bit floats: share of cpu time saved", gain, note="half is the most there is"),
     ]
     if failure:
         rows.append(refusal("32-bit floats", failure))
@@ -172,11 +172,11 @@ def box_of(**ends: tuple[float, float]):
 
 def bounds_of_bd(box, order: int):
     """Bounds of BD (m) over a box by tensor Chebyshev roots of an order, and the number of runs."""
-    from deployable.intervals import fit, make_design, surrogate_range
+    from deployable.intervals import find_surrogate_range, fit, make_design
 
     design = make_design("tensor_roots", box, order)
     values = curves_of_bd(box.names, box.from_unit(design.points))
-    return surrogate_range(fit(design, values)), len(design.points)
+    return find_surrogate_range(fit(design, values)), len(design.points)
 
 
 def curves_of_bd(names, values) -> np.ndarray:

@@ -114,7 +114,7 @@ def study(fast: bool = False) -> list[Row]:
     rows = []
     for cases in (bars, linkages, contacts, arms, slides):
         for name, scene, trial_scene in cases(fast):
-            stable = fpm.stable_step(scene)
+            stable = fpm.find_stable_step(scene)
             limit = true_limit(trial_scene, RESOLUTION)
             ratio = float(stable.step / limit)
             is_met = LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION

@@ -36,7 +36,7 @@ def true_limit(scene: fpm.Scene, tolerance: float = 1e-3, steps: int = 3000) -> 
 
     Doubles or halves from the estimate until the limit is bracketed, then bisects.
     """
-    low = high = fpm.stable_step(scene).step
+    low = high = fpm.find_stable_step(scene).step
     while breaks_down(scene, low, steps):
         low, high = low / 2, low
     while low == high or not breaks_down(scene, high, steps):

@@ -308,8 +308,8 @@ def _with_half_turn(of_a: np.ndarray, of_b: np.ndarray) -> np.ndarray:
 
 def _into_face(axis: np.ndarray, arm: np.ndarray) -> np.ndarray:
     """Unit vector in the end face, normal to the hinge axis, from the hinge line inwards."""
-    inwards = -arm + (arm @ axis) * axis
-    return inwards / np.linalg.norm(inwards)
+    normal = -arm + (arm @ axis) * axis
+    return normal / np.linalg.norm(normal)
 
 
 def _mu_from_omega(omega_deg: float, lam: float) -> float:

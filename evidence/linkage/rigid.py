@@ -52,9 +52,9 @@ class RigidBennett:
         end_a = self.length * math.sin(mu) * _X
         end_b = self.length * math.cos(mu) * _Y
         axis = (end_b - end_a) / self.length
-        outwards = math.cos(mu) * _X + math.sin(mu) * _Y
-        inner_upper = -math.cos(lam) * outwards + math.sin(lam) * _Z
-        outer_upper = math.sin(lam) * outwards + math.cos(lam) * _Z
+        outer = math.cos(mu) * _X + math.sin(mu) * _Y
+        inner_upper = -math.cos(lam) * outer + math.sin(lam) * _Z
+        outer_upper = math.sin(lam) * outer + math.cos(lam) * _Z
 
         def edge(end, plane_normal, face, lateral):
             """Corners of the edge that the face (unit normal) leaves in the cut face."""

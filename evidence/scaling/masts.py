@@ -32,7 +32,7 @@ class Size:
     step: float
     steps: int
     cost: float
-    building: float
+    build_time: float
     balance: float
     gap: float
     tilt: float
@@ -48,9 +48,9 @@ def measure(units=UNITS, steps: int = 8000, repeats: int = 3) -> list[Size]:
 
 def _size(units: int, build, steps: int, repeats: int) -> Size:
     copies: list[fpm.Scene] = []
-    building = best({"build": lambda: copies.append(_check_scene(build()))}, repeats)["build"]
+    build_time = best({"build": lambda: copies.append(_check_scene(build()))}, repeats)["build"]
     scene = copies[-1]
-    step = 0.9 * fpm.stable_step(scene).step
+    step = 0.9 * fpm.find_stable_step(scene).step
     scenes, instants = [scene] * LANES, 41
     duration = steps * step
     outcomes: list[fpm.Outcome] = []
@@ -71,7 +71,7 @@ def _size(units: int, build, steps: int, repeats: int) -> Size:
         step=step,
         steps=outcome.steps,
         cost=(seconds["whole"] - seconds["short"]) / (0.9 * outcome.steps),
-        building=building,
+        build_time=build_time,
         balance=float(np.abs(outcome.energies["balance"]).max() / kinetic),
         gap=_widest(outcome, "gap"),
         tilt=_widest(outcome, "axis_gap"),
@@ -85,5 +85,5 @@ def _widest(outcome: fpm.Outcome, suffix: str) -> float:
 
 
 def _check_scene(scene: fpm.Scene) -> fpm.Scene:
-    fpm.stable_step(scene)
+    fpm.find_stable_step(scene)
     return scene

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from evidence.results import Report
-from evidence.tradeoff.asked_rows import asked_rows, asked_text
 from evidence.tradeoff.figures import draw_pareto
-from evidence.tradeoff.measure.asked import measure_targets
-from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.cases import CASES
 from evidence.tradeoff.measure.peers import measure_peers
 from evidence.tradeoff.measure.records import measure_case
+from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES
+from evidence.tradeoff.measure.tolerances import measure_targets
 from evidence.tradeoff.rows import all_rows
 from evidence.tradeoff.tables import case_text
+from evidence.tradeoff.tolerance_rows import asked_rows, asked_text
 
 # Each is measured by a process of its own, so that cpu times are those of one core.
 PARTS = {case.name: lambda quick, case=case: measure_case(case) for case in CASES}

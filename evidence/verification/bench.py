@@ -80,7 +80,7 @@ class Bench:
         """Write a row for a value that must not be below `least`."""
         self._add(at_least(name, value, least, source))
 
-    def broke(self, error: Exception) -> None:
+    def add_failure(self, error: Exception) -> None:
         """Write a failing row for a run that broke down, which ends the problem."""
         self._add(Row(f"broke down: {error}", None, passed=False))
 

@@ -9,7 +9,7 @@ from evidence.verification.capstan_events import Rope, phases
 G = 9.81
 
 
-def hung(mass: float, EA: float, rest: float, start: float) -> fpm.Scene:
+def hanging_mass(mass: float, EA: float, rest: float, start: float) -> fpm.Scene:
     """A mass let go `start` m below the point from which a cable of `rest` m hangs."""
     scene = fpm.Scene("hung", gravity=(0, 0, -G))
     top = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
@@ -26,7 +26,7 @@ def bounce(bench: Bench) -> None:
     stiffnesses = (1e3, 1e4, 1e5)
     fall = np.sqrt(2 * drop / G)
     figure = bench.figure("A mass falls into a cable", "time (s)", "tension (N)")
-    scenes = [hung(mass, EA, rest, rest - drop) for EA in stiffnesses]
+    scenes = [hanging_mass(mass, EA, rest, rest - drop) for EA in stiffnesses]
     outcomes = bench.simulate(scenes, duration=2.0, instants=4001, step=1e-4)
     for EA, outcome in zip(stiffnesses, outcomes, strict=True):
         rate = np.sqrt(EA / rest / mass)
@@ -75,7 +75,7 @@ def atwood(bench: Bench) -> None:
 def vee(bench: Bench) -> None:
     """A weight on a V of two cables, and on one that runs through it, settled by damping."""
     mass, EA, spans = 5.0, 1e4, ((0.6, 0.8), (0.3, 1.0))
-    for running in (False, True):
+    for is_one in (False, True):
         scenes = []
         for span in spans:
             scene = fpm.Scene("vee", gravity=(0, 0, -G), damping=5.0)
@@ -83,7 +83,7 @@ def vee(bench: Bench) -> None:
             ends = scene.add_particles([(start, 0, 0), (stop, 0, 0)], 1.0, 1.0)
             scene.fix(ends)
             body = int(scene.add_particles((0, 0, -0.7), mass, 1.0)[0])
-            if running:
+            if is_one:
                 points = [(int(p), None) for p in (ends[0], body, ends[1])]
                 scene.add_cable("rope", points, EA, rest=2.0)
             else:
@@ -94,10 +94,10 @@ def vee(bench: Bench) -> None:
             scenes.append(scene)
         outcomes = bench.simulate(scenes, duration=24.0, instants=3, step=5e-4)
         for span, outcome in zip(spans, outcomes, strict=True):
-            name = f"{'running through' if running else 'two cables'}, {span[0]} + {span[1]} m"
+            name = f"{'running through' if is_one else 'two cables'}, {span[0]} + {span[1]} m"
             tensions = outcome.records["cable_tension"].values[-1]
             place = outcome.points["mass"][0][-1]
-            exact = _hangs_in_one(span, mass, EA, 2.0) if running else _hangs(span, mass, EA, 0.7)
+            exact = _hangs_in_one(span, mass, EA, 2.0) if is_one else _hangs(span, mass, EA, 0.7)
             for label, value, reference in zip(("x", "z"), place[[0, 2]], exact[0], strict=True):
                 bench.check(
                     f"{name}: {label} (m)", value, reference, 1e-6, "statics", 1.0, "absolute"
@@ -139,7 +139,7 @@ def _hangs_in_one(span, mass, EA, rest) -> tuple[tuple[float, float], list[float
     return (0.5 * (span[1] - span[0]), -depth), [EA * (longer / rest - 1)]
 
 
-def reeling(bench: Bench) -> None:
+def reel(bench: Bench) -> None:
     """A winch lifts a mass: height, and the work that it gives."""
     mass, EA, reel, duration = 2.0, 1e4, 0.5, 2.0
     scene = fpm.Scene("winch", gravity=(0, 0, -G), damping=0.0)
@@ -207,7 +207,7 @@ def bouncing_rope(points: int) -> Rope:
 LET_GO = (3.3, 2.0)
 
 
-def sticking(bench: Bench) -> None:
+def stick(bench: Bench) -> None:
     """A mass bounces and swings on a cable over eyelets: they slip, stick and slip back."""
     figure = bench.figure("A mass bounces on a cable over eyelets", "time (s)", "tension (N)")
     for points in (2,) if bench.quick else EYELETS:
@@ -248,7 +248,7 @@ PROBLEMS = {
     "mass on a cable": bounce,
     "Atwood's machine": atwood,
     "weight in a V": vee,
-    "winch": reeling,
+    "winch": reel,
     "capstan": capstan,
-    "mass on a cable over eyelets": sticking,
+    "mass on a cable over eyelets": stick,
 }

@@ -91,7 +91,7 @@ def linear_spin_up(length, EI, line_mass, modes=6):
         tips.append(shape(1.0))
     shapes, slopes, tips = np.array(shapes), np.array(slopes), np.array(tips)
     mass = shapes * weights @ shapes.T
-    stiffening = slopes * (weights * (1 - s**2) / 2) @ slopes.T
+    geometric = slopes * (weights * (1 - s**2) / 2) @ slopes.T
     drive = shapes @ (weights * s) * length
     bending = np.array(roots) ** 4 * EI / (line_mass * length**4) * np.diag(mass)
 
@@ -99,7 +99,7 @@ def linear_spin_up(length, EI, line_mass, modes=6):
         q, v = y[:modes], y[modes:]
         spin = spin_angle(np.array(t))[1]
         push = 6 / 15 * (1 - np.cos(2 * np.pi * t / 15)) if t < 15 else 0.0
-        force = -bending * q - spin**2 * (stiffening - mass) @ q - push * drive
+        force = -bending * q - spin**2 * (geometric - mass) @ q - push * drive
         return np.concatenate([v, np.linalg.solve(mass, force)])
 
     time = np.linspace(0, 20, 401)
@@ -224,7 +224,7 @@ def free_bodies(bench: Bench) -> None:
     for name, build, rounding in cases:
         scene = build(section, material)
         watch(scene)
-        step = 0.9 * fpm.stable_step(scene).step
+        step = 0.9 * fpm.find_stable_step(scene).step
         steps = 100_000 if bench.quick else 1_000_000
         output_steps = steps // (instants - 1)
         (outcome,) = bench.simulate(

@@ -120,7 +120,7 @@ def balance_of_linkage(bench: Bench) -> None:
 
 def moments_on_hinge(bench: Bench) -> None:
     """A flap on a spring and on dry friction: their moments, and what friction loses."""
-    inertia, stiffness, slipping = 1 / 3, 0.5, 0.2
+    inertia, stiffness, slip = 1 / 3, 0.5, 0.2
     scene = fpm.Scene("flap")
     inertias = [[1.0] * 3, [inertia] * 3]
     ground, flap = (int(p) for p in scene.add_particles([(0, 0, 0)] * 2, 1.0, inertias))
@@ -128,7 +128,7 @@ def moments_on_hinge(bench: Bench) -> None:
     scene.add_hinge("hinge", (ground, flap), (0, 0, 0), (0, 0, 1))
     scene.spin[flap] = (0, 0, 2.0)
     scene.add_torsion_spring(0, stiffness)
-    scene.add(Friction(0, slipping))
+    scene.add(Friction(0, slip))
     parts = ("spring", "friction")
     record = [("joint_moment", f"hinge {part}") for part in parts]
     record += [("joint_work", f"hinge {part}") for part in parts]
@@ -138,10 +138,10 @@ def moments_on_hinge(bench: Bench) -> None:
     spring, friction = (outcome.columns["joint_moment", f"hinge {part}"] for part in parts)
     worst = np.abs(spring + stiffness * opening).max()
     bench.check_small("spring", worst / (stiffness * opening.max()), 1e-12, "-k ψ", "largest")
-    worst = np.abs(friction[slides] + slipping).max() / slipping
+    worst = np.abs(friction[slides] + slip).max() / slip
     bench.check_small("friction while it slips", worst, 1e-12, "-M", "M")
     loss = -outcome.columns["joint_work", "hinge friction"][slides]
-    exact = slipping * (opening[slides] - 0.5e-3)  # bent by 1 mrad before it slips
+    exact = slip * (opening[slides] - 0.5e-3)  # bent by 1 mrad before it slips
     worst = np.abs(loss - exact).max() / exact.max()
     bench.check_small("work against friction", worst, 1e-3, "M Δψ, less the bristle's", "largest")
 

@@ -26,12 +26,12 @@ def lead(scene: fpm.Scene, spins, path, times) -> None:
         places.append(turn.apply(scene.position) + origin)
     velocity = np.diff(places, axis=0) / step
     scene.position = places[0]
-    turning = [scene.add_curve(times, spins[:, k]) for k in range(3)]
+    spin_curves = [scene.add_curve(times, spins[:, k]) for k in range(3)]
     for p in range(len(scene.position)):
         for k, axis in enumerate(np.eye(3)):
             # A particle's place follows chords, so its velocity has a curve for each component.
             scene.drive(p, velocity=axis, curve=scene.add_curve(times, velocity[:, p, k]))
-            scene.drive(p, spin=axis, curve=turning[k])
+            scene.drive(p, spin=axis, curve=spin_curves[k])
 
 
 def rigid_motion(bench: Bench) -> None:
@@ -84,7 +84,7 @@ def rigid_motion(bench: Bench) -> None:
         bench.check_small(f"arrow: change of {name}", worst, 1e-10, "no force on it", name)
 
 
-def tumbling(bench: Bench) -> None:
+def tumble(bench: Bench) -> None:
     """A free body spinning about its middle axis turns over again and again (Dzhanibekov)."""
     inertia, spin = np.array([1.0, 2.0, 3.0]), np.array([0.01, 5.0, 0.01])
     scene = fpm.Scene("tumbling body")
@@ -129,11 +129,11 @@ def euler_top(inertia, spin, time):
     def rate(_t, w):
         return np.cross(inertia * w, w) / inertia
 
-    def turning(_t, w):
+    def second_rate(_t, w):
         return w[1]
 
     solution = solve_ivp(
-        rate, (0, time[-1]), spin, "DOP853", time, rtol=1e-12, atol=1e-13, events=turning
+        rate, (0, time[-1]), spin, "DOP853", time, rtol=1e-12, atol=1e-13, events=second_rate
     )
     return solution.t_events[0], solution.y.T
 
@@ -202,7 +202,7 @@ def pull_rod(bench: Bench) -> None:
 
 PROBLEMS = {
     "rigid motion": rigid_motion,
-    "tumbling body": tumbling,
+    "tumbling body": tumble,
     "heavy top": heavy_top,
     "pulled rod": pull_rod,
 }

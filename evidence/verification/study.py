@@ -21,7 +21,7 @@ from evidence.verification import (
     mechanisms,
     motors,
     rigid_holds,
-    rigid_moving,
+    rigid_motors,
     rotation,
     slides,
     statics,
@@ -42,7 +42,7 @@ FAMILIES = (
     latches,
     motors,
     rigid_holds,
-    rigid_moving,
+    rigid_motors,
     slides,
     mechanisms,
     deployables,
@@ -66,7 +66,7 @@ def solve(name: str, quick: bool) -> Bench:
     try:
         PROBLEMS[name](bench)
     except (fpm.InstabilityError, NotAtRest) as error:
-        bench.broke(error)
+        bench.add_failure(error)
     return bench
 
 

@@ -55,7 +55,7 @@ OPEN = 1e-6
 MASS_SHARE, EASE = 1e-8, 1e-13
 """μ and δ, where the largest entries of H, M and G are one."""
 
-FALLS, FALLING, SAME_TOL = 4, 1e-12, 1e-6
+FALLS, INSTABILITY, SAME_TOL = 4, 1e-12, 1e-6
 """Most times that an unstable position is left; the curvature from which it is unstable, as a share
 of the largest entry of H; and the share by which two positions and their energies are the same."""
 
@@ -111,8 +111,8 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
 
 class _RestSearch:
     """Search of poses in stable balance of a scene's particles, the joints closed. start: where it
-    begins; conditions, elastic: of the scene; hold: names of hinges that keep their openings;
-    open_before: name, gap (m) and tilt (rad) of the joint that is open most there."""
+    begins; hold: hinges that keep openings; open_before: name, gap (m), tilt (rad) of the joint
+    open most."""
 
     def __init__(
         self,
@@ -145,7 +145,7 @@ class _RestSearch:
             return self._start, 0
         state, impulses, count = self._rest(self._start)
         self._check_strains(state)
-        step = self._falling(state, impulses) if len(self._elastic.nodes) else None
+        step = self._find_descent(state, impulses) if len(self._elastic.nodes) else None
         if step is None:
             return state, count
         sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
@@ -194,14 +194,14 @@ class _RestSearch:
                 largest = float(np.abs(step).max(initial=0.0))
                 if not np.isfinite(largest):
                     break
-                part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-                state = state.displace(part * self._scales * step)
-                impulses = impulses + part * change
-                if part == 1.0 and largest <= STEP_TOL and self._gap(state) <= GAP_TOL:
+                fraction = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+                state = state.displace(fraction * self._scales * step)
+                impulses = impulses + fraction * change
+                if fraction == 1.0 and largest <= STEP_TOL and self._gap(state) <= GAP_TOL:
                     return state, impulses, count
         self._refuse(state, f"moving by {largest:.2g} in round {count}")
 
-    def _falling(self, poses, impulses):
+    def _find_descent(self, poses, impulses):
         """The motion (6n,) along which the energy falls to both sides at the second order, or None:
         image of a vector on which the inverse of a round's matrix is negative beyond rounding."""
         solve, _ = self._system(poses, self._elastic, impulses, SOFT_SHARE)
@@ -212,11 +212,11 @@ class _RestSearch:
         motions = scales[:, None] * steps
         largest = abs(stiffness.multiply(scales[:, None]).multiply(scales)).max()
         falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
-        steps = steps[:, falls < -FALLING * largest * np.sum(steps**2, axis=0)]
+        steps = steps[:, falls < -INSTABILITY * largest * np.sum(steps**2, axis=0)]
         step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
         return step if step.any() else None
 
-    def _closing(self, poses):
+    def _close(self, poses):
         """The poses next to these at which the joints are closed, or None."""
         for _ in range(CLOSINGS):
             if self._gap(poses) <= GAP_TOL:
@@ -232,12 +232,12 @@ class _RestSearch:
         """From unstable poses along a motion, then by Gauss-Newton rounds of falling energy."""
         energy = self._elastic.energy(poses)
         for _ in range(SOFT_ROUNDS):
-            part = min(1.0, FARTHEST / np.abs(step).max())
+            fraction = min(1.0, FARTHEST / np.abs(step).max())
             for _ in range(HALVINGS):
-                trial = self._closing(poses.displace(part * self._scales * step))
+                trial = self._close(poses.displace(fraction * self._scales * step))
                 if trial is not None and self._elastic.energy(trial) < energy:
                     break
-                part /= 2
+                fraction /= 2
             else:
                 break
             poses, energy = trial, self._elastic.energy(trial)
@@ -256,7 +256,7 @@ class _RestSearch:
             except MisfitError:
                 return None
             count += rounds
-            step = self._falling(poses, impulses)
+            step = self._find_descent(poses, impulses)
             if step is None:
                 return self._elastic.energy(poses), poses, count
         return None

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.kernels import layout
 from fpm.kernels.world import Log, Record, World
 
@@ -283,8 +283,8 @@ def size_of(scene: SceneData) -> float:
     largest extent, along a global axis, of the points at joints and of particles that are not held,
     or the largest radius of gyration if that is more; 1 if both are 0."""
     free = ~scene.fixed.all(axis=1)
-    joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
-    beams = [beam for element in joining for beam in element.beams]
+    joints = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
+    beams = [beam for element in joints for beam in element.beams]
     ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     extent = np.ptp(np.vstack([scene.position[free], *ends]), axis=0) if free.any() or ends else 0.0
     gyration = np.sqrt(scene.inertia[free].max(axis=1) / scene.mass[free])

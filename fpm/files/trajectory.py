@@ -1,4 +1,4 @@
-"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.files.sealed`).
+"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.files.seals`).
 
 Written in the classic format (`fpm.files.classic`), read by any netCDF library and `read_curves`.
 The format has no empty arrays: a run without events has no variables of events. Energies and what
@@ -14,7 +14,7 @@ import numpy as np
 
 from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful
-from fpm.files import classic, sealed
+from fpm.files import classic, seals
 
 if TYPE_CHECKING:
     import xarray
@@ -259,7 +259,7 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     # By this attribute xarray tells coordinates that are no dimensions.
     names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
     trajectory.attributes["coordinates"] = " ".join(names)
-    with sealed.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
+    with seals.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
         classic.write(temporary, *trajectory)
 
 
@@ -270,10 +270,10 @@ def _name(run: str | None) -> str:
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
     """Return the trajectory in the file at `path`, in memory, as an xarray.Dataset. Raises
-    sealed.DamagedError if the file is not as it was written."""
+    seals.DamagedError if the file is not as it was written."""
     import xarray
 
-    sealed.check(path)
+    seals.check(path)
     with xarray.open_dataset(path) as dataset:
         return dataset.load()
 
@@ -287,9 +287,9 @@ def _texts(variables: Mapping[str, classic.NetcdfVariable], name: str) -> list[s
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     """Return the curves and events in the trajectory file at `path`, a hundred times faster than as
     a dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
-    sealed.DamagedError (a subclass) if it is not as it was written, or of another run."""
-    content = sealed.read_bytes(path)
-    sealed.check_content(path, content, run and _name(run))
+    seals.DamagedError (a subclass) if it is not as it was written, or of another run."""
+    content = seals.read_bytes(path)
+    seals.check_content(path, content, run and _name(run))
     attributes, variables = classic.read(path, content)
 
     names = partial(_texts, variables)

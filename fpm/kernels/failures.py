@@ -16,11 +16,11 @@ def find_failures(parts, world, record, row, n, tolerance):
     has had so far, when a number is not finite, or when a watched quantity is above its limit.
     parts: arrays of each element type; world: solver state (World); record: of the run (Record);
     row: index of this step's energies in it; n: number of steps done."""
-    running = 0
+    count = 0
     for s in range(record.scale.shape[0]):
         if record.failed_step[s] >= 0:
             continue
-        running += 1
+        count += 1
         energy = world.sums[0, ENERGY_SIZE, s]
         if energy > record.scale[s]:
             record.scale[s] = energy
@@ -40,8 +40,8 @@ def find_failures(parts, world, record, row, n, tolerance):
             for k in range(world.most.shape[0]):
                 record.failed_peaks[k, s] = world.peaks[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
-            running -= 1
-    return running == 0
+            count -= 1
+    return count == 0
 
 
 @kernel

@@ -58,8 +58,8 @@ def kinetic_energies(world):
     kick = total
     for i in range(start.shape[0]):
         # Held particles have no inverse mass; their given motion carries no energy of the scene.
-        moving = load(particles, i, IM) * load(particles, i, MASS)
-        mass, inverse = load(particles, i, MASS) * moving, get3(particles, i, IJ)
+        inertia = load(particles, i, IM) * load(particles, i, MASS)
+        mass, inverse = load(particles, i, MASS) * inertia, get3(particles, i, IJ)
         linear = dot(get3(start, i, V), get3(state, i, V))
         axes = frame(start, i)
         p_before, p_after = to_local(axes, get3(start, i, P)), to_local(axes, get3(state, i, P))

@@ -32,7 +32,7 @@ are made again with every page. Everything else of the mechanics counts in the n
 CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of a package that decide about results, by how they end."""
 
-LINKS = "shipped/"
+LINKS = "program_data/"
 """Folders that end so hold what does not decide: workflow and campaigns that are shipped along."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
@@ -145,12 +145,12 @@ MECHANICS = PackageFiles(PACKAGE)
 """Files of the package fpm, which imports this module before all others, as they were then."""
 
 
-def mechanics() -> str:
+def digest_mechanics() -> str:
     """Return a digest (16 hex digits) of all files of fpm that can change what runs record."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
-def reading() -> str:
+def digest_reading() -> str:
     """Return a digest (16 hex digits) of the files of fpm that read numbers off a run (READ)."""
     return MECHANICS.digest(include=READ)
 

@@ -73,9 +73,8 @@ class Record(NamedTuple):
     sample's first failed check, (lanes,): failed_step: its step, -1: none failed, and the rest does
     not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
     balance; failed_row: index in World.rows of the element of which that quantity, or the stored
-    energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w,
-    lanes): World.peaks of all w watched quantities. scale (lanes,): largest energy so far, at least
-    what rounding can hold (J)."""
+    energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w, lanes):
+    World.peaks of all w watched quantities. scale (lanes,): largest energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

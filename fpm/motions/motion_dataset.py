@@ -91,7 +91,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    variables = _moving(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
+    variables = _changes(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
     if lines := strands_of(scene):
         names["cable"] = [line.title(scene).removeprefix("cable ") for line in lines]
         variables |= _cables(motion, lines)
@@ -117,7 +117,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
     )
 
 
-def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
+def _changes(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last

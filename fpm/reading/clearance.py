@@ -14,7 +14,7 @@ MOST_PAIRS = 1 << 20
 """Number of pairs of elements at instants that are looked at together, at most."""
 
 
-def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
+def find_clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
     """Return a lower bound (t,) m of the shortest distance between the surfaces of two bars of a
     scene, `first` and `second`, at t instants: equal to it where sides or edges face each other; a
     value that is not above 0 does not show that they overlap. place(i), axes(i): positions (t, 3) m

@@ -82,11 +82,11 @@ class Reaction(NamedTuple):
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Return the points of a scene that have a reaction force, by name: supports and drives, named
     points on particles that are fixed or driven, and hinges with a support."""
-    holding = {joint.name: joint for joint in Joint.find(scene) if len(joint.beams) == 1}
+    supports = {joint.name: joint for joint in Joint.find(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
-        holders = (name,) if name in holding and name in scene.supports else ()
+        holders = (name,) if name in supports and name in scene.supports else ()
         if is_fixed[beam.particle] or holders:
             reactions[name] = Reaction(beam, holders, bool(is_fixed[beam.particle]))
     for hinge in scene.hinges:
@@ -166,13 +166,13 @@ def find_indeterminate(scene: Scene) -> set[str]:
     names, free = np.array(conditions.joint), ~scene.fixed.ravel()
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
-    places = ParticlePoses(scene.position, scene.frame)
-    rows = scale_matrix(conditions.jacobian(places), conditions.weight(size), scales)
+    poses = ParticlePoses(scene.position, scene.frame)
+    rows = scale_matrix(conditions.jacobian(poses), conditions.weight(size), scales)
     rows = rows[:, np.flatnonzero(free)].tocsr()
     joints: set[str] = set()
     count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)
     for group in range(count):
         members = np.flatnonzero(groups == group)
-        shares = dependence(rows[members][:, np.unique(rows[members].indices)].toarray())[1]
-        joints.update(names[members][shares > SHARE].tolist())
+        dependences = dependence(rows[members][:, np.unique(rows[members].indices)].toarray())[1]
+        joints.update(names[members][dependences > SHARE].tolist())
     return joints

@@ -59,8 +59,8 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
 
 def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
     """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
-    constituents; None where these are not recorded, or predict the last of five instants no better
-    than a cubic (a constituent trembles between the instants, or jumps)."""
+    constituents; None where these are not recorded, or predict the last of five worse than a
+    cubic."""
     values = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)

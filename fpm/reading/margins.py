@@ -36,7 +36,7 @@ STOW = "stow"
 """The opening at the start of a run, whichever that is."""
 
 OPTIONAL = ("from", "evidence", "with", "locked", "without", "classes", "uncertainty_factors",
-            "actuation_factors", "accelerate", "deliver")  # fmt: skip
+            "actuation_factors", "specified_acceleration", "output_torque")  # fmt: skip
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
@@ -54,8 +54,7 @@ class OpeningPath(NamedTuple):
     """Path along which openings (joint coordinates) are moved quasi-statically (a travel).
     openings: names of the hinges or slides moved together, the others as far from their start as
     the first; first, last: begin and end of the first (rad, of slides m; None: where it is at the
-    start of each run); locked: names of hinges that are held all along at their opening at the
-    start."""
+    start of each run); locked: names of hinges held at their opening at the start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -102,7 +101,7 @@ def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
-def driving(works: Mapping[str, np.ndarray]) -> list[str]:
+def find_drives(works: Mapping[str, np.ndarray]) -> list[str]:
     """Return the names of components that drive somewhere on a travel, by more than rounding.
     works: virtual work (p,) at its p positions by component, above 0 where it drives."""
     largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)
@@ -111,7 +110,7 @@ def driving(works: Mapping[str, np.ndarray]) -> list[str]:
 
 def sweep_travel(scene, responses: Iterable[Any]) -> Any:
     """Move openings (joint coordinates) of a scene slowly as `responses`, all margins, need it,
-    without a run. Returns what serves as argument `run` of `values`, `least` and `torque_budget`:
+    without a run. Returns what serves as argument `run` of `values`, `least`, `make_torque_budget`:
     an object with `columns`, by (variable, label) the values (p,) at the p positions of a travel,
     as many as its tolerance takes (units: `column_of`), and `time`, 201 values from 0 to 1, which
     sets only how many margins `values` gives. scene: the Scene, at its start."""
@@ -136,17 +135,17 @@ def read_margin(spec: Any) -> Any:
     classes = _classes_of(spec)
     columns = [(OPENING, path.label()), *((WORK, path.label(part)) for part in classes)]
     factors = [(drives[name], resists[name], name) for name in classes.values()]
-    rate = _number(spec, "accelerate", spec.data.get("accelerate", 0.0))
+    rate = _number(spec, "specified_acceleration", spec.data.get("specified_acceleration", 0.0))
     if rate:
         columns.append((INERTIA, path.label()))
         factors.append((0.0, resists["TD"] * rate, "TD"))
-    deliver = _number(spec, "deliver", spec.data.get("deliver", 0.0))
-    if not (factors or deliver):
+    output = _number(spec, "output_torque", spec.data.get("output_torque", 0.0))
+    if not (factors or output):
         allowed = "an opening on which something acts that a margin counts; here nothing does"
         raise _error(spec, spec.kind, path.openings[0], allowed)
     text = f"margin of {path.openings[0]}, {standard.title}, {evidence}"
     subjects = (*path.openings, spec.data["standard"], evidence, *_names(spec, "without"))
-    load = (deliver, resists["TL"])
+    load = (output, resists["TL"])
     return spec.response(subjects, "", "1", text, tuple(columns), abscissa, (load, *factors))
 
 
@@ -203,7 +202,7 @@ class BudgetRow(NamedTuple):
 class Budget(NamedTuple):
     """Torque budget at an opening (rad, m). margin: drives / requirement - 1, at most 99; drives:
     sum of the components' moments above 0 times their factors (N m, N); requirement: of those below
-    0, and of what is delivered, as a positive number; rows: one for each component."""
+    0, and of the output torque, as a positive number; rows: one for each component."""
 
     opening: float
     margin: float
@@ -230,9 +229,9 @@ class _WeightedTravel:
         """Moments (m, k) at positions (m,), and the weighted sums (m,) of those that drive, and of
         those that are required, a positive number."""
         moments = interpolate(self.positions, self.moments, points)
-        (deliver, factor), *factors = self.response.factors
+        (output, factor), *factors = self.response.factors
         drives, resists = (np.array([f[k] for f in factors]) for k in (0, 1))
-        requirement = np.maximum(-moments, 0.0) @ resists + deliver * factor
+        requirement = np.maximum(-moments, 0.0) @ resists + output * factor
         return moments, np.maximum(moments, 0.0) @ drives, requirement
 
     def margin(self, points: np.ndarray) -> np.ndarray:
@@ -274,21 +273,21 @@ def least(response: Any, run: Any) -> tuple[float, float]:
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
-def torque_budget(response: Any, run: Any) -> Budget:
+def make_torque_budget(response: Any, run: Any) -> Budget:
     """Return the torque budget, component by component, at the opening where a margin is least.
     response: made by `read_margin`; run: `Curves` of a run, or what `sweep_travel` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])
     (moments,), (drives,), (requirement,) = travel.weighted_sums(points)
-    (deliver, factor), *factors = response.factors
+    (output, factor), *factors = response.factors
     names = [read_label(label)[1] or "inertia" for _, label in response.columns[1:]]
     rows = []
     for name, moment, (drive, resist, class_) in zip(names, moments, factors, strict=True):
         weight = drive if moment > 0 else resist
         rows.append(BudgetRow(name, class_, weight, float(moment), float(weight * moment)))
-    if deliver:
-        rows.append(BudgetRow("delivered", "TL", factor, -deliver, -factor * deliver))
+    if output:
+        rows.append(BudgetRow("output", "TL", factor, -output, -factor * output))
     opening = float(interpolate(travel.positions, travel.opening, points)[0])
     return Budget(opening, margin, float(drives), float(requirement), rows)
 

@@ -23,8 +23,7 @@ class Quantity:
     time (s) or the quantity that gives it; target: target of settling or overshoot, None: the last
     value; tolerance: largest deviation from it after settling; level, direction ("rising",
     "falling", "either"): of a crossing; number: n, from 1, of the nth crossing or event; event: its
-    name; places: names of the elements whose events count, (): none. target, tolerance, level: in
-    the response's unit."""
+    name; places: elements whose events count, (): none. target, tolerance, level: in its unit."""
 
     name: str
     kind: str

@@ -11,7 +11,7 @@ from fpm.elements.joints.joint import Joint
 from fpm.elements.openings.opening import PARTS, Opening
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.reading.bars import Bar, Sections, bars_of, sections_of
 from fpm.scenes.scene import Scene
 
@@ -119,8 +119,8 @@ class Recording:
         momentum, change = self._column(particle, "MOMENTUM"), self._column(particle, "CHANGE")
         # Euler's equation: J w' = p' - w x p.
         gyroscopic = np.cross(self.spin(particle), momentum)
-        turning = self._angular(particle, change - gyroscopic)
-        return self._column(particle, "ACCELERATION"), turning
+        angular = self._angular(particle, change - gyroscopic)
+        return self._column(particle, "ACCELERATION"), angular
 
     def _turn_components(self, particle: int, vector: np.ndarray, change: Callable) -> np.ndarray:
         """A vector (t, 3) after a change of its components along the particle's axes."""
@@ -130,16 +130,16 @@ class Recording:
     def _angular(self, particle: int, momentum: np.ndarray) -> np.ndarray:
         """Inverse inertia of a particle times a momentum (t, 3), about axes it may turn about."""
         inertia = turns_of(self.scene).inertia[particle]
-        rotation = self._turn_components(particle, momentum, lambda local: local / inertia)
-        return rotation * ~self.scene.fixed[particle, 3:]
+        angular = self._turn_components(particle, momentum, lambda local: local / inertia)
+        return angular * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a
         particle (its index), in global axes, also of a driven one."""
-        (change, turning), spin = self.acceleration(particle), self.spin(particle)
+        (change, angular), spin = self.acceleration(particle), self.spin(particle)
         inertia = self.scene.inertia[particle]
         momentum, moment = (
-            self._turn_components(particle, v, lambda x: x * inertia) for v in (spin, turning)
+            self._turn_components(particle, v, lambda x: x * inertia) for v in (spin, angular)
         )
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 

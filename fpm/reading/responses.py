@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.elements import Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
-from fpm.elements.openings.opening import SLIDING
+from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, did_you_mean, hint_new
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
@@ -23,7 +23,7 @@ from fpm.scenes.scene import Scene
 AXES = ("x", "y", "z")
 ALL = {"all": "all bars"}
 
-Names = Callable[[Scene], Iterable[str]]
+Lister = Callable[[Scene], Iterable[str]]
 """Function of a scene: names of what something may be of."""
 
 
@@ -35,7 +35,7 @@ class Response:
     component: x, y, z, norm, ... of a vector, "" of a scalar; unit (UDUNITS), long_name: of the
     values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
     computed from, besides points and energies; along: what it is a function of, None: time
-    (margins: the opening of a hinge); factors: of margins: (moment to deliver, its factor), then
+    (margins: the opening of a hinge); factors: of margins: (output torque, its factor), then
     (actuation factor, resistance factor, class) of each component; else (); ends: where stops and
     latches end the way of an opening, down and up; None: nowhere."""
 
@@ -136,7 +136,7 @@ class Definition(NamedTuple):
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
-def _vector(spec: Definition, names: Names | None = None, unit: str = "") -> Response:
+def _vector(spec: Definition, names: Lister | None = None, unit: str = "") -> Response:
     """A vector along or about global axes, or its size: of a variable, or of some names."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
@@ -147,7 +147,7 @@ def _vector(spec: Definition, names: Names | None = None, unit: str = "") -> Res
     return spec.response((name,), component, unit or spec.variable.unit, text, columns)
 
 
-def _pair(spec: Definition, noun: str, names_of: Names, column: bool = True) -> Response:
+def _pair(spec: Definition, noun: str, names_of: Lister, column: bool = True) -> Response:
     """Two different ones of the known names, in their order."""
     value, names = spec.data[spec.kind], list(names_of(spec.scene))
     if not isinstance(value, list | tuple) or len(value) != 2 or value[0] == value[1]:
@@ -157,7 +157,7 @@ def _pair(spec: Definition, noun: str, names_of: Names, column: bool = True) -> 
     return spec.response(tuple(pair), "", "m", f"{spec.kind} between {' and '.join(pair)}", columns)
 
 
-def _by_name(spec: Definition, unit: str, text: str, names: Names, variable: str = "") -> Response:
+def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: str = "") -> Response:
     """A column of a variable by its label, or what has no column: an energy."""
     name = spec.one_of(names(spec.scene))
     columns = ((variable, name),) if variable else ()
@@ -191,7 +191,7 @@ def _section(spec: Definition) -> Response:
 def _opening(spec: Definition, unit: str, words: str) -> Response:
     """An opening of a hinge or slide, or its rate."""
     name, slides, place = spec.hinge()
-    variable, unit = (SLIDES[spec.kind], SLIDING[unit]) if slides else (spec.kind, unit)
+    variable, unit = (SLIDES[spec.kind], SLIDE_UNITS[unit]) if slides else (spec.kind, unit)
     response = spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
     return replace(response, ends=_ends(spec.scene, name)) if spec.kind == "opening" else response
 
@@ -221,7 +221,7 @@ def _latch(spec: Definition) -> Response:
     unit, _, _, text = SERIES[spec.kind]
     variable = spec.kind
     if hinges[latches[label].hinge].slides:
-        unit, variable = SLIDING[unit], f"slide_{variable.replace('moment', 'force')}"
+        unit, variable = SLIDE_UNITS[unit], f"slide_{variable.replace('moment', 'force')}"
     return spec.response((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
 
 
@@ -229,8 +229,8 @@ def parts_on(scene: Scene, hinge: str) -> list[str]:
     """Return the components of the moment on a hinge in a scene ("spring", "friction", ...), by the
     elements that act on it, each once. hinge: its name."""
     index = [h.name for h in scene.hinges].index(hinge)
-    acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
-    parts = (k.acts_as for k in acting for e in k.find(scene) if index in e.acts_on())
+    types = (kind for kind in kinds_of([scene]) if kind.acts_as)
+    parts = (k.acts_as for k in types for e in k.find(scene) if index in e.acts_on())
     return list(dict.fromkeys(parts))
 
 
@@ -240,9 +240,9 @@ def _moment(spec: Definition) -> Response:
     variable, rate = "joint_moment", "opening_rate"
     if slides:
         variable, rate = SLIDES[variable], SLIDES[rate]
-    acting = parts_on(spec.scene, name)
-    part = spec.one_of((*acting, "sum"), "part", spec.data.get("part", "sum"))
-    columns = tuple((variable, f"{name} {p}") for p in (acting if part == "sum" else [part]))
+    parts = parts_on(spec.scene, name)
+    part = spec.one_of((*parts, "sum"), "part", spec.data.get("part", "sum"))
+    columns = tuple((variable, f"{name} {p}") for p in (parts if part == "sum" else [part]))
     actor = "all that acts" if part == "sum" else part
     noun, unit = "force" if slides else "moment", VARIABLES[variable].unit
     if spec.kind == "joint_power":
@@ -263,10 +263,10 @@ LOSSES = {"damping": "damping_work", "cables": "cable_friction"}
 
 def _loss(spec: Definition) -> Response:
     """Energy lost so far by one kind of element, or by all."""
-    acting = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
-    losses = [part for part in STORES if any(part in parts for parts in acting.values())]
+    by_hinge = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
+    losses = [part for part in STORES if any(part in parts for parts in by_hinge.values())]
     kind = spec.one_of(["all", *losses, *LOSSES])
-    columns = [("joint_work", f"{h} {kind}") for h, parts in acting.items() if kind in parts]
+    columns = [("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts]
     actor = "everything" if kind == "all" else kind
     return spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
 

@@ -11,7 +11,7 @@ from fpm.elements.particles.load import Load
 from fpm.reading.responses import KINDS, Response
 from fpm.scenes.scene import Scene
 
-_HOLDING = ("sum", "latch", "motor", "release")
+_CONSTRAINTS = ("sum", "latch", "motor", "release")
 """Parts of the moment on a joint by which it may be held, which bear what the motion asks for; all
 others follow from openings and their rates."""
 
@@ -21,7 +21,7 @@ def warn(scene: Scene, response: Response) -> str:
     are refined in a scene, since a latch or a sudden load gives a shock; "" where they do."""
     has_shock = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
-        has_shock = response.subjects[1] in _HOLDING
+        has_shock = response.subjects[1] in _CONSTRAINTS
     if not has_shock:
         return ""
     if latches := [latch.label(scene) for latch in RigidLatch.find(scene)]:

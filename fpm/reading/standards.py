@@ -13,7 +13,7 @@ from typing import NamedTuple
 CLASSES = {
     "S": "springs", "I": "weight, inertia in an accelerated frame", "HM": "motors",
     "FR": "friction", "HY": "hysteresis", "HA": "harness and others", "HD": "adhesion",
-    "TD": "inertia against a stated acceleration", "TL": "loads and what is to be delivered",
+    "TD": "inertia against a specified acceleration", "TL": "loads and the output torque",
 }  # fmt: skip
 """Classes of what acts (fpm.elements.kind.ElementType.resists_as, Scene.classes), as of ECSS."""
 

@@ -16,13 +16,13 @@ from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import AXES, Series
-from fpm.elements.openings.opening import PARTS, SLIDING
+from fpm.elements.openings.opening import PARTS, SLIDE_UNITS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column
 from fpm.kernels import sources
 from fpm.reading import bars, margins
-from fpm.reading.clearance import clearance
+from fpm.reading.clearance import find_clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
 from fpm.reading.recording import Recording
 from fpm.reading.stress import element_stress
@@ -79,7 +79,7 @@ class Variable(NamedTuple):
             return self.unit
         slides = {hinge.name for hinge in scene.hinges if hinge.slides}
         paths = [margins.read_label(label)[0] for label in labels]
-        units = {SLIDING[self.unit] if p.openings[0] in slides else self.unit for p in paths}
+        units = {SLIDE_UNITS[self.unit] if p.openings[0] in slides else self.unit for p in paths}
         return units.pop() if len(units) == 1 else ""
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
@@ -93,16 +93,16 @@ class Variable(NamedTuple):
 # -- points, bodies, openings ---------------------------------------------------------------------
 
 
-def _turning(scene: Scene) -> dict[str, int]:
+def _rotations(scene: Scene) -> dict[str, int]:
     """Names with an angular velocity, bodies and named points, and their particles."""
     return {**{name: beam.particle for name, beam in scene.points.items()}, **scene.bodies}
 
 
 def _acceleration(recording: Recording, name: str) -> np.ndarray:
     beam = recording.scene.points[name]
-    change, turning = recording.acceleration(beam.particle)
+    change, angular = recording.acceleration(beam.particle)
     spin, arm = recording.spin(beam.particle), recording.arm(beam)
-    return change + np.cross(turning, arm) + np.cross(spin, np.cross(spin, arm))
+    return change + np.cross(angular, arm) + np.cross(spin, np.cross(spin, arm))
 
 
 def _hinge(scene: Scene, name: str) -> int:
@@ -128,7 +128,7 @@ def _openings(scene: Scene, slides: bool) -> list[str]:
     return [hinge.name for hinge in scene.hinges if hinge.slides == slides]
 
 
-def _acting(index: int, recording: Recording, name: str) -> np.ndarray:
+def _moments_on(index: int, recording: Recording, name: str) -> np.ndarray:
     """Moments (t, parts) on a hinge (index 0), or their work (index 1)."""
     return recording.moments(_hinge(recording.scene, name))[index]
 
@@ -182,7 +182,7 @@ def _stress(recording: Recording, name: str) -> np.ndarray:
 
 def _clearance(recording: Recording, name: str) -> np.ndarray:
     pair = (bars.bars_of(recording.scene)[bar] for bar in name.split(" to "))
-    return clearance(recording.scene, *pair, recording.place, recording.axes)
+    return find_clearance(recording.scene, *pair, recording.place, recording.axes)
 
 
 def _travel(recording: Recording, name: str, variable: str) -> np.ndarray:
@@ -226,9 +226,9 @@ VARIABLES = {
     ),
     "angular_velocity": _vector(
         "rad s-1", "angular velocity of points and bodies about global axes",
-        _turning,
-        lambda scene, name: Probe(forces=(_turning(scene)[name],)),
-        lambda recording, name: recording.spin(_turning(recording.scene)[name]),
+        _rotations,
+        lambda scene, name: Probe(forces=(_rotations(scene)[name],)),
+        lambda recording, name: recording.spin(_rotations(recording.scene)[name]),
     ),
     "opening_rate": _of_opening(
         "rad s-1", "rate of the opening of hinges", partial(_openings, slides=False)
@@ -238,15 +238,15 @@ VARIABLES = {
     ),
     "joint_moment": _by_who_acts(
         "N m", "moment on the second part of a hinge about its axis, by who acts",
-        partial(_openings, slides=False), values=partial(_acting, 0),
+        partial(_openings, slides=False), values=partial(_moments_on, 0),
     ),
     "joint_force": _by_who_acts(
         "N", "force on the second part of a slide along its axis, by who acts",
-        partial(_openings, slides=True), values=partial(_acting, 0),
+        partial(_openings, slides=True), values=partial(_moments_on, 0),
     ),
     "joint_work": _by_who_acts(
         "J", "work of moments and forces on joints so far, by who acts",
-        lambda scene: [hinge.name for hinge in scene.hinges], values=partial(_acting, 1),
+        lambda scene: [hinge.name for hinge in scene.hinges], values=partial(_moments_on, 1),
     ),
     "constraint_force": _vector(
         "N", "force by which a joint keeps its second part, along global axes",
@@ -355,7 +355,7 @@ def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, S
         dimension, axis = f"{name}_{variable.dim_suffix}", variable.time_dim
         values = np.stack(curves, axis=1)
         unit, text = variable.unit_of(recording.scene, labels), variable.long_name
-        series[name] = Series(values, unit, text, dimension, labels, axis, sources.reading())
+        series[name] = Series(values, unit, text, dimension, labels, axis, sources.digest_reading())
     return series
 
 

@@ -23,7 +23,7 @@ INSTANT = 4000.0
 PARTICLE = 25.0
 """Of a particle, as a rigid body that is on no beam."""
 
-PACKING, PER_STATEMENT = 0.4e-3, 0.05e-3
+PER_SCENE, PER_STATEMENT = 0.4e-3, 0.05e-3
 """Seconds to pack a run and hand it back, and more for each thing that the scene states: a bar, a
 hinge, a spring on it."""
 
@@ -50,8 +50,8 @@ def run_seconds(scene: Scene, steps: int, instants: int) -> float:
     """Return an estimate of the core time (s) of one run of a scene, an eighth of what eight
     computed side by side take, on a machine with 256-bit vector units; on this one, multiply with
     `machine()`. steps, instants: numbers of time steps and of recorded instants."""
-    packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
-    return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
+    seconds = PER_SCENE + PER_STATEMENT * sum(map(len, scene.kinds.values()))
+    return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + seconds
 
 
 @cache

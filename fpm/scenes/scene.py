@@ -298,7 +298,7 @@ class Scene:
         particle: index of the particle.
         point: position of the point (3,), m, at the start.
         axes: global axes along which it is held, as "z" or "xy"."""
-        return self.add(Joint.holding(self, name, int(particle), point, axes))
+        return self.add(Joint.held_point(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
         """Add a linear spring that turns a hinge towards an opening.

@@ -112,7 +112,7 @@ class SceneType:
     def digest(self) -> str:
         """Digest (16 hex digits) of what decides this structure's runs: the mechanics' code and the
         structure's content. Raises ChangedError if code changed since its import."""
-        content = f"{sources.mechanics()} {self.content}"
+        content = f"{sources.digest_mechanics()} {self.content}"
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:

@@ -27,7 +27,7 @@ import numpy as np
 
 from fpm.elements import Contact, kinds_of
 from fpm.elements.kind import Deformations
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.scenes.scene import Scene
 
 SAFETY = 0.9
@@ -111,7 +111,7 @@ def fastest(modes) -> tuple[float, np.ndarray]:
     return values[-1], (modes @ vectors[:, -1]) ** 2
 
 
-def stable_step(scene: Scene) -> StableStep:
+def find_stable_step(scene: Scene) -> StableStep:
     """Return the largest stable time step of a scene at its start (StableStep), before any safety
     factor: 2/ω of its highest angular frequency ω. A scene without stiffness (free bodies) has no
     limit: infinity, frequency 0, element "none". With dampers the result is up to 1 % below it."""
@@ -136,16 +136,16 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     blocked_columns = {
         n: kind.blocked_motions(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact
     }
-    acting = ~np.isin(kind_of, list(blocked_columns))
-    cases = [(modes[acting], element[acting])]
+    is_free = ~np.isin(kind_of, list(blocked_columns))
+    cases = [(modes[is_free], element[is_free])]
     for number, columns in blocked_columns.items():
-        acts = acting | (kind_of == number)
+        acts = is_free | (kind_of == number)
         active = modes[acts]
         cases.append((active - (active @ columns) @ columns.T, element[acts]))
     candidates = [(*fastest(case), elements) for case, elements in cases]
-    square, shares, element = max(candidates, key=lambda case: case[0])
+    square, energies, element = max(candidates, key=lambda case: case[0])
     if not square > 0:
         return StableStep(np.inf, 0.0, "none")
-    energy = np.bincount(element, shares, minlength=len(names))
+    energy = np.bincount(element, energies, minlength=len(names))
     frequency = float(np.sqrt(square))
     return StableStep(2.0 / frequency, frequency, names[int(np.argmax(energy))])

@@ -11,7 +11,7 @@ from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
 from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
-from fpm.scenes.timestep import SAFETY, stable_step
+from fpm.scenes.timestep import SAFETY, find_stable_step
 from fpm.solver import pack
 from fpm.solver.start import consistent_scene
 from fpm.solver.unpack import outcome_of
@@ -92,7 +92,7 @@ def simulate(
     scenes = [consistent_scene(scene) for scene in scenes]
     limits = [None] * len(scenes)
     if step is None:
-        limits = [stable_step(scene) for scene in scenes]
+        limits = [find_stable_step(scene) for scene in scenes]
         step = safety * min(limit.step for limit in limits)
     division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
@@ -118,7 +118,7 @@ def _integrate(scenes, width, dtype, instants, division, tolerance):
 
 
 def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
-    from fpm.kernels.compiled import loop_for
+    from fpm.kernels.compiled_loop import loop_for
 
     batch = pack.pack(scenes, width, dtype, instants, room)
     step, output_steps, check_steps = division
@@ -141,7 +141,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 def is_compiled(scene: Scene) -> bool:
     """Return whether the compiled time loop (float64) for a scene's element types is on disk."""
-    from fpm.kernels.compiled import DIGESTS, cache_folder
+    from fpm.kernels.compiled_loop import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 
     dtype = np.dtype(np.float64)

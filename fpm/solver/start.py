@@ -22,7 +22,7 @@ import numpy as np
 from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 if TYPE_CHECKING:
@@ -109,8 +109,8 @@ def _scale_rows(scene: Scene, rows):
     linear = free[:, None, :3] * np.eye(3) / np.sqrt(scene.mass)[:, None, None]
     inertia = turns_of(scene).inertia
     inverse_root = (scene.frame / np.sqrt(inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
-    turning = free[:, 3:, None] * inverse_root
-    blocks = np.stack([linear, turning], axis=1).reshape(-1, 3, 3)
+    rotation = free[:, 3:, None] * inverse_root
+    blocks = np.stack([linear, rotation], axis=1).reshape(-1, 3, 3)
     root = block_diag(list(blocks), format="csc")
     rows = (rows @ root).tocsc()
     sizes = np.sqrt(rows.power(2).sum(axis=1))

@@ -4,14 +4,14 @@ import numpy as np
 
 from fpm.elements.cross import columns, cross
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful
 from fpm.kernels import layout
 from fpm.reading import variables
 from fpm.reading.recording import Recording
 from fpm.scenes.scene import Scene
-from fpm.scenes.timestep import StableStep, stable_step
+from fpm.scenes.timestep import StableStep, find_stable_step
 
 
 def outcome_of(
@@ -45,7 +45,7 @@ def outcome_of(
     values = record.failed_peaks[:, lane] if is_failed else world.peaks[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
     if is_failed:
-        limit = limit or stable_step(scene)
+        limit = limit or find_stable_step(scene)
         failure = _failure(run, lane, largest, division.step, limit)
     event_count = int(batch.event_count[lane])
     return Outcome(

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fpm.files.sealed import DamagedError, read_bytes
+from fpm.files.seals import DamagedError, read_bytes
 from fpm.structures.units import UnitError, unit
 
 _HEADER = re.compile(r"\s*([A-Za-z]\w*)\s*\[([^\]]*)\]\s*")

@@ -54,7 +54,7 @@ def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
     yield "joints", joints or ["none"]
     yield "cables", [_cable(scene, cable) for cable in scene.cables]
     yield "struts", [_strut(scene, strut) for strut in Strut.find(scene)]
-    yield "on joints", acting(scene)
+    yield "on joints", list_actions(scene)
     forces: Counter[str] = Counter()
     for drag in Drag.find(scene):
         forces[drag.name] += drag.factor
@@ -122,7 +122,7 @@ ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damp
 """With what the names of elements begin that may be stiff on light ends of bars."""
 
 
-def acting(scene: Scene) -> list[str]:
+def list_actions(scene: Scene) -> list[str]:
     """Return texts on the elements that act on a scene's joints (springs, latches, ...), one each,
     in the order of their (first) joints: its name, joints and nonzero numbers with units."""
     texts = []

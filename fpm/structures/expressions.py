@@ -59,7 +59,7 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
 RESERVED_NAMES = (*_FUNCTIONS, "pi")
 ALLOWED = f"numbers with units, names, + - * / ** ( ), pi and {', '.join(_FUNCTIONS)}"
 
-Value = Callable[[Mapping[str, float]], float]
+Evaluator = Callable[[Mapping[str, float]], float]
 Measure = Callable[[Mapping[str, Dimension]], Dimension]
 
 
@@ -129,7 +129,7 @@ class Expression:
 
     # -- from a tree to functions of the names ------------------------------------------------
 
-    def _compile(self, node: ast.AST) -> tuple[Value, Measure]:
+    def _compile(self, node: ast.AST) -> tuple[Evaluator, Measure]:
         match node:
             case ast.Constant(value=number) if type(number) in (int, float):
                 constant = float(str(number))  # infinite where an integer has too many digits
@@ -165,7 +165,7 @@ class Expression:
                 )
         raise ExpressionError(f"not arithmetic{number_hint(self.text) or f'; allowed: {ALLOWED}'}")
 
-    def _name(self, name: str) -> tuple[Value, Measure]:
+    def _name(self, name: str) -> tuple[Evaluator, Measure]:
         if name == "pi" or name in self._quantities:
             value, dimension = self._quantities.get(name, (math.pi, NUMBER))
             return (lambda names: value), (lambda names: dimension)
@@ -174,7 +174,7 @@ class Expression:
         self.names.add(name)
         return operator.itemgetter(name), operator.itemgetter(name)
 
-    def _combine(self, op: ast.AST, right: ast.AST, value: Value) -> Callable[..., Dimension]:
+    def _combine(self, op: ast.AST, right: ast.AST, value: Evaluator) -> Callable[..., Dimension]:
         """The dimension of two values joined, from theirs; value: of the right one."""
         has_name = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
         divisor = right.operand if isinstance(right, ast.UnaryOp) else right
@@ -200,7 +200,7 @@ def _quotient(first: Dimension, second: Dimension, guess: bool) -> Dimension:
     return product(first, second, -1)
 
 
-def _power(base: Dimension, exponent: Dimension, value: Value | None) -> Dimension:
+def _power(base: Dimension, exponent: Dimension, value: Evaluator | None) -> Dimension:
     if any(exponent.powers):
         raise ExpressionError(f"an exponent is a number, not {exponent}")
     if not any(base.powers):

@@ -14,7 +14,7 @@ import numpy as np
 
 from fpm.elements.joints.hinge import ANGLES
 from fpm.elements.kind import AXES
-from fpm.elements.openings.opening import SLIDING
+from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, hint_new
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
@@ -27,7 +27,7 @@ COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count of units, or number of elements between two points."""
 
-Value = Callable[[Builder], Any]
+BuildValue = Callable[[Builder], Any]
 """Function of a sample's Builder: a key's value in SI units; raises SceneError if it is not
 allowed."""
 
@@ -45,12 +45,12 @@ class Key:
         """Values that the key may have, in words, for messages and documentation."""
         raise NotImplementedError
 
-    def sliding(self, joints: Container[str]) -> "Key":
+    def for_slides(self, joints: Container[str]) -> "Key":
         """Return this key as an entry about slides takes it, with m for rad; by default unchanged.
         joints: keys of the entry, such as "joint", that name slides."""
         return self
 
-    def read(self, node: Node, place: Place) -> Value:
+    def read(self, node: Node, place: Place) -> BuildValue:
         """Read this key's value in a file; returns a function of the Builder, which returns it in a
         sample (SI units). node: the value (Node of the YAML file); place: where it stands (Place).
         What is wrong is noted in place.problems, and SkippedError raised."""
@@ -75,8 +75,8 @@ class NumberKey(Key):
         end = f" >= {self.least:g}" if self.least is not None else ""
         return noun + (f" > {self.above:g}" if self.above is not None else end)
 
-    def sliding(self, joints):
-        of_slide = SLIDING.get(self.unit, self.unit)
+    def for_slides(self, joints):
+        of_slide = SLIDE_UNITS.get(self.unit, self.unit)
         return replace(self, unit=of_slide) if self.joint in joints else self
 
     def read(self, node, place):
@@ -101,7 +101,7 @@ class WholeKey(Key):
         return lambda build: round(number(build))
 
 
-def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> Value:
+def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> BuildValue:
     """The value of an expression, which must be right."""
 
     def value(build: Builder) -> float:
@@ -288,8 +288,8 @@ class ListKey(Key):
         )
         return f"a list of {count}, each {self.kind.allowed}{suffix if self.units else ''}"
 
-    def sliding(self, joints):
-        return replace(self, kind=self.kind.sliding(joints))
+    def for_slides(self, joints):
+        return replace(self, kind=self.kind.for_slides(joints))
 
     def read(self, node, place):
         right = self.units or self.least <= len(node.items) <= self.most
@@ -302,7 +302,7 @@ class ListKey(Key):
             place.refuse(node, f"{self.allowed}, each once")
         return lambda build: [value(build) for value in values]
 
-    def _values(self, node: Node, place: Place) -> Iterator[Value]:
+    def _values(self, node: Node, place: Place) -> Iterator[BuildValue]:
         if not isinstance(node.value, list):
             place.refuse(node, self.allowed)
         for item in node.items:

@@ -204,8 +204,8 @@ def _inertia(scene: Scene, hinge: Hinge) -> float:
             continue
         arms = np.cross(axis, scene.position[body] - point)
         axes = np.einsum("nij,i->nj", scene.frame[body], axis) ** 2
-        turning = scene.mass[body] @ (arms**2).sum(axis=1) + (axes * scene.inertia[body]).sum()
-        inverse += 1 / float(scene.mass[body].sum() if hinge.slides else turning)
+        moment = scene.mass[body] @ (arms**2).sum(axis=1) + (axes * scene.inertia[body]).sum()
+        inverse += 1 / float(scene.mass[body].sum() if hinge.slides else moment)
     return 1 / inverse if inverse else np.inf
 
 

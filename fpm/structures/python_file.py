@@ -10,7 +10,7 @@ from fpm.errors import SceneError
 from fpm.kernels.sources import find_user_sources
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
-from fpm.structures.opened import DATA_HINT, Build, FileRecord, Loader, current_record
+from fpm.structures.opened_files import DATA_HINT, Build, FileRecord, Loader, current_record
 from fpm.structures.reading import Problem, StructureError, read_text
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import yaml
 
 from fpm.errors import SceneError, did_you_mean, likely
-from fpm.files.sealed import DamagedError, read_bytes
+from fpm.files.seals import DamagedError, read_bytes
 
 DEEPEST, MOST = 20, 20_000
 """Tables and lists of a file may be nested so deep, and hold so many values."""

@@ -11,7 +11,7 @@ from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
-from fpm.scenes.timestep import SAFETY, stable_step
+from fpm.scenes.timestep import SAFETY, find_stable_step
 
 
 class Mobility(NamedTuple):
@@ -131,7 +131,7 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
         whole = parameter.kind == "integer"
         for trial in (max(value // 2, 1),) if whole else (0.9 * value, 1.1 * value):
             try:
-                ratio = stable_step(structure.build(**{name: trial})).step / step
+                ratio = find_stable_step(structure.build(**{name: trial})).step / step
             except Exception:  # whatever a structure's own code says to a value of ours
                 continue
             if 1.03 < ratio < np.inf:
@@ -141,7 +141,7 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 def cost(scene: Scene, duration: float, safety: float = SAFETY) -> RunCost:
     """Estimate a run's cost. duration: simulated (s); safety: step over the stable step."""
-    limit = stable_step(scene)
+    limit = find_stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)
     return RunCost(limit.step, limit.element, steps, steps * len(scene.elements), seconds)

@@ -18,13 +18,13 @@ from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
 from fpm.structures.keys import (
     NO_VALUE,
+    BuildValue,
     ChoiceKey,
     Key,
     ListKey,
     NumberKey,
     OpeningKey,
     ReferenceKey,
-    Value,
 )
 from fpm.structures.names import Place
 from fpm.structures.reading import Node, SkippedError, commas
@@ -61,12 +61,12 @@ class Statement:
     build: Callable[[Builder, SimpleNamespace], Any]
     text: str
 
-    def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
+    def for_slides(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
         """Return the keys that an entry may write, by names as written: (name in `args`, Key); if
         it acts on a slide, `force` stands for `moment`, lengths for angles. joints: those keys of
         the entry, such as "joint", that name a slide; empty: it acts on none."""
         names = ON_SLIDES if "joint" in joints else {}
-        return {names.get(n, n): (n, key.sliding(joints)) for n, key in self.keys.items()}
+        return {names.get(n, n): (n, key.for_slides(joints)) for n, key in self.keys.items()}
 
     @cached_property
     def openings(self) -> dict[str, OpeningKey]:
@@ -99,9 +99,8 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 
 
 def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes: Any) -> Key:
-    """Return the Key of a structure file for a field of an element type. kind: the type; name: of
-    the field; default_text: what leaving the key out means, for fields without default; changes:
-    other attributes of the Key."""
+    """Return the Key of a structure file for a field, `name`, of an element type, `kind`.
+    default_text: what leaving it out means, without default; changes: attributes of it."""
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = NO_VALUE if default is MISSING else default
@@ -133,7 +132,7 @@ def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> Ele
     return kind(**{name: value for name, value in arguments.items() if value is not None})
 
 
-def acting(
+def connector(
     kind: type[ElementType],
     text: str = "",
     /,
@@ -157,7 +156,7 @@ def acting(
 def whole(kind: type[ElementType]) -> Statement:
     """Register and return the Statement of an element type `kind` on a joint; keys: its fields."""
     text = (kind.__doc__ or "").split("\n")[0]
-    return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
+    return connector(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
 
 # -- entries of a file -----------------------------------------------------------------------------
@@ -174,7 +173,7 @@ class Entry:
     key: str
     line: int
     lines: dict[str, int]
-    read: dict[str, Value]
+    read: dict[str, BuildValue]
 
     def values(self, build: Builder) -> SimpleNamespace:
         """Return the values of all keys in the sample of `build` (SI units, defaults where left
@@ -235,9 +234,9 @@ def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
 
 def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
-) -> dict[str, Value]:
+) -> dict[str, BuildValue]:
     """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
-    keys, is_sound, read, corrections = statement.sliding(slides), True, {}, set()
+    keys, is_sound, read, corrections = statement.for_slides(slides), True, {}, set()
     allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
         if key in keys:

@@ -6,8 +6,8 @@ import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.elastic import elastic_of
-from fpm.travel.acting import ElementForces
 from fpm.travel.components import components_of
+from fpm.travel.element_forces import ElementForces
 
 FRICTION_STEPS, LOCKING_DETERMINANT = 8, 1e-3
 """Number of steps in which the friction of bearings is raised to its full value, and determinant of
@@ -35,7 +35,7 @@ class Balance:
         for part in components_of(scene):
             if not part.drags:
                 by_kind.setdefault(type(part.element), []).append(part.element)
-        self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
+        self.sources = [ElementForces(scene, elements) for elements in by_kind.values()]
 
     def strain(self, poses: ParticlePoses) -> float:
         """Return strain energy (J) of all bars at `poses` (particles' positions and frames)."""
@@ -45,8 +45,8 @@ class Balance:
         """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of n
         particles at `poses`, and the stiffness, its derivatives, sparse (6n, 6n)."""
         gradient, stiffness = self._of_bars(poses)
-        for acting in self.acting:
-            forces, slopes = acting.linearise(poses)
+        for source in self.sources:
+            forces, slopes = source.linearise(poses)
             gradient, stiffness = gradient - forces, stiffness + slopes
         return gradient, stiffness
 
@@ -57,7 +57,7 @@ class Balance:
         from scipy.sparse import diags
 
         units = diags(scales)
-        soft = [acting.linearise(poses)[1] for acting in self.acting]
+        soft = [source.linearise(poses)[1] for source in self.sources]
         bars, *springs = (abs(units @ k @ units).max() for k in (self._of_bars(poses)[1], *soft))
         return max(STIFF * bars, SOFT * max(springs, default=0.0)) or 1.0
 
@@ -72,8 +72,8 @@ class Balance:
     def follow(self, poses: ParticlePoses) -> None:
         """Move the elements on to `poses` (positions and frames of all particles), where those with
         memory, as bristles with a deflection, start next time."""
-        for acting in self.acting:
-            acting.forces(poses)
+        for source in self.sources:
+            source.forces(poses)
 
 
 def forces_with_friction(

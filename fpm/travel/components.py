@@ -16,7 +16,7 @@ from fpm.elements import (
     TorsionSpring,
     kinds_of,
 )
-from fpm.travel.acting import ElementForces, acts
+from fpm.travel.element_forces import ElementForces, acts
 
 STRAIN = "strain of bars"
 """The component that is no element: the elastic strain of bars."""
@@ -88,14 +88,14 @@ class VirtualWork:
     def __init__(self, scene, part: Component):
         self.is_difference, self.drags = part.baseline is not None, part.drags
         elements = [*part.elements, *([part.baseline] if self.is_difference else [])]
-        self.acting = [ElementForces(scene, [element]) for element in elements]
+        self.sources = [ElementForces(scene, [element]) for element in elements]
 
     def approach(self, poses: ParticlePoses, motion: np.ndarray) -> None:
         """Bring friction to steady slip before `compute_work`: move a component that only resists
         along the straight motion (6n,), m, rad, that ends at `poses`; other components stay."""
         for factor in (1.0, 0.5) if self.drags else ():
-            for acting in self.acting:
-                acting.forces(poses.displace(-factor * motion))
+            for source in self.sources:
+                source.forces(poses.displace(-factor * motion))
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
         """Return the virtual work (N m, on slides N) of the component at `poses`, per unit of the
@@ -103,7 +103,7 @@ class VirtualWork:
         each particle its shift (m), then its rotation vector (rad), global. Of several elements it
         is the least; with a baseline (the element without friction, say), what is left when its
         work is taken off. The forces are kept for `friction_forces`."""
-        self._forces = np.array([acting.forces(poses) for acting in self.acting])
+        self._forces = np.array([source.forces(poses) for source in self.sources])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())
 

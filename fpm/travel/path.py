@@ -71,7 +71,7 @@ class Path:
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._weight = self._conditions.weight(self._size)
         self._impulses = np.zeros(len(self._weight))
-        self._free = self._moving(self.poses)
+        self._free = self._free_rows(self.poses)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
         self._halvings = 0
@@ -209,8 +209,8 @@ class Path:
         pushes = [-b * np.sign(rate) * x for b, rate, x in zip(levers, rates, opens, strict=True)]
         gap_changes = np.zeros(len(self._weight))
         first, *changes = (self._solve(forces, gap_changes)[1] for forces in (friction, *pushes))
-        joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
-        masks = [(joints == hinge.joint) & pushing for hinge in hinges]
+        joints, is_push = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
+        masks = [(joints == hinge.joint) & is_push for hinge in hinges]
         for rows in masks:
             rows[-self._path_rows :] = False
         base = [(self._weight * (self._impulses + first))[rows] for rows in masks]
@@ -239,7 +239,7 @@ class Path:
             allowed += " loops; let others be `locked`"
             raise SceneError(self._key, "(not the only freedom)", allowed)
 
-    def _moving(self, poses: ParticlePoses) -> np.ndarray:
+    def _free_rows(self, poses: ParticlePoses) -> np.ndarray:
         """Degrees of freedom that are not held. Where the whole may drift as it is, some of the
         heaviest particle are: what acts between parts does the same work whichever moves."""
         from scipy.linalg import qr

@@ -67,9 +67,8 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
 class SampledTravel:
     """Values (k,) measured at positions of a travel (a joint coordinate moved slowly from one value
     to another), fractions of it from 0 to 1, to which `add`, `add_bend` and `refine` add further.
-    measure(position, state), the only argument: returns (values, new state), started from `state`,
-    the one returned at the nearest sampled position not above, None if there is none; states are
-    objects of the caller's."""
+    measure(position, state): returns (values, new state), started from `state`, the one returned at
+    the nearest sampled position not above, None if none is; states are the caller's."""
 
     def __init__(self, measure: Callable):
         self._measure = measure
@@ -103,8 +102,7 @@ class SampledTravel:
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the sampled positions (p,), fractions of the travel from 0 to 1, increasing, kinks
-        or jumps between the ends twice, and the k values measured at each (p, k), in their own
-        units."""
+        or jumps between the ends twice, and the k values measured at each (p, k)."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)

@@ -91,8 +91,7 @@ def sweep(
 
 class _Sweep:
     """Measures of a scene on a path from an opening `first` to `last`, to which it moves in steps
-    of `spacing`. names: of the components, the bearings last; works: how many; largest: sum of the
-    sizes of their works at any position, to which errors relate."""
+    of `spacing`. names: of components, bearings last; works: how many; largest: work."""
 
     def __init__(self, scene, path: Path, first: float, last: float, spacing: float):
         self._scene, self._path, self._first, self._travel = scene, path, first, last - first
@@ -103,12 +102,12 @@ class _Sweep:
             for part in self._parts:  # openings are counted from one place to the next
                 part.compute_work(path.poses, path.tangent)
         path.check()
-        self._elements = [*path.balance.acting, *(a for part in self._parts for a in part.acting)]
+        self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]
         self.names = [part.name for part in components_of(scene)]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
         frictions = {friction.hinge for friction in Friction.find(scene)}
-        self._rubbing = sorted(frictions | set(scene.bearings))
+        self._friction_hinges = sorted(frictions | set(scene.bearings))
 
     def measure(self, position: float, state):
         """Virtual works, strain, inertia, openings, rates; position: fraction of the travel."""
@@ -127,7 +126,7 @@ class _Sweep:
         row += path.compute_bearing_work(friction)
         row.append(path.balance.strain(path.poses))
         row.append(tangent @ (masses(self._scene, path.poses) @ tangent))
-        row += [*path.update_openings(), *path.rates(self._rubbing)]
+        row += [*path.update_openings(), *path.rates(self._friction_hinges)]
         return np.array(row), (
             path.state(),
             [elements.copy_history() for elements in self._elements],
@@ -152,8 +151,8 @@ def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     rates = openings + len(scene.hinges)
     sizes = np.abs(np.array(samples.values)[:, rates:]).max(axis=0)
     # What rests turns by rounding.
-    moving = np.flatnonzero(sizes > MOTION_TOLERANCE * sizes.max(initial=0.0))
-    bends += [(rates + int(i), 0.0) for i in moving]
+    rows = np.flatnonzero(sizes > MOTION_TOLERANCE * sizes.max(initial=0.0))
+    bends += [(rates + int(i), 0.0) for i in rows]
     for column, angle in bends:
         for ends in list(pairwise(samples.positions)):
             values = [samples.add(end)[column] - angle for end in ends]

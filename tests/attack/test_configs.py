@@ -9,7 +9,7 @@ import random
 
 import pytest
 
-from evidence.attack.configs import attack_by_config, attack_by_running, mutate_config
+from evidence.attack.configs import attack_by_config, attack_runs, mutate_config
 from evidence.attack.ledger import Ledger
 
 COUNT, RUNS = 600, 20
@@ -22,7 +22,7 @@ def test_mutated_configs_are_refused_or_run(tmp_path):
         text = mutate_config(rng)
         if found := attack_by_config(text, tmp_path, ledger, ran < RUNS):
             ran += 1
-            attack_by_running(found, text, tmp_path / str(ran), ledger)
+            attack_runs(found, text, tmp_path / str(ran), ledger)
     assert not ledger.bad, ledger.bad[0]
     assert ledger.counts["config mutated", "refused"] > COUNT // 2
     assert ledger.counts["config mutated", "right"] > COUNT // 50

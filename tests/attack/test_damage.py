@@ -14,7 +14,7 @@ from deployable import campaign
 from evidence.attack.damage import HARMS, attack_files, flip, kinds_in, truncate, zero
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, Victim, broken_in, silent
-from fpm.files.sealed import check
+from fpm.files.seals import check
 
 
 def attacked(victim, place, kinds):

@@ -98,9 +98,9 @@ import random
 import fpm
 from evidence.attack.metamorphic.families import delay, is_quiet
 from evidence.attack.metamorphic.image import scale
-from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.plain_loop import without_compiling
 from evidence.attack.metamorphic.runs import drawn, scene_of
-from evidence.attack.metamorphic.written import map_numbers
+from evidence.attack.metamorphic.structure_text import map_numbers
 
 without_compiling()
 for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800014))):
@@ -137,9 +137,9 @@ import random
 from evidence.attack.metamorphic import families
 from evidence.attack.metamorphic.image import Image, scale
 from evidence.attack.metamorphic.pairs import Trial
-from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.plain_loop import without_compiling
 from evidence.attack.metamorphic.runs import drawn
-from evidence.attack.metamorphic.written import map_numbers
+from evidence.attack.metamorphic.structure_text import map_numbers
 
 def in_far_units(structure, rng):
     units = tuple(2.0 ** rng.randint(-30, 30) for _ in range(3))

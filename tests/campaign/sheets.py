@@ -69,7 +69,7 @@ def facts_of(quantities=(), requirements=(), margins=None, **mechanism):
          "units": "N m rad-1"},
         {"name": "f", "description": "", "lower": 0.0, "upper": 2.0, "units": "N m"},
     ]  # fmt: skip
-    motion = {"exchanged": 1.0, "largest": 2.0, "off": 1e-4}
+    motion = {"exchanged": 1.0, "largest": 2.0, "imbalance": 1e-4}
     mechanism = {"margins": margins or {}, "latches": [], "motion": motion} | mechanism
     found = {"quantities": list(quantities), "requirements": list(requirements),
              "parameters": parameters, "runs": {"all": 9}, "fixed": [], "duration": 2.0,

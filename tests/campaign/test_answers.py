@@ -18,7 +18,7 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.ranges import FittedRuns, draw_ranges, ranges, runs_of
 from deployable.intervals.scalars import fit_scalar
-from fpm.files.sealed import unseal
+from fpm.files.seals import unseal
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _places, add_runs
+from deployable.campaign.plan.accuracy import _infill_points, add_runs
 from deployable.campaign.plan.decide import RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
@@ -207,7 +207,7 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
         values[:, change] **= 3
         samples = xr.Dataset({"normalized": (("run", "parameter"), unit),
                               "values": (("run", "response", "time"), values)})  # fmt: skip
-        return _places(experiment, samples, ["BD"], count=8, seed=3)
+        return _infill_points(experiment, samples, ["BD"], count=8, seed=3)
 
     wanted = list(experiment.responses).index("BD")
     first, same, other = sought([]), sought([1 - wanted]), sought([wanted])
@@ -267,7 +267,7 @@ def told(rounds_met, *shares, asked=0.05):
     """What a summary says of an accuracy after rounds that found it met, or not, above a table with
     such shares of the width; "none" for a quantity that happens nowhere."""
     rows = [
-        {"name": name, "errors": {"share": None if share == "none" else share, "asked": asked}}
+        {"name": name, "errors": {"share": None if share == "none" else share, "target": asked}}
         | ({} if name == "x" else {"lower": None if share == "none" else 1.0})
         for name, share in zip("xyz", shares, strict=False)
     ]
@@ -314,7 +314,7 @@ def test_rounds_refine_what_is_too_coarse(met):
     assert summary["accuracy"]["met"]
     for row in (*summary["responses"], *summary["quantities"]):
         errors = row["errors"]
-        assert errors["share"] <= errors["asked"]
+        assert errors["share"] <= errors["target"]
         assert errors["whole"] == pytest.approx(
             sum(errors[n] for n in ("surrogate", "step", "mesh"))
         )

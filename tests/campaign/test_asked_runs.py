@@ -102,7 +102,7 @@ def test_what_another_version_read_is_read_again_and_the_motion_stays(raw, tmp_p
     run(raw, tmp_path, **STRESS)
     folder = Folder(tmp_path / "test").runs("trajectories")
     before = {path: path.read_bytes() for path in folder.glob("*.nc")}
-    monkeypatch.setattr(sources, "reading", lambda: "another")
+    monkeypatch.setattr(sources, "digest_reading", lambda: "another")
     _, told = run(raw, tmp_path)  # which asks for nothing of it
     assert "simulated again" not in told
     assert {path: path.read_bytes() for path in before} == before

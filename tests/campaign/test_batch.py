@@ -64,7 +64,7 @@ def test_a_campaign_that_was_killed_goes_on(config, tmp_path, keep):
 @pytest.mark.parametrize("keep", KEEP)
 def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
     # One step serves all runs: between their limits it breaks the stiff ones only.
-    soft = fpm.stable_step(scene_type("bennett").build(elements=2)).step
+    soft = fpm.find_stable_step(scene_type("bennett").build(elements=2)).step
     raw["solver"] = {"step": 0.8 * soft, "duration": 0.02, "instants": 9}
     raw["intervals"] = {"E": {"lower": 1e9, "upper": 9e9}}
     plan = make_plan(check_config(raw).experiment)

@@ -14,7 +14,7 @@ import yaml
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
-from fpm.files.sealed import unseal
+from fpm.files.seals import unseal
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,10 +10,10 @@ import xarray as xr
 
 from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.check import check_config
-from deployable.campaign.plan.accuracy import _halve, _refinement_state, first_plan, next_plan
+from deployable.campaign.plan.accuracy import _halve, _refinement_state, extend_plan, start_plan
 from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
-from fpm.files.sealed import whole_file
+from fpm.files.seals import whole_file
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def after(plan, action, nodes, **more):
 
 
 def test_the_first_round_costs_its_runs_and_its_check(experiment):
-    plan = first_plan(experiment)
+    plan = start_plan(experiment)
     cost, nodes = _refinement_state(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = MAX_POINTS + 2 + 2  # of the quantity both ends; an order of either
@@ -55,7 +55,7 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
 @pytest.mark.parametrize(("action", "new"), [("runs", 3), ("check", 0), ("mesh", 8), ("step", 8)])
 def test_costs_of_rounds_add_up(experiment, action, new):
     """`new` of eight nodes were run in this round; a finer mesh or step runs all of them."""
-    plan = first_plan(experiment)
+    plan = start_plan(experiment)
     nodes = len(plan.unique_runs())
     assert nodes == 8
     before = nodes - new if action == "runs" else nodes
@@ -76,7 +76,7 @@ def decided(experiment, tmp_path, monkeypatch):
     monkeypatch.setattr("deployable.campaign.files.experiment_of", lambda path: None)
 
     def plan_after(check=("mesh",), **shares):
-        plan = first_plan(experiment)
+        plan = start_plan(experiment)
         plan = replace(plan, adaptive=replace(plan.adaptive, check=check))
         rng, unit = np.random.default_rng(2), plan.runs.normalized
         time = np.linspace(0.0, 1.0, 9)
@@ -98,7 +98,7 @@ def decided(experiment, tmp_path, monkeypatch):
         for data, path in zip((samples, bounds), paths, strict=True):
             with whole_file(path, {"name": path.name}) as temporary:
                 data.to_netcdf(temporary)
-        return plan, next_plan(experiment, plan, *paths)
+        return plan, extend_plan(experiment, plan, *paths)
 
     return plan_after
 
@@ -133,7 +133,7 @@ def test_half_a_step_has_the_same_mesh_and_runs(decided):
 
 def test_a_step_that_instants_set_is_halved_too(experiment):
     """Half of safety would leave it as it is."""
-    plan = first_plan(experiment)
+    plan = start_plan(experiment)
     limit = 100 * plan.time.step
     safety = _halve(plan.experiment.solver, replace(plan.time, step_limit=limit))
     assert safety * limit == pytest.approx(plan.time.step / 2)
@@ -154,7 +154,7 @@ def test_what_is_accurate_enough_ends_once_it_is_checked(decided):
 )
 def test_an_error_that_does_not_fall_with_runs_ends_the_rounds(experiment, previous, nodes, stops):
     """Four times as many runs, and nine tenths of the error: it jumps, or has an edge."""
-    plan = after(first_plan(experiment), "runs", nodes)
+    plan = after(start_plan(experiment), "runs", nodes)
     elements = _refinement_state(plan, SHARES).cost.elements
     shares = {name: {"surrogate": previous} for name in SHARES}
     record = replace(plan.adaptive.rounds[0], shares=shares, elements=elements)

@@ -67,13 +67,13 @@ def test_margins_are_those_of_the_worst_runs(judged):
 
 def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, judged):
     """The nominal values of `judged` fail its last requirement; without it a box is left."""
-    assert read(judged.requirements)["together"]["largest_share"] == 0
+    assert read(judged.requirements)["together"]["max_interval_scale"] == 0
     wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
     folder = decided(tmp_path, "fewer", requirements=wanted)
     together = read(folder.requirements)["together"]
     assert together["met"] == "some"
     share = (0.1 - border(LATEST)) / 0.005
-    assert together["largest_share"] == pytest.approx(share, abs=1e-4)
+    assert together["max_interval_scale"] == pytest.approx(share, abs=1e-4)
     fails = together["fails"]
     half = (0.1025 - border(LATEST)) / 0.005
     assert together["halved"] == {
@@ -129,8 +129,8 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
     fails = {"requirement": "there", "quantity": "t", "units": "s", "kind": "at_most", "level": 2.0,
              "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept}  # fmt: skip
-    together, parameters = {"fails": fails, "largest_share": 0.5}, [{"name": "k", "units": "N"}]
-    line = sentence("nearest", together, parameters)
+    together = {"fails": fails, "max_interval_scale": 0.5}
+    line = sentence("nearest", together, [{"name": "k", "units": "N"}])
     assert text in line
     assert ("simulated" in line) == ran
 

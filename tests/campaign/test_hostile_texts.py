@@ -16,7 +16,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.templates import summary_text
 from deployable.campaign.text.numbers import escape_text
-from fpm.files.sealed import check, seal, unseal
+from fpm.files.seals import check, seal, unseal
 
 EVIL = (
     "<script>alert(1)</script>",

@@ -18,7 +18,7 @@ from deployable.campaign.errors import ConfigError
 from deployable.campaign.plan.jobs import batch_count
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.report.read import from_results
-from deployable.campaign.results.which import MAX_FIT_RUNS, fitted_rows
+from deployable.campaign.results.run_roles import MAX_FIT_RUNS, fitted_rows
 from deployable.campaign.runs import batch, extremes
 from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.store import open_store
@@ -129,7 +129,7 @@ def test_half_a_share_goes_on_where_it_was(scan, tmp_path, monkeypatch):
     other.write(share, made.results(share))
     one, whole = store.read(share), other.read(share)
     for key in ("low", "high", "low_run", "high_run"):
-        np.testing.assert_array_equal(getattr(one.running, key), getattr(whole.running, key))
+        np.testing.assert_array_equal(getattr(one.bounds, key), getattr(whole.bounds, key))
     np.testing.assert_array_equal(one.first, whole.first)
     np.testing.assert_array_equal(one.numbers, whole.numbers)
 

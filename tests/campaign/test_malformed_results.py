@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
-from fpm.files.sealed import check, seal, unseal
+from fpm.files.seals import check, seal, unseal
 
 READ = {
     "plan.json": ("simulate", "bounds", "answers", "figures"),

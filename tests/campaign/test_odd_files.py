@@ -17,7 +17,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import check_snakemake_arguments
 from deployable.campaign.errors import ConfigError, of_files
-from fpm.files.sealed import DamagedError, read_bytes
+from fpm.files.seals import DamagedError, read_bytes
 
 
 def keys(path) -> None:

@@ -12,20 +12,20 @@ import netCDF4
 import numpy as np
 import pytest
 
-from deployable.campaign import shipped
+from deployable.campaign import program_data
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
 from deployable.campaign.config.models import FigureChoice
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import csv_text, open_dataset, open_netcdf, refuse_links
-from deployable.campaign.files.outside import _library
+from deployable.campaign.files.external_links import _library
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import save
 from deployable.campaign.stages import STAGES
 from deployable.campaign.stages.workflow import Workflow, run
-from fpm.files.sealed import DamagedError, check, seal, unseal
+from fpm.files.seals import DamagedError, check, seal, unseal
 
 PAGE = ["--config", as_json(figures=FigureChoice())]
 PROGRAM = "import pathlib\npathlib.Path(__file__).with_suffix('.run').touch()\n"
@@ -125,7 +125,7 @@ def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, r
 def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
     raw, theirs, tmp_path, monkeypatch
 ):
-    program, linkage = tmp_path / "own.py", str(shipped.structures()["bennett"])
+    program, linkage = tmp_path / "own.py", str(program_data.list_structures()["bennett"])
     program.write_text(
         f"from fpm import structures\nOF = structures.load({linkage!r})\n"
         "PARAMETERS, MESH = OF.parameters, OF.mesh\n"

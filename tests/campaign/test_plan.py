@@ -9,7 +9,7 @@ import fpm
 import fpm.reading
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import count_runs, scene_type
-from deployable.campaign.plan.plan import make_plan, read_plan, share, write_plan
+from deployable.campaign.plan.plan import make_plan, read_plan, split_evenly, write_plan
 from deployable.campaign.runs.results import groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.kernels import sources
@@ -97,7 +97,7 @@ def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
 
     before = {keep: path(keep) for keep in ("responses", "trajectories")}
     assert path("responses") == before["responses"]
-    monkeypatch.setattr(sources, "reading", lambda: "another")
+    monkeypatch.setattr(sources, "digest_reading", lambda: "another")
     assert path("responses") != before["responses"]
     assert path("trajectories") == before["trajectories"]
 
@@ -115,7 +115,7 @@ def test_the_step_is_stable_at_every_corner_and_divides_the_interval(raw):
     plan = make_plan(config.experiment)
     bennett = scene_type("bennett")
     limits = [
-        fpm.stable_step(bennett.build(elements=2, a=a, E=E)).step
+        fpm.find_stable_step(bennett.build(elements=2, a=a, E=E)).step
         for a in (0.028, 0.035, 0.042)
         for E in (0.7e9, 1e9, 1.3e9)
     ]
@@ -156,7 +156,7 @@ def test_runs_with_the_same_values_are_one(config):
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
 def test_batches_and_groups_hold_every_run_once(plan, batches, size):
     every = groups_of(plan.unique_runs(), size)
-    groups = [share(every, batch, batches) for batch in range(batches)]
+    groups = [split_evenly(every, batch, batches) for batch in range(batches)]
     assert len(groups) == batches
     flat = [run.id for mine in groups for group in mine for run in group]
     assert flat == [run.id for run in plan.unique_runs()]
@@ -164,6 +164,6 @@ def test_batches_and_groups_hold_every_run_once(plan, batches, size):
 
 
 def test_shares_are_even():
-    parts = [share(list(range(10)), part, 4) for part in range(4)]
+    parts = [split_evenly(list(range(10)), part, 4) for part in range(4)]
     assert [item for part in parts for item in part] == list(range(10))
     assert {len(part) for part in parts} == {2, 3}

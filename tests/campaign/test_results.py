@@ -25,7 +25,7 @@ from deployable.campaign.results.figures import draw_envelopes, draw_panels
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
 from deployable.campaign.text.numbers import pretty
-from fpm.files.sealed import unseal
+from fpm.files.seals import unseal
 from fpm.scenes.scene_type import SceneType
 
 ROOT = Path(__file__).parents[2]

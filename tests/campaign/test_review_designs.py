@@ -249,7 +249,7 @@ def test_each_least_margin_is_known_and_nothing_else(monkeypatch, tmp_path):
         run = SimpleNamespace(energies=energies | {mechanism.BALANCE.name: balance})
         monkeypatch.setattr(mechanism, "read_curves", lambda path, run=run: run)
         motion = mechanism.motion_of(folder, plan)
-        assert motion == {"exchanged": exchanged, "largest": largest, "off": 0.5}
+        assert motion == {"exchanged": exchanged, "largest": largest, "imbalance": 0.5}
 
 
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():
@@ -357,7 +357,7 @@ def test_a_budget_at_any_place_of_the_box_adds_up():
     for _ in range(3):
         k, dry, cold = rng.uniform(0.02, 0.2), rng.uniform(1e-3, 2e-2), rng.uniform(1e-3, 9e-2)
         scene, _, response = of({}, k=k, dry=dry, cold=cold, temperature=-100.0)
-        budget = margins.torque_budget(response, margins.sweep_travel(scene, [response]))
+        budget = margins.make_torque_budget(response, margins.sweep_travel(scene, [response]))
         angle = np.append(np.linspace(0, np.pi / 2, 4001), np.radians([35, 45, 55]))
         wires = np.interp(angle, np.radians([0, 35, 45, 55, 100]),
                           cold * np.array([0, 0.2, 1, 0.2, 0.5]))  # fmt: skip

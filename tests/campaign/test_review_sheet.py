@@ -109,10 +109,10 @@ ROWS = {
         least(first=0.0, last=1.5, travel=[1.5e-6, 1.5 + 1.5e-6]), "4.7.5.3", EVERY, "met in all"),
     "another stands": (
         least(locked=["g"]), "4.7.5.3", EVERY,
-        "partly analysed: met from 0 to 1.5 rad; g, which stands, is not led"),
+        "partly analysed: met from 0 to 1.5 rad; g, which stands, is not moved"),
     "two others stand": (
         least(locked=["f", "g"]), "4.7.5.3", EVERY,
-        "partly analysed: met from 0 to 1.5 rad; f, g, which stand, are not led"),
+        "partly analysed: met from 0 to 1.5 rad; f, g, which stand, are not moved"),
     "all of a travel below 0": (
         least(first=-1.5, last=0.0, travel=[-1.5, 0.0]), "4.7.5.3", EVERY,
         "met in all of the box, by analysis"),
@@ -231,8 +231,9 @@ def of_many_digits(empty):
         {"name": "n", "description": "", "value": 3, "units": "1"},
     ]
     texts = {}
+    motion = facts["mechanism"]["motion"] = {"largest": 2.0, "imbalance": 1.2345e-4}
     for exchanged in (0.19, 0.2, 0.21):  # twenty times what may be off is 0.2
-        facts["mechanism"]["motion"] = {"exchanged": exchanged, "largest": 2.0, "off": 1.2345e-4}
+        motion["exchanged"] = exchanged
         rows = rows_of(facts, sheets.experiment(numbers_), ECSS)
         texts[f"digits {exchanged}"] = [
             " | ".join(row.values()) for row in rows if row not in empty
@@ -303,7 +304,7 @@ def test_a_clause_that_nothing_was_stated_for_is_not_analysed():
      (4e-8, 1e-16, "not analysed")],
 )  # fmt: skip
 def test_a_balance_of_energy_takes_a_run_that_moves(exchanged, off, verdict):
-    motion = {"exchanged": exchanged, "largest": 2.0, "off": off}
+    motion = {"exchanged": exchanged, "largest": 2.0, "imbalance": off}
     (row,) = find(sheet(motion=motion), "4.8.2.6", "integrity")
     assert row["verdict"].startswith(verdict) and "9 runs, each of 2 s" in row["analysed"]
 
@@ -358,11 +359,11 @@ def test_a_margin_by_own_factors_stands_beside_that_of_the_standard():
 
 
 def test_latches_and_motors_that_have_no_part_are_said():
-    stated = least(latches=["lock"], motors=["g"], added=["deliver 0.1"], locked=["f"])
+    stated = least(latches=["lock"], motors=["g"], added=["output_torque 0.1"], locked=["f"])
     (row,) = find(sheet(*stated), "4.7.5.3", EVERY)
     for words in (
         "the latch lock, which catches on the way, has no part", "the motor of g, elastic",
-        "with deliver 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad analysed",
+        "with output_torque 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad analysed",
     ):  # fmt: skip
         assert words in row["analysed"]
 
@@ -600,7 +601,7 @@ def drawn(rng):
                 slack = low - level if kind == "at_least" else level - low - width
                 met = "all" if slack >= 0 and rng.random() < 0.9 else some("undecided", "some")
             limits.append(required(f"r{each.name}{j}", limit(each.name, kind, level, met)))
-    motion = {"exchanged": float(some(1.0, 0.01)), "largest": 2.0, "off": 1e-4}
+    motion = {"exchanged": float(some(1.0, 0.01)), "largest": 2.0, "imbalance": 1e-4}
     return quantities, limits, numbers_, margins, motion
 
 

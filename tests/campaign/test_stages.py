@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_any_change_of_the_program_counts_and_a_remark_does_not(tmp_path):
-    nothing = shutil.ignore_patterns("__pycache__", "shipped")
+    nothing = shutil.ignore_patterns("__pycache__", "program_data")
     copied = shutil.copytree(ROOT / "deployable", tmp_path / "deployable_copied", ignore=nothing)
     for file in ("campaign/report/page.html", "intervals/box.py", "campaign/runs/progress.py"):
         before, path = PackageFiles(copied).digest(), copied / file

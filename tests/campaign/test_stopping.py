@@ -12,9 +12,9 @@ import pytest
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
+from deployable.campaign.interrupts import end_on_ctrl_c
 from deployable.campaign.stages import STAGES
-from deployable.campaign.stopping import end_on_ctrl_c
-from fpm.files.sealed import _host
+from fpm.files.seals import _host
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_ctrl_c_stays_ignored_where_it_is(interrupts):
 def test_a_process_that_leaves_has_told_and_cleared_everything():
     code = """if True:
         import atexit, sys
-        from deployable.campaign.stopping import leave
+        from deployable.campaign.interrupts import leave
         atexit.register(print, "cleared")
         print("told"), print("warned", file=sys.stderr)
         leave(3)

@@ -59,7 +59,7 @@ def test_digits_tell_ends_apart(middle, width):
         ({"error": 0.0123}, "3.78 to 11.84 s"),
         ({"error": 30.0}, "3.8 to 11.8 s"),
         ({"error": 0.6, "lower": 0.0}, "0 to 11.8 s"),
-        ({"error": 0.6, "beyond": 12.0}, "3.8 to more than 12 s (the end of the runs)"),
+        ({"error": 0.6, "censored_at": 12.0}, "3.8 to more than 12 s (the end of the runs)"),
     ],
 )
 def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
@@ -82,7 +82,7 @@ def test_ends_are_simulated_or_foretold(foretold, text, named):
     row = {"simulated_lower": 1.2, "simulated_upper": 1.5, "predicted_ends": foretold}
     row |= {"name": "t", "long_name": "time", "lower": 1.0, "upper": 2.0, "units": "s"}
     assert sentence("ends", row) == text
-    row |= {"beyond": None, "runs_without": 0, "error": None}
+    row |= {"censored_at": None, "runs_without": 0, "error": None}
     assert sentence("ranges", {"quantities": [row]}) == f"The time (t) is 1.00 to 2.00 s{named}."
 
 
@@ -148,13 +148,14 @@ def test_what_fails_only_where_it_does_not_happen_is_told_apart():
     """A speed at an event that does not happen everywhere breaks no limit where it does."""
     limit = {"quantity": "v", "kind": "at_most", "level": 2.0}
     row = {"met": "some", "share": 0.955, "limits": [limit]}
-    v = {"name": "v", "happens": 0.955, "lower": 1.0, "upper": 1.5, "error": 0.1, "beyond": None}
+    v = {"name": "v", "happens": 0.955, "censored_at": None, "lower": 1.0, "upper": 1.5}
+    v["error"] = 0.1
     assert happens_only(row, [v]) == "v"
     assert happens_only(row, [{**v, "happens": 0.96}]) is None
     other = {**row, "limits": [{**limit, "kind": "happens"}]}
     assert happens_only(other, [v]) is None
     # Not where its bounds come to the limit by their error, or a run breaks it.
-    for changes in ({"error": 0.6}, {"upper": 2.1}, {"error": None}, {"beyond": 3.0}):
+    for changes in ({"error": 0.6}, {"upper": 2.1}, {"error": None}, {"censored_at": 3.0}):
         assert happens_only(row, [{**v, **changes}]) is None
     low = {**row, "limits": [{**limit, "kind": "at_least", "level": 0.8}]}
     assert happens_only(low, [v]) == "v"
@@ -298,7 +299,7 @@ def facts_of_two(**changed):
     response |= {"grade": "small", "shares": {"k1": 1.0, "k2": 0.0}}
     quantity = {"name": "q", "long_name": "largest opening", "units": "rad", "error": 0.0}
     quantity |= {"lower": 1.0, "upper": 1.1, "surrogate_lower": 1.0, "surrogate_upper": 1.1}
-    quantity |= {"beyond": None, "runs_with": 9, "runs_without": 0, "predicted_ends": []}
+    quantity |= {"censored_at": None, "runs_with": 9, "runs_without": 0, "predicted_ends": []}
     quantity |= {"influence": {"k1": wide, "k2": idle}}
     known = {"description": "", "nominal": 1.0, "lower": 0.9, "upper": 1.1, "units": "1"}
     parameters = [{"name": name, **known} for name in ("k1", "k2")]

@@ -86,12 +86,12 @@ TOLD = {
     ]},
     "deploys": {"docs/will-it-latch.md": lambda a: [
         f"{a.meet['opens']} of the box", f"{a.meet['all']} of the box",
-        f"{a.t_open.lower:.1f} s to more than the {a.t_open.beyond:g} s",
+        f"{a.t_open.lower:.1f} s to more than the {a.t_open.censored_at:g} s",
         f"at most {a.v_open.upper:.2f} m/s",
         f"k = {a.choice['parameters'][0]['value']:.3f} N m/rad",
     ], "README.md": lambda a: [
         f"in {a.meet['opens']} of the box",
-        f"after {a.t_open.lower:.1f} s to more than {a.t_open.beyond:g} s",
+        f"after {a.t_open.lower:.1f} s to more than {a.t_open.censored_at:g} s",
     ]},
 }  # fmt: skip
 """For each campaign the pages that tell of it, and the texts that are there if they tell right."""

@@ -87,7 +87,7 @@ STUDIES_NOT_RUN = {
     "extremes": "2.5 minutes; many groups: tests/evidence/test_extremes.py",
     "accuracy": "1.2 minutes; five choices: tests/evidence/test_accuracy.py",
     "tradeoff": "7 minutes, `asked-latch` 20 s; small cases: tests/evidence/test_tradeoff.py, "
-    "tests/evidence/test_asked_rows.py",
+    "tests/evidence/test_tolerance_rows.py",
     "measured": "20 minutes; two tests: tests/campaign/test_measured.py",
     "search": "half a minute; three boxes: tests/evidence/test_search_study.py",
     "scaling": "1 minute; what it tells: tests/evidence/test_scaling.py",

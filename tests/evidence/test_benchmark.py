@@ -70,8 +70,8 @@ def test_kernel_rows():
 
 
 def test_overheads():
-    rows = overheads.surrogate(1, order=3, instants=20, responses=2) + overheads.writing(1, 11, 2)
-    check(rows)
+    rows = overheads.surrogate(1, order=3, instants=20, responses=2)
+    check(rows + overheads.time_write(1, 11, 2))
 
 
 def test_counting_numbers_count_as_the_compiler_fuses():
@@ -192,4 +192,4 @@ def test_the_timed_scenes_hold_together():
     assert {kind for case in kinds.CASES.values() for kind in case} == set(scenes.KINDS)
     for case in kinds.CASES.values():
         scene = scenes.bars(2, *case)
-        assert fpm.stable_step(scene).step > 0
+        assert fpm.find_stable_step(scene).step > 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from evidence.extremes import joints, parameters, runs
-from evidence.extremes.judge import LINE_ACCURACY, WHIPPING, compare, judge
+from evidence.extremes.judge import LINE_ACCURACY, WHIP, compare, judge
 from evidence.extremes.study import GROUPS
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
@@ -31,7 +31,7 @@ def test_a_wrong_curve_fails():
 
 @pytest.mark.slow
 def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
-    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIPPING, is_whole_run=True)
+    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIP, is_whole_run=True)
     assert str(rows[0].value).startswith("refused: unstable")
     assert "refine the mesh" in rows[0].value
     assert len(rows) == 3
@@ -40,7 +40,7 @@ def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
 
 @pytest.mark.slow
 def test_a_refusal_that_no_mesh_helps_is_the_last_word():
-    rows = judge("E = 1e5", {"E": 1e5}, WHIPPING, is_whole_run=True)
+    rows = judge("E = 1e5", {"E": 1e5}, WHIP, is_whole_run=True)
     assert "refine the mesh" in rows[0].value
     assert "no mesh or step helps" in rows[-1].value
     assert all(row.passed and isinstance(row.value, str) for row in rows)

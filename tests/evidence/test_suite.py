@@ -45,7 +45,8 @@ def test_a_run_that_breaks_down_is_a_failing_row(monkeypatch):
             (0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.1), fpm.Material(1e9, 0.3, 1e3), 2
         )
         scene.velocity[0, 2] = 1.0
-        bench.simulate(scene, duration=0.1, instants=11, step=1.05 * fpm.stable_step(scene).step)
+        step = 1.05 * fpm.find_stable_step(scene).step
+        bench.simulate(scene, duration=0.1, instants=11, step=step)
 
     monkeypatch.setitem(study.PROBLEMS, "unstable", unstable)
     rows = study.solve("unstable", True).rows

@@ -12,12 +12,12 @@ from PIL import Image
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import export
+from deployable.campaign.pictures.animation import write_moving
 from deployable.campaign.pictures.colours import stress_colours
-from deployable.campaign.pictures.moving import write_moving
+from deployable.campaign.pictures.drawing import draw_structure
 from deployable.campaign.pictures.order import paint_order
 from deployable.campaign.pictures.paint import limits_of, paint_cables, visible_faces
 from deployable.campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
-from deployable.campaign.pictures.still import draw_structure
 from deployable.campaign.pictures.view import View, nice_length
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"

@@ -26,7 +26,7 @@ def two_bars(steel=STEEL) -> fpm.Scene:
 
 
 def run(*scenes, factor=1.0, step=None, steps=2000, instants=3):
-    step = step or factor * min(fpm.stable_step(s).step for s in scenes)
+    step = step or factor * min(fpm.find_stable_step(s).step for s in scenes)
     return fpm.simulate(scenes, duration=steps * step, instants=instants, step=step)
 
 
@@ -45,7 +45,7 @@ def test_above_the_limit_a_run_stops_within_a_few_hundred_steps(factor):
     assert isinstance(failure, fpm.InstabilityError)
     assert 0 < failure.time <= 400 * failure.step
     assert failure.element.startswith("steel[")
-    limit = fpm.stable_step(two_bars()).step
+    limit = fpm.find_stable_step(two_bars()).step
     assert failure.limit == limit
     assert failure.step == pytest.approx(factor * limit, rel=1e-3)
     text = str(failure)
@@ -147,14 +147,14 @@ def test_rounding_of_a_scene_at_rest_is_no_breakdown(parameters):
 @pytest.mark.parametrize("place", [0, 3, 7])
 def test_an_unstable_lane_does_not_harm_the_others(place):
     """Its neighbours are equal bit for bit to runs alone, it is reported as its own."""
-    step = 0.9 * fpm.stable_step(two_bars()).step
+    step = 0.9 * fpm.find_stable_step(two_bars()).step
     scenes = [two_bars(fpm.Material((1.0 + 0.01 * i) * 2.0e11, 0.3, 7850.0)) for i in range(8)]
     stiffer = fpm.Material(8.4e11, 0.3, 7850.0)
     scenes[place] = two_bars(stiffer)
     outcomes = run(*scenes, step=step)
     assert [i for i, o in enumerate(outcomes) if o.failure is not None] == [place]
     assert not np.isfinite(outcomes[place].final.position).all()  # it really blew up
-    assert outcomes[place].failure.limit == fpm.stable_step(two_bars(stiffer)).step
+    assert outcomes[place].failure.limit == fpm.find_stable_step(two_bars(stiffer)).step
     for i in (1, 2, 6):
         assert same(outcomes[i], run(scenes[i], step=step)[0])
 
@@ -226,7 +226,7 @@ def test_axes_of_a_hinge_that_open_are_refused():
 def test_a_failure_reads_the_same_whoever_runs_beside_it():
     bennett = scene_type("bennett")
     soft, plain = bennett.build(E=3e5), bennett.build()
-    step = 0.9 * fpm.stable_step(plain).step
+    step = 0.9 * fpm.find_stable_step(plain).step
     options = {"duration": 0.2, "instants": 21, "step": step}
     (alone,) = fpm.simulate([soft], **options)
     beside, other = fpm.simulate([soft, plain], **options)

@@ -126,7 +126,7 @@ def test_alone_and_in_a_batch_it_gives_the_same_bits(lifted):
 
 
 def test_the_stable_step_is_that_of_stuck_stretches():
-    limit = fpm.stable_step(atwood(1.0, 1.0, 0.1, EA=1e6))
+    limit = fpm.find_stable_step(atwood(1.0, 1.0, 0.1, EA=1e6))
     # A mass on its stretch of 1 m, stuck at the point.
     rest = 1.0 / (1 + G / 1e6)
     assert limit.step == pytest.approx(2 / np.sqrt(1e6 / rest), rel=1e-12)

@@ -18,12 +18,12 @@ import pytest
 
 import fpm.elements
 from fpm.errors import ChangedError
-from fpm.kernels import compiled
+from fpm.kernels import compiled_loop
 from fpm.kernels.hooks import KERNELS
 
 PROGRAM = '''
 import fpm
-from fpm.kernels.compiled import LOOPS
+from fpm.kernels.compiled_loop import LOOPS
 from fpm.structures import loads
 scene = loads("""
 points: {hub: [0, 0, 0], tip: [1, 0, 0]}
@@ -109,20 +109,20 @@ def own(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("name", "other"), [(name, name != "not_imported") for name in OWN_KIND])
 def test_an_edit_of_what_a_kind_imports_is_refused_in_its_process(own, tmp_path, name, other):
-    before = compiled.cache_folder((own,))
+    before = compiled_loop.cache_folder((own,))
     path = tmp_path / f"{name}.py"
     path.write_text(path.read_text().replace("1.0", "3.0").replace("2.0", "3.0") + "\nMORE = 1\n")
-    compiled.source_digest.cache_clear()
+    compiled_loop.source_digest.cache_clear()
     if other:  # compiled code of this process is of the file as it was
         with pytest.raises(ChangedError, match=f"{name}.py changed since it was imported"):
-            compiled.cache_folder((own,))
+            compiled_loop.cache_folder((own,))
     else:
-        assert compiled.cache_folder((own,)) == before
+        assert compiled_loop.cache_folder((own,)) == before
 
 
 def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(compiled, "LOOPS", {})
+    monkeypatch.setattr(compiled_loop, "LOOPS", {})
     kinds = [NamedTuple(f"Kind{i}", [("index", np.ndarray)]) for i in range(16)]
     world, start = SimpleNamespace(state=np.zeros(1)), threading.Barrier(len(kinds))
     refused = []
@@ -130,7 +130,7 @@ def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     def ask(kind):
         start.wait()
         try:
-            compiled.loop_for(((kind(np.zeros(1)),), world))
+            compiled_loop.loop_for(((kind(np.zeros(1)),), world))
         except ValueError as error:  # such a world has no type, so that nothing is compiled
             refused.append(str(error))
 
@@ -148,15 +148,15 @@ def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     assert all("Cannot determine Numba type" in text for text in refused)
     assert str(tmp_path) == numba.config.CACHE_DIR
     for kind in kinds:
-        folder = compiled.cache_folder((kind,))
-        assert Path(compiled.LOOPS["loop", (kind,)].stats.cache_path).parent == folder
+        folder = compiled_loop.cache_folder((kind,))
+        assert Path(compiled_loop.LOOPS["loop", (kind,)].stats.cache_path).parent == folder
 
 
 def test_another_processor_has_another_cache_beside(monkeypatch):
-    before = compiled.cache_folder()
-    monkeypatch.setattr(compiled, "processor", lambda: "another")
-    assert compiled.cache_folder() != before
-    assert compiled.cache_folder().parents[1] == before.parents[1]
+    before = compiled_loop.cache_folder()
+    monkeypatch.setattr(compiled_loop, "processor", lambda: "another")
+    assert compiled_loop.cache_folder() != before
+    assert compiled_loop.cache_folder().parents[1] == before.parents[1]
 
 
 def test_a_loop_of_all_kinds_has_a_folder_that_can_be_made(tmp_path, monkeypatch):
@@ -167,8 +167,8 @@ def test_a_loop_of_all_kinds_has_a_folder_that_can_be_made(tmp_path, monkeypatch
     own = (arrays for arrays, _ in KERNELS if arrays.__module__.startswith("fpm."))
     every = tuple(dict.fromkeys(own))
     assert len(every) > 20
-    folders = [compiled.cache_folder(kinds) for kinds in (every, every[:-1])]
-    with compiled._one_at_a_time(folders[0]) as is_locked:
+    folders = [compiled_loop.cache_folder(kinds) for kinds in (every, every[:-1])]
+    with compiled_loop._one_at_a_time(folders[0]) as is_locked:
         assert is_locked
     assert folders[0] != folders[1]
 
@@ -177,7 +177,7 @@ def test_the_lock_is_where_the_cache_is(tmp_path):
     program = """
 import sys
 from pathlib import Path
-from fpm.kernels.compiled import _one_at_a_time
+from fpm.kernels.compiled_loop import _one_at_a_time
 with _one_at_a_time(Path(sys.argv[1])) as is_locked:
     print(is_locked, flush=True)
     sys.stdin.read()
@@ -191,7 +191,7 @@ with _one_at_a_time(Path(sys.argv[1])) as is_locked:
         with open(tmp_path / "cache" / "loop.lock") as file, pytest.raises(BlockingIOError):
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         other.communicate()
-    with compiled._one_at_a_time(folder) as is_locked:
+    with compiled_loop._one_at_a_time(folder) as is_locked:
         assert is_locked
 
 
@@ -207,9 +207,9 @@ def test_without_locks_nothing_is_kept(monkeypatch, tmp_path, reason):
         raise OSError(reason, os.strerror(reason))
 
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(compiled, "LOOPS", {})
-    monkeypatch.setattr(compiled.fcntl, "flock", refuse)
+    monkeypatch.setattr(compiled_loop, "LOOPS", {})
+    monkeypatch.setattr(compiled_loop.fcntl, "flock", refuse)
     with pytest.raises(ValueError, match="Cannot determine Numba type"):
-        compiled.loop_for(((Lonely(np.zeros(1)),), SimpleNamespace(state=np.zeros(1))))
-    assert compiled.LOOPS["loop", (Lonely,)].stats.cache_path is None
+        compiled_loop.loop_for(((Lonely(np.zeros(1)),), SimpleNamespace(state=np.zeros(1))))
+    assert compiled_loop.LOOPS["loop", (Lonely,)].stats.cache_path is None
     assert not list(tmp_path.rglob("*.nb*"))

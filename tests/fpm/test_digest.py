@@ -185,7 +185,7 @@ def test_a_file_that_is_touched_or_new_and_unused_does_not_matter(package):
 
 def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypatch):
     """Else they are kept under the name of what the file says now."""
-    from fpm.kernels import compiled
+    from fpm.kernels import compiled_loop
 
     path = tmp_path / "tether_kernels.py"
     path.write_text(
@@ -195,10 +195,10 @@ def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypa
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     parts = (importlib.import_module("tether_kernels").Tethers,)
-    assert [found.name for found in compiled.find_user_sources(parts)] == [path.name]
+    assert [found.name for found in compiled_loop.find_user_sources(parts)] == [path.name]
     edit(path, "pass", "return")
     with pytest.raises(fpm.SceneError, match=r"tether_kernels\.py changed since it was imported"):
-        compiled.find_user_sources(parts)
+        compiled_loop.find_user_sources(parts)
 
 
 def test_a_structure_s_own_file_counts_for_it_alone():

@@ -180,12 +180,12 @@ def only(scene: fpm.Scene, *kinds) -> fpm.Scene:
 
 def test_the_stable_step_of_a_loop_is_exact():
     fast = np.sqrt(1000.0 * (0.01 / J + 0.04 / SMALL))
-    limit = fpm.stable_step(only(everything(), SyncLoop))
+    limit = fpm.find_stable_step(only(everything(), SyncLoop))
     assert limit.frequency == pytest.approx(fast, rel=1e-12)
     assert limit.element == "loop belt"
     scene = everything()
     scene.fix(scene.hinges[5].particles[1])
-    assert fpm.stable_step(only(scene, SyncLoop)).frequency == pytest.approx(np.sqrt(10 / J))
+    assert fpm.find_stable_step(only(scene, SyncLoop)).frequency == pytest.approx(np.sqrt(10 / J))
 
 
 @pytest.mark.slow
@@ -193,7 +193,7 @@ def test_damping_is_stable_at_the_share_of_the_limit_that_a_run_takes():
     for damping in (1.0, 20.0, 400.0, 8000.0):
         scene = everything(c=damping)
         scene.spin[1, 2] = 5.0
-        limit = fpm.stable_step(scene)
+        limit = fpm.find_stable_step(scene)
         assert limit.element == ("motor H0" if damping > 10 else "release H2")
         step = fpm.SAFETY * limit.step
         (outcome,) = fpm.simulate(

@@ -6,8 +6,8 @@ from asking import curves, vector, vectors
 
 import fpm
 from evidence.verification.mechanisms import rod
-from evidence.verification.rigid_moving import AXIS as Z
-from evidence.verification.rigid_moving import rocker, spatial_four_bar
+from evidence.verification.rigid_motors import AXIS as Z
+from evidence.verification.rigid_motors import rocker, spatial_four_bar
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

@@ -94,7 +94,7 @@ def test_the_stable_step_knows_which_own_axes_are_held(rotations):
         bar = scene.add_link(*ends, normal, SECTION, MATERIAL, 4)
         letters = "".join("xyz"[("xyz".index(a) + turn) % 3] for a in rotations)
         scene.fix(bar.particles, "", letters)
-        return fpm.stable_step(scene).step
+        return fpm.find_stable_step(scene).step
 
     assert step(1) == pytest.approx(step(0), rel=1e-9)
     assert step(2) == pytest.approx(step(0), rel=1e-9)
@@ -105,6 +105,6 @@ def test_in_a_joint_a_body_turns_about_two_axes_only_if_its_inertias_are_alike()
     other = scene.add_particles((1.0, 0.0, 0.0), 1.0, 0.1)[0]
     scene.add_hinge("H", (0, other), (0.5, 0.0, 0.0), (0, 0, 1))
     with pytest.raises(fpm.SceneError, match="rotations of particle 0 in a joint, held about x"):
-        fpm.stable_step(scene)
+        fpm.find_stable_step(scene)
     scene.inertia[0] = 0.1
-    fpm.stable_step(scene)
+    fpm.find_stable_step(scene)

@@ -24,7 +24,7 @@ from fpm.elements.kind import BATCH_ARRAYS, ElementType
 from fpm.files.outcome import eventful
 from fpm.kernels import hooks
 from fpm.reading.responses import parts_on
-from fpm.structures.describe import acting
+from fpm.structures.describe import list_actions
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def test_what_is_alone_on_its_hinge_may_stand_beside_a_kind_with_its_fields(elem
     scene.add(Door(hinge=0))
     scene.add(element)
     assert parts_on(scene, "hinge") == [element.acts_as]
-    (text,) = acting(scene)
+    (text,) = list_actions(scene)
     assert text.startswith(f"{element.noun} hinge (on hinge")
     with pytest.raises(fpm.SceneError, match=r"without a|no other latch"):
         scene.add(element)

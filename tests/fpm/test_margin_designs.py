@@ -52,7 +52,7 @@ class Design:
         self.evidence = str(rng.choice(list(STANDARDS[self.standard].resists)))
         self.more = {}
         if rng.random() < 0.3:
-            self.more["deliver"] = rng.uniform(0.0, 0.05)
+            self.more["output_torque"] = rng.uniform(0.0, 0.05)
 
     def springs(self, hinge, rate):
         k, psi = self.rng.uniform(0.05, 0.5), self.rng.uniform(0.8, 4.0) * rate
@@ -128,7 +128,7 @@ class Design:
         standard = STANDARDS[self.standard]
         resists = standard.resists[self.evidence]
         driving = 0.0
-        resisting = resists["TL"] * self.more.get("deliver", 0.0)
+        resisting = resists["TL"] * self.more.get("output_torque", 0.0)
         for hinge, name, gives in self.acting:
             work = self.rates[hinge] * gives(self.rates[hinge] * way)
             driving = driving + standard.drives[name] * np.maximum(work, 0)
@@ -159,7 +159,7 @@ def off_by(seed: int) -> tuple[float, float]:
     least, at = (number.evaluate(run) for number in parse(asked, [response], [])[0])
     assert least >= -1.0
     exact, places = design.least()
-    budget = margins.torque_budget(response, run)
+    budget = margins.make_torque_budget(response, run)
     weighted = np.array([row.weighted for row in budget.rows])
     assert budget.margin == least and budget.opening == at
     assert weighted[weighted > 0].sum() == pytest.approx(budget.drives, abs=1e-15)

@@ -53,8 +53,8 @@ def found(scene, definition):
         ({"standard": "aiaa-s-114", **HARNESS}, 3.399008),
         ({"standard": "aiaa-s-114", **HARNESS, "without": ["torsion spring h1"]}, -1.0),
         # 0.157080 against what is there and 1.25 x 0.6 kg m² x 0.1 rad/s² and 0.02 N m
-        ({"standard": "ecss-e-st-33-01c", **HARNESS, "accelerate": 0.1, "deliver": 0.02},
-         0.125663706 / (0.107123889 + 0.075 + 0.02) - 1),
+        ({"standard": "ecss-e-st-33-01c", **HARNESS, "specified_acceleration": 0.1,
+          "output_torque": 0.02}, 0.125663706 / (0.107123889 + 0.075 + 0.02) - 1),
     ],
 )  # fmt: skip
 def test_the_least_margin_of_a_panel(more, least):
@@ -119,9 +119,9 @@ def drawn(rng):
         work += [("HA", -r * h * r * angle) for r, h in zip(rates, harness, strict=True)]
         # 2 kg at 0.5 m
         work.append(("I", weight * (np.sin(turn) * np.cos(angle) - np.cos(turn) * np.sin(angle))))
-        driving = sum(drives[name] * np.maximum(w, 0) for name, w in work)
+        drive = sum(drives[name] * np.maximum(w, 0) for name, w in work)
         resisting = sum(resists[name] * np.maximum(-w, 0) for name, w in work)
-        return driving / resisting - 1
+        return drive / resisting - 1
 
     definition = {"margin": "h1", "to": end, "standard": standard, "evidence": evidence,
                   "classes": classes}  # fmt: skip
@@ -174,7 +174,7 @@ def test_more_random_designs(seed):
         ({"classes": {"friction h1": "XX"}}, "classes.friction h1", "FR"),
         ({"classes": ["FR"]}, "classes", "a mapping"),
         ({"uncertainty_factors": {"FR": -1}}, "uncertainty_factors.FR", "at least 0"),
-        ({"deliver": "much"}, "deliver", "a number"),
+        ({"output_torque": "much"}, "output_torque", "a number"),
     ],
 )
 def test_what_is_refused(change, key, allowed):

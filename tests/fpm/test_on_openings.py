@@ -282,7 +282,7 @@ def test_the_stable_step_knows_all_of_them():
         scene = bare()
         for element in elements:
             scene.add(element)
-        return fpm.stable_step(scene).step
+        return fpm.find_stable_step(scene).step
 
     exact = 2 * np.sqrt(J / 50)
     assert limit(Latch(0, 1.0, 50.0)) == pytest.approx(exact)

@@ -10,7 +10,7 @@ from ground_spring import GroundSpring
 
 import fpm
 from fpm.elements.kind import ElementType, Energy
-from fpm.kernels import compiled
+from fpm.kernels import compiled_loop
 from fpm.scenes.scene_type import SceneType
 
 pytestmark = pytest.mark.slow  # a time loop of its own
@@ -54,7 +54,7 @@ def test_its_energy_is_in_the_balance(outcome):
 
 
 def test_it_has_a_stable_step():
-    limit = fpm.stable_step(body())
+    limit = fpm.find_stable_step(body())
     assert limit.step == pytest.approx(2 / RATE, rel=1e-12)
     assert limit.element == "ground spring 0"
     stable, unstable = (
@@ -114,9 +114,9 @@ def test_its_own_code_has_its_own_cache(outcome):
     from ground_spring_kernels import GroundSprings
 
     parts = (GroundSprings,)
-    names = {path.name for path in compiled.find_user_sources(parts)}
+    names = {path.name for path in compiled_loop.find_user_sources(parts)}
     assert names == {"ground_spring_kernels.py"}
-    assert compiled.cache_folder(parts) != compiled.cache_folder()
+    assert compiled_loop.cache_folder(parts) != compiled_loop.cache_folder()
 
 
 def test_hooks_that_do_not_exist_are_refused():

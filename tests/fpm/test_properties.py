@@ -64,7 +64,7 @@ both = pytest.mark.parametrize(
 
 def run(*scenes: fpm.Scene, steps=400, step=None):
     """Outcomes of all scenes at one step: 0.5 of the smallest limit, or as given (s)."""
-    step = step or 0.5 * min(fpm.stable_step(s).step for s in scenes)
+    step = step or 0.5 * min(fpm.find_stable_step(s).step for s in scenes)
     outcomes = fpm.simulate(scenes, duration=steps * step, instants=INSTANTS, step=step)
     for outcome in outcomes:
         assert outcome.failure is None
@@ -73,7 +73,7 @@ def run(*scenes: fpm.Scene, steps=400, step=None):
 
 def run_each(*scenes: fpm.Scene, **more):
     """The same for scenes that cannot share a batch."""
-    step = 0.5 * min(fpm.stable_step(s).step for s in scenes)
+    step = 0.5 * min(fpm.find_stable_step(s).step for s in scenes)
     return [run(s, step=step, **more)[0] for s in scenes]
 
 
@@ -165,7 +165,7 @@ def test_dimensional_analysis_scales_the_curves(length, modulus, density, start,
     first_scene = build(**plain, **common)
     second_scene = build(**{k: v * factors[k] for k, v in plain.items()}, **common)
     time = length * np.sqrt(density / modulus)
-    limits = [fpm.stable_step(s).step for s in (first_scene, second_scene)]
+    limits = [fpm.find_stable_step(s).step for s in (first_scene, second_scene)]
     assert limits[1] == pytest.approx(time * limits[0], rel=1e-7)
     (first,), (second,) = (
         run(s, step=0.8 * limits[0] * f) for s, f in ((first_scene, 1.0), (second_scene, time))
@@ -183,7 +183,7 @@ def test_time_can_be_reversed(scenes, seed, start):
     """Without damping a run with reversed velocities leads back to the start, moving backwards."""
     for scene in scenes(seed, start):
         scene.velocity[:, 2] = 0.0
-        step = 0.8 * fpm.stable_step(scene).step
+        step = 0.8 * fpm.find_stable_step(scene).step
         (there,) = run(scene, step=step, steps=200)
         (back,) = run(continued(scene, there, -1.0), step=step, steps=200)
         assert largest([back.final.position - scene.position]) < 1e-8
@@ -198,7 +198,7 @@ def test_time_can_be_reversed(scenes, seed, start):
 def test_damping_has_a_direction_of_time():
     """The test above can fail: damped, the way back does not end at the start."""
     scene = loaded_bar(0, gravity=(0, 0, 0), damping=20.0)
-    step = 0.8 * fpm.stable_step(scene).step
+    step = 0.8 * fpm.find_stable_step(scene).step
     (there,) = run(scene, step=step)
     (back,) = run(continued(scene, there, -1.0), step=step)
     went = largest([there.final.position - scene.position])
@@ -211,7 +211,7 @@ def test_damping_has_a_direction_of_time():
 def test_a_run_can_be_continued(seed):
     """Two runs of which one starts where the other ended are one run."""
     scene = loaded_bar(seed)
-    step = 0.8 * fpm.stable_step(scene).step
+    step = 0.8 * fpm.find_stable_step(scene).step
     (whole,) = run(scene, step=step, steps=800)
     (first,) = run(scene, step=step, steps=400)
     (second,) = run(continued(scene, first, 1.0), step=step, steps=400)

@@ -195,7 +195,7 @@ def test_moments_that_hold_are_told_apart_and_reactions_know_them(ran):
 
 def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
     scene = bars(latch=0.4, hold={"time": 1.0})
-    assert fpm.stable_step(scene).step == np.inf
+    assert fpm.find_stable_step(scene).step == np.inf
     assert Hinge.find(scene) == []
     assert [joint.type for joint in Joint.find(scene)] == ["revolute"] * 3 + ["opening"] * 3
     assert len(Turn.find(scene)) == 3

@@ -205,7 +205,7 @@ def two_bars(start, end, section=None, elements=2) -> fpm.Scene:
 
 def apart(scene: fpm.Scene) -> float:
     known = bars.bars_of(scene)
-    found = clearance.clearance(
+    found = clearance.find_clearance(
         scene, known["one"], known["two"],
         lambda p: scene.position[None, p], lambda p: scene.frame[None, p],
     )  # fmt: skip

@@ -10,7 +10,7 @@ from fpm.assembly import assemble
 from fpm.elements import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
 from fpm.files import trajectory
 from fpm.reading import responses
-from fpm.scenes.timestep import stable_step
+from fpm.scenes.timestep import find_stable_step
 
 X, Y = np.eye(3)[:2]
 J = (0.02, 0.03, 0.05)
@@ -100,10 +100,10 @@ def test_the_stable_step_of_a_slide_is_that_of_the_masses_where_the_line_misses_
     scene = bodies(1.0, 2.0, held=False)
     along = scene.position[1] - scene.position[0]
     scene.add_torsion_spring(scene.add_slide("boom", (0, 1), (0.9, -4.0, 2.0), along), 50.0)
-    assert stable_step(scene).frequency == pytest.approx(np.sqrt(50.0 * 1.5), rel=1e-9)
+    assert find_stable_step(scene).frequency == pytest.approx(np.sqrt(50.0 * 1.5), rel=1e-9)
     held = bodies(1.0, 2.0)
     held.add_torsion_spring(held.add_slide("boom", (0, 1), (0.9, -4.0, 2.0), X), 50.0)
-    assert stable_step(held).frequency == pytest.approx(5.0, rel=1e-9)
+    assert find_stable_step(held).frequency == pytest.approx(5.0, rel=1e-9)
 
 
 def test_the_stable_step_of_a_cross_holds_wherever_it_turns():
@@ -114,7 +114,7 @@ def test_the_stable_step_of_a_cross_holds_wherever_it_turns():
         scene.frame[1] = np.array(turned).T
         cross = scene.add_universal("cross", (0, 1), scene.position[1], X, Y, (0.0, angle))
         scene.add_torsion_spring(cross, 8.0)
-        assert stable_step(scene).frequency == pytest.approx(np.sqrt(8.0 / J[0]), rel=1e-9)
+        assert find_stable_step(scene).frequency == pytest.approx(np.sqrt(8.0 / J[0]), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -192,5 +192,5 @@ def test_rates_forces_and_work_on_a_slide_are_those_of_the_oscillator():
 def test_the_stable_step_is_the_one_beyond_which_elastic_bars_break_down(number, limit):
     """Beside what bisection of runs has found (the study of extremes)."""
     name, scene, _ = list(slides(fast=True))[number]
-    assert stable_step(scene).step == pytest.approx(limit, rel=0.02), name
-    assert stable_step(scene).step < 1.0005 * limit, name
+    assert find_stable_step(scene).step == pytest.approx(limit, rel=0.02), name
+    assert find_stable_step(scene).step < 1.0005 * limit, name

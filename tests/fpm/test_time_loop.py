@@ -62,7 +62,7 @@ def test_hinges_stay_closed_however_fast_they_turn():
     spin = 500.0 * np.array([0.48, 0.6, 0.64])
     scene.spin[:] = spin
     scene.velocity[:] = np.cross(spin, scene.position)
-    limit = fpm.stable_step(scene).step
+    limit = fpm.find_stable_step(scene).step
     (outcome,) = fpm.simulate(scene, duration=0.004, instants=21, step=0.8 * limit)
     assert outcome.failure is None
     assert outcome.axis_gap.max() < 5e-9
@@ -101,7 +101,7 @@ def test_bad_arguments_are_refused(arguments, text):
 
 
 def test_a_whole_number_as_tolerance_compiles_nothing_new():
-    from fpm.kernels.compiled import LOOPS
+    from fpm.kernels.compiled_loop import LOOPS
 
     scene = build(elements=2)
     fpm.simulate(scene, duration=1e-3, instants=2)

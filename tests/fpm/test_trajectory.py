@@ -10,7 +10,7 @@ import fpm
 from deployable.campaign.config.sections import scene_type
 from fpm.elements.kind import Series
 from fpm.files.outcome import columns_of
-from fpm.files.sealed import DamagedError, seal
+from fpm.files.seals import DamagedError, seal
 from fpm.reading.variables import VARIABLES
 
 BENNETT = scene_type("bennett")
@@ -267,7 +267,7 @@ def test_a_write_that_breaks_off_leaves_nothing(dataset, tmp_path, monkeypatch):
 
 def test_an_unstable_run_has_no_dataset():
     scene = BENNETT.build(elements=2)
-    step = 2 * fpm.stable_step(scene).step
+    step = 2 * fpm.find_stable_step(scene).step
     outcome = fpm.simulate(scene, duration=0.1, instants=11, step=step)[0]
     with pytest.raises(fpm.InstabilityError, match="use a step below"):
         outcome.dataset()

@@ -15,7 +15,7 @@ from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, component_classes, sweep
-from fpm.travel.acting import ElementForces
+from fpm.travel.element_forces import ElementForces
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 

@@ -27,7 +27,7 @@ def rod(elements, share=0.0) -> fpm.Scene:
 
 
 def run(scene):
-    step = 0.9 * fpm.stable_step(scene).step
+    step = 0.9 * fpm.find_stable_step(scene).step
     (outcome,) = fpm.simulate(scene, duration=4 / SPEED, instants=401, step=step, record=STRESS)
     assert outcome.failure is None
     return outcome
@@ -58,7 +58,7 @@ def test_the_displacement_of_the_end_is_that_of_the_wave():
     scene = rod(40, 0.2)
     scene.add_point("end", int(scene.beams[0].nodes[-1, 1]))
     (outcome,) = fpm.simulate(
-        scene, duration=4 / SPEED, instants=401, step=0.5 * fpm.stable_step(scene).step
+        scene, duration=4 / SPEED, instants=401, step=0.5 * fpm.find_stable_step(scene).step
     )
     moved = np.linalg.norm(outcome.points["end"][0], axis=1) - 1.0
     most = 2 * FORCE / (STEEL.E * BAR.A)
@@ -70,7 +70,7 @@ def test_the_displacement_of_the_end_is_that_of_the_wave():
 
 
 def test_viscosity_counts_in_the_stable_step_where_it_is_more_than_bending():
-    plain, some, much = (fpm.stable_step(rod(20, share)).step for share in (0.0, 0.2, 1.0))
+    plain, some, much = (fpm.find_stable_step(rod(20, share)).step for share in (0.0, 0.2, 1.0))
     assert some == pytest.approx(plain, rel=0.02)
     # With h' = h sqrt(E/rho)/l, of equal masses: h'^2 + 4 h' = 1; at the ends these are lighter.
     assert much * SPEED * 20 == pytest.approx(np.sqrt(5) - 2, rel=0.1)

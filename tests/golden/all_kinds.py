@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import fpm
-from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.plain_loop import disable_compilation
 from evidence.attack.metamorphic.runs import STEPS, curves_of, scene_of
 from fpm.reading.variables import VARIABLES
 from fpm.structures.report import redundant
@@ -68,7 +68,7 @@ def columns(scene, without: list[str]) -> list[tuple[str, str]]:
 
 
 if __name__ == "__main__":
-    without_compiling()
+    disable_compilation()
     first, step = map(int, sys.argv[1:] or (0, 1))
     some = CASES[first::step]
     for case in some:

@@ -17,10 +17,10 @@ from datasets_for_tests import samples_of
 from deployable import intervals
 from deployable.intervals import Box, Design, Surrogate, bounds_dataset, make_design
 from deployable.intervals.enclosures import effects_enclosure
-from deployable.intervals.estimates import refinement_ratio, richardson_error, share_outside, widen
-from deployable.intervals.samples import Running, quarter_ends
+from deployable.intervals.estimates import extrapolate_error, refinement_ratio, share_outside, widen
+from deployable.intervals.samples import RunBounds, quarter_ends
 from deployable.intervals.scalars import requirements as req
-from deployable.intervals.scalars.surrogate import fit_scalar, influence
+from deployable.intervals.scalars.surrogate import find_influence, fit_scalar
 
 TIME = np.linspace(0.1, 2.1, 41)
 BOXES = {
@@ -79,7 +79,7 @@ def scans() -> Iterator:
         yield bounds_dataset(samples(box, design, 0), design, model="scan")
     values = RNG.normal(size=(30, 2, 5)).round(1)
     one, other = (
-        Running.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
+        RunBounds.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
     )
     yield from (one.merge(other), other.merge(one), other.merge(None), quarter_ends(30))
 
@@ -114,10 +114,10 @@ def ranges() -> Iterator:
         indices = intervals.chebyshev.tensor(order)
         c = RNG.normal(size=(len(indices), 6)) / (1.0 + indices.sum(axis=1, keepdims=True)) ** 2
         surrogate = Surrogate(c, indices)
-        yield intervals.surrogate_range(surrogate)
-        yield intervals.surrogate_range(surrogate, 0.2)
+        yield intervals.find_surrogate_range(surrogate)
+        yield intervals.find_surrogate_range(surrogate, 0.2)
         yield effects_enclosure(c, indices)
-        yield intervals.parameter_sensitivity(surrogate, np.full(len(order), 0.2))
+        yield intervals.measure_sensitivity(surrogate, np.full(len(order), 0.2))
         yield surrogate.evaluate(RNG.uniform(-1, 1, (7, len(order))))
 
 
@@ -147,7 +147,7 @@ def scalars() -> Iterator:
                 wide = one.range(), one.range(*part)
                 yield [(each.low, each.high, each.width) for each in wide], one.end(-1.0, *part)[0]
             if one is found[0] or one is found[-1]:
-                yield influence(one, nominal)
+                yield find_influence(one, nominal)
             if one.fit:
                 yield one.fit.left_out, one.trend.evaluate(trial)
         noisy = fit_scalar(points, smooth + 0.03 * RNG.normal(size=count))
@@ -159,10 +159,10 @@ def scalars() -> Iterator:
         free = np.ones(k, bool)
         for some in (limits[:1], limits[1:2], limits[2:], limits):
             yield req.share_of_box(some, free), req.share_of_box(some, free, *part)
-            yield req.largest_share(some, nominal - 0.5)[:2]
+            yield req.find_max_scale(some, nominal - 0.5)[:2]
             yield [(limit.worst(*part)[0], limit.best(*part)[0]) for limit in some]
         yield [limit.find_margins(np.array([0.1, np.nan, 3.0])) for limit in limits]
-        yield req.least_scales(nominal, trial)
+        yield req.find_least_scales(nominal, trial)
         yield from choices(k, found, limits)
 
 
@@ -175,11 +175,11 @@ def choices(k: int, found: list, limits: list) -> Iterator:
         return lower.clip(-1, 1), upper.clip(-1, 1)
 
     for goal in (req.Goal(found[0], "upper"), req.Goal(found[1], "lower", -1.0)):
-        best, first = req.best_choice([goal], limits[:2], [(-0.8, 0.8)] * k, box)
+        best, first = req.find_best([goal], limits[:2], [(-0.8, 0.8)] * k, box)
         yield best.goals, best.margin, [each.margin for each in first], len(first)
     if k == 1:
         width = req.Goal(found[3], "width")
-        yield req.best_choice([width], [], [(-0.5, 0.5)], box)[0].goals
+        yield req.find_best([width], [], [(-0.5, 0.5)], box)[0].goals
 
 
 def estimates() -> Iterator:
@@ -188,7 +188,7 @@ def estimates() -> Iterator:
     yield [widen(TIME, error, window) for window in (None, 0.0, 0.11, 5.0)]
     yield [share_outside(n, c) for n in (1, 2, 30, 500) for c in (None, 0.95)]
     before, after = RNG.normal(size=(2, 20))
-    yield richardson_error(before), richardson_error(after, refinement_ratio(before, after))
+    yield extrapolate_error(before), extrapolate_error(after, refinement_ratio(before, after))
     lower, upper = np.sort(RNG.normal(size=(2, 41)), axis=0)
     yield intervals.compare_bounds(TIME, lower, upper, lower - 0.1, upper + 0.2 * TIME)
     yield intervals.compare_runs(lower, upper, RNG.normal(size=(9, 41)))

@@ -16,7 +16,7 @@ from deployable.intervals import (
 )
 from deployable.intervals.chebyshev import total_degree
 from deployable.intervals.designs import Design, Method
-from deployable.intervals.estimates import error_estimate
+from deployable.intervals.estimates import estimate_error
 from deployable.intervals.ranges import to_range
 
 TIME = np.linspace(0.0, 1.0, 21)
@@ -47,7 +47,7 @@ class Nearest(Model):
 
     def error(self, found, window):
         error = self.share * (found.upper - found.lower)
-        return error_estimate(self.samples.time, error, np.zeros_like(error), window)
+        return estimate_error(self.samples.time, error, np.zeros_like(error), window)
 
 
 def plane(v):

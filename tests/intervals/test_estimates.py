@@ -8,8 +8,8 @@ from deployable.intervals.bounds import compare_bounds, compare_runs
 from deployable.intervals.box import corner_points, held_out_points
 from deployable.intervals.estimates import (
     MAX_TAIL_RATIO,
-    decay_estimate,
-    error_estimate,
+    estimate_decay,
+    estimate_error,
     limit_decay,
     power_mean,
     widen,
@@ -18,7 +18,7 @@ from deployable.intervals.estimates import (
 
 def estimated(surrogate, time, unit, values, window=None):
     held_out = np.abs(values - surrogate.evaluate(unit)).max(axis=0, initial=0.0)
-    return error_estimate(time, held_out, decay_estimate(surrogate, time, window), window)
+    return estimate_error(time, held_out, estimate_decay(surrogate, time, window), window)
 
 
 @pytest.mark.parametrize("order", [3, 4, 7, 8])
@@ -28,7 +28,7 @@ def test_decay_foretells_the_error_of_smooth_functions(function, order):
     surrogate = fit(design, function(design.points))
     x = np.linspace(-1, 1, 201)[:, None]
     true = np.abs(surrogate.evaluate(x) - function(x)).max()
-    told = decay_estimate(surrogate)[0]
+    told = estimate_decay(surrogate)[0]
     assert true / 10 < told < 100 * true + 1e-14
 
 
@@ -39,7 +39,7 @@ def test_coefficients_that_fall_by_a_factor_foretell_the_next_ones(order, ratio)
     degrees = np.arange(order + 1)[:, None]
     surrogate = Surrogate(-(ratio**degrees), degrees)
     after = ratio ** (order + 1) + (ratio ** (order + 2) if order > 2 else 0.0)
-    assert float(decay_estimate(surrogate)[0]) == pytest.approx(after)
+    assert float(estimate_decay(surrogate)[0]) == pytest.approx(after)
 
 
 def test_largest_value_in_a_window():
@@ -82,7 +82,7 @@ def tails(function, method, order, dimension, count):
 
     surrogate = fit(design, curves(design.points))
     missed = curves(held_out) - surrogate.evaluate(held_out)
-    told = decay_estimate(surrogate, TIME)
+    told = estimate_decay(surrogate, TIME)
     left = limit_decay(surrogate, design.points, held_out, missed, told, TIME)
     line = np.linspace(-1, 1, 41)
     dense = np.stack(np.meshgrid(*[line] * dimension), axis=-1).reshape(-1, dimension)
@@ -150,7 +150,7 @@ def test_runs_that_see_the_same_overrule_nothing(unit):
     x, y = design.points.T
     surrogate = fit(design, (x + x**2 - y**2)[:, None] * np.ones(3))
     missed = np.zeros((len(unit), 3))
-    told = decay_estimate(surrogate, TIME)
+    told = estimate_decay(surrogate, TIME)
     left = limit_decay(surrogate, design.points, unit, missed, told, TIME)
     np.testing.assert_array_equal(left, told)
 

@@ -13,7 +13,7 @@ from deployable.intervals import (
     spline_range,
 )
 from deployable.intervals.chebyshev import Surrogate, product_basis, tensor
-from deployable.intervals.ranges import surrogate_range
+from deployable.intervals.ranges import find_surrogate_range
 from deployable.intervals.splines import choose_scales
 
 TIME = np.linspace(0.0, 1.0, 41)
@@ -47,10 +47,10 @@ def test_the_outer_range_holds_a_peak_that_no_search_finds():
     c = (12.0 * c + hill)[:, None]
     surrogate = Surrogate(c, indices)
     there = float(surrogate.evaluate(at[None])[0, 0])
-    found = surrogate_range(surrogate)
+    found = find_surrogate_range(surrogate)
     assert there > 34.0 > 30.1 > float(found.inner_upper[0])  # else this would show nothing
     assert float(found.upper[0]) >= there
-    below = surrogate_range(Surrogate(-c, indices))
+    below = find_surrogate_range(Surrogate(-c, indices))
     assert float(below.lower[0]) <= -there
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from deployable.intervals.scalars.fits import Kriging, best_fit
+from deployable.intervals.scalars.fits import Kriging, choose_fit
 from deployable.intervals.scalars.surrogate import extreme
 
 
@@ -24,7 +24,7 @@ def test_what_a_polynomial_leaves_of_runs_fades_between_them():
     """Nowhere more than at the runs, so that noise does not swing beyond them."""
     generator = np.random.default_rng(3)
     points = generator.uniform(-1.0, 1.0, (20, 2))
-    fit = best_fit(points, 1.0 + points[:, 0] + 0.05 * generator.standard_normal(20))
+    fit = choose_fit(points, 1.0 + points[:, 0] + 0.05 * generator.standard_normal(20))
     assert isinstance(fit.function, Kriging)
     np.testing.assert_allclose(fit.evaluate(points), fit.values, atol=1e-9)
     left = np.abs(fit.values - fit.trend.evaluate(points)).max()

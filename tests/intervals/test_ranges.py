@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import chebyshev
 
-from deployable.intervals import Surrogate, surrogate_range
+from deployable.intervals import Surrogate, find_surrogate_range
 from deployable.intervals.chebyshev import tensor, total_degree
 from deployable.intervals.enclosures import effects_enclosure, grid_enclosure, tighten
 from deployable.intervals.line_range import line_range
-from deployable.intervals.ranges import inner_range
+from deployable.intervals.ranges import find_inner_range
 
 
 def colleague_range(c):
@@ -96,13 +96,13 @@ def test_enclosures_hold_on_random_tensors(k, order, kind, decay, seed):
         [generator.uniform(-1, 1, (400, k)), generator.choice([-1.0, 0.0, 1.0], (100, k))]
     )
     values = surrogate.evaluate(points)
-    found = surrogate_range(surrogate)
+    found = find_surrogate_range(surrogate)
     enclosures = [effects_enclosure(c, indices), grid_enclosure(c, indices)]
     enclosures += [grid_enclosure(c, indices, density=2), (found.lower, found.upper)]
     for lower, upper in enclosures:
         assert (values >= lower).all()
         assert (values <= upper).all()
-    low, high, _, _ = inner_range(c, indices)
+    low, high, _, _ = find_inner_range(c, indices)
     bernstein, _, _ = tighten(surrogate.dense(), high, np.full(4, np.inf), np.zeros(4))
     assert (values <= bernstein).all()
     assert (low >= found.lower).all()
@@ -149,7 +149,7 @@ def test_rounding_is_within_the_outer_range(k, order, constant, size, seed):
     indices = tensor([order] * k)
     c = size * generator.standard_normal((len(indices), 1))
     c[0] += constant
-    found = surrogate_range(Surrogate(c, indices))
+    found = find_surrogate_range(Surrogate(c, indices))
     points = [found.argmin[0], found.argmax[0], *generator.choice([-1.0, 0.3, 1.0], (4, k))]
     for x in points:
         value = exact_value(c[:, 0], indices, x)
@@ -163,7 +163,7 @@ def test_rounding_is_within_the_outer_range(k, order, constant, size, seed):
 def test_the_unit_of_a_response_does_not_matter(k, order, power):
     indices = tensor([order] * k)
     c = np.random.default_rng(7).standard_normal((len(indices), 20))
-    found, other = (surrogate_range(Surrogate(f * c, indices)) for f in (1.0, 2.0**power))
+    found, other = (find_surrogate_range(Surrogate(f * c, indices)) for f in (1.0, 2.0**power))
     for name in ("lower", "upper", "inner_lower", "inner_upper", "gap"):
         np.testing.assert_array_equal(getattr(other, name), 2.0**power * getattr(found, name))
 
@@ -187,14 +187,14 @@ def test_gap_meets_the_tolerance_where_coefficients_decay():
     generator = np.random.default_rng(3)
     indices = tensor([3, 3, 3])
     c = generator.standard_normal((64, 300)) * 0.2 ** indices.sum(axis=1)[:, None]
-    found = surrogate_range(Surrogate(c, indices), tolerance=1e-3)
+    found = find_surrogate_range(Surrogate(c, indices), tolerance=1e-3)
     assert (found.gap <= 1.01e-3 * (found.inner_upper - found.inner_lower)).all()
 
 
 def test_shape_and_directions_without_width():
     indices = np.array([[0, 0], [0, 1], [0, 2]])
     c = np.random.default_rng(0).standard_normal((3, 2, 5))
-    found = surrogate_range(Surrogate(c, indices))
+    found = find_surrogate_range(Surrogate(c, indices))
     assert found.lower.shape == (2, 5)
     assert found.argmin.shape == (2, 5, 2)
     expected = np.array([colleague_range(x) for x in c.reshape(3, -1).T])
@@ -207,7 +207,7 @@ def test_high_order_in_two_directions_is_enclosed():
     indices = tensor([20, 20])
     c = generator.standard_normal((len(indices), 3)) * 0.7 ** indices.sum(axis=1)[:, None]
     surrogate = Surrogate(c, indices)
-    found = surrogate_range(surrogate)
+    found = find_surrogate_range(surrogate)
     values = surrogate.evaluate(generator.uniform(-1, 1, (4000, 2)))
     assert (values >= found.lower).all()
     assert (values <= found.upper).all()

@@ -12,13 +12,13 @@ from deployable.intervals.scalars import (
     Goal,
     Limit,
     Occurrence,
-    best_choice,
+    find_best,
+    find_influence,
+    find_least_scales,
+    find_max_scale,
+    find_safe_range,
+    find_safest,
     fit_scalar,
-    influence,
-    largest_share,
-    least_scales,
-    safe_range,
-    safest_choice,
     share_of_box,
     sub_box,
 )
@@ -83,7 +83,7 @@ def test_one_run_and_a_box_without_width():
 
 def test_what_each_parameter_contributes():
     surrogate = fitted(lambda x: 3 * x[:, 0] + x[:, 1] + 0.5 * x[:, 0] * x[:, 1], 2)
-    found = influence(surrogate, np.array([0.0, 0.5]))
+    found = find_influence(surrogate, np.array([0.0, 0.5]))
     assert found.width == pytest.approx(8.0)  # 4.5 at (1, 1), -3.5 at (-1, 1) or (-1, -1)
     np.testing.assert_allclose(found.alone, [6.5, 2.0])
     np.testing.assert_allclose(found.share, [6.5 / 8.5, 2 / 8.5])
@@ -101,7 +101,7 @@ def test_what_is_below_the_error_is_no_sensitivity():
     rng = np.random.default_rng(1)
     points = runs(2)
     values = points[:, 0] + 1e-3 * rng.standard_normal(len(points))
-    found = influence(fit_scalar(points, values), np.zeros(2))
+    found = find_influence(fit_scalar(points, values), np.zeros(2))
     np.testing.assert_array_equal(found.share, [1.0, 0.0])
     assert found.alone[1] > 0
 
@@ -148,9 +148,11 @@ def test_a_direction_without_width_changes_no_share_and_no_choice_of_a_box(place
     share, _ = share_of_box(one, np.ones(2))
     assert 0.1 < share < 0.9
     assert share_of_box(other, free)[0] == pytest.approx(share, abs=1e-3)
-    assert largest_share(other, np.zeros(3))[0] == pytest.approx(largest_share(one, np.zeros(2))[0])
-    found = influence(wider, np.zeros(3))
-    np.testing.assert_allclose(np.delete(found.share, place), influence(alone, np.zeros(2)).share)
+    scales = [find_max_scale(limits, np.zeros(k))[0] for limits, k in ((one, 2), (other, 3))]
+    assert scales[1] == pytest.approx(scales[0])
+    found = find_influence(wider, np.zeros(3))
+    shares = find_influence(alone, np.zeros(2)).share
+    np.testing.assert_allclose(np.delete(found.share, place), shares)
     assert found.share[place] == 0.0
 
 
@@ -168,16 +170,16 @@ def test_the_share_of_a_box_of_three():
 def test_the_largest_box_that_meets_a_limit_and_the_nearest_place_that_does_not():
     surrogate = fitted(lambda x: x[:, 0] + 2 * x[:, 1], 2)
     limit = Limit(surrogate, "at_most", 1.5)
-    share, which, at = largest_share([limit], np.zeros(2))
+    share, which, at = find_max_scale([limit], np.zeros(2))
     assert share == pytest.approx(0.5, abs=1e-6)
     assert which == 0
     np.testing.assert_allclose(at, [0.5, 0.5], atol=1e-6)
     # About another nominal point: 0.5 + 0.5 s + 2 s = 1.5.
-    share, _, at = largest_share([limit], np.array([0.5, 0.0]))
+    share, _, at = find_max_scale([limit], np.array([0.5, 0.0]))
     assert share == pytest.approx(0.4, abs=1e-6)
     np.testing.assert_allclose(at, [0.7, 0.4], atol=1e-6)
-    assert largest_share([Limit(surrogate, "at_most", 3.1)], np.zeros(2))[:2] == (1.0, None)
-    assert largest_share([Limit(surrogate, "at_most", -0.1)], np.zeros(2))[:2] == (0.0, 0)
+    assert find_max_scale([Limit(surrogate, "at_most", 3.1)], np.zeros(2))[:2] == (1.0, None)
+    assert find_max_scale([Limit(surrogate, "at_most", -0.1)], np.zeros(2))[:2] == (0.0, 0)
 
 
 def landing(x: np.ndarray) -> np.ndarray:
@@ -306,7 +308,7 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
         return tuple(2 * (ends - low) / (high - low) - 1)
 
     limits = [Limit(surrogate, "at_least", 1.8)]
-    best, grid = best_choice([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
+    best, grid = find_best([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
     exact = (c / (1.8 + surrogate.error)) ** 2 / 1.05
     assert best.is_safe and surrogate.error < 1e-4
     assert best.values[0] == pytest.approx(exact, rel=1e-6)
@@ -315,7 +317,7 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     assert len(grid) == 33
     # A window that no choice can keep: the one that breaks it least is in its middle.
     limits = [Limit(surrogate, "at_least", 1.8), Limit(surrogate, "at_most", 1.85)]
-    best, _ = best_choice([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
+    best, _ = find_best([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
     assert not best.is_allowed
     # c / sqrt(1.05 k) - 1.8 = 1.85 - c / sqrt(0.95 k)
     exact = (c * (1.05**-0.5 + 0.95**-0.5) / 3.65) ** 2
@@ -334,14 +336,14 @@ def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe)
     def box(choice):
         return 2 * (choice - 0.1) - 1, 2 * (choice + 0.1) - 1
 
-    best, trials = best_choice(goals, limits, ends, box)
+    best, trials = find_best(goals, limits, ends, box)
     assert best.is_allowed and best.is_safe == is_safe
     # Where none keeps the error, the one in the middle is farthest from both limits.
     assert best.values[0] == pytest.approx(0.1 + error if is_safe else 0.2, abs=1e-4)
-    safest = safest_choice(trials, goals, limits, ends, box)
+    safest = find_safest(trials, goals, limits, ends, box)
     assert safest.values[0] == pytest.approx(0.2, abs=1e-4)
     if is_safe:
-        low, high = safe_range(best, 0, limits, ends[0], box)
+        low, high = find_safe_range(best, 0, limits, ends[0], box)
         assert [low, high] == pytest.approx([0.1 + error, 0.3 - error], abs=1e-3)
 
 
@@ -353,11 +355,11 @@ def test_a_box_shrinks_towards_its_nominal_point():
 def test_a_box_shrunk_to_a_points_share_just_holds_it():
     rng = np.random.default_rng(3)
     unit, nominal = rng.uniform(-1, 1, (40, 3)), np.array([0.2, -1.0, 0.9])
-    for point, share in zip(unit, least_scales(nominal, unit), strict=True):
+    for point, share in zip(unit, find_least_scales(nominal, unit), strict=True):
         for less, inside in ((0.0, True), (1e-9, False)):
             lower, upper = sub_box(nominal, share - less)
             assert ((lower <= point + 1e-12) & (point <= upper + 1e-12)).all() == inside
-    assert least_scales(nominal, nominal[None]) == [0.0]
+    assert find_least_scales(nominal, nominal[None]) == [0.0]
 
 
 BORDERS = {
@@ -399,7 +401,7 @@ def test_the_limit_that_breaks_first_bounds_the_largest_box_whichever_is_stated_
     """Of x + y at most 9, 1.6 and 1.2, in the box [-1, 1]²: the last is broken at 0.6 of it."""
     surrogate = fitted(lambda x: x[:, 0] + x[:, 1], 2)
     limits = [Limit(surrogate, "at_most", level) for level in (9.0, 1.6, 1.2)]
-    share, first, at = largest_share([limits[i] for i in order], np.zeros(2))
+    share, first, at = find_max_scale([limits[i] for i in order], np.zeros(2))
     assert share == pytest.approx(0.6, abs=1e-6) and order[first] == 2
     np.testing.assert_allclose(at, [0.6, 0.6], atol=1e-6)
-    assert largest_share([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)
+    assert find_max_scale([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)

@@ -9,8 +9,8 @@ import pytest
 from deployable.intervals import Box, IntervalError, held_out_points, make_design
 from deployable.intervals.box import axis_points
 from deployable.intervals.designs import fit, spread_points
-from deployable.intervals.ranges import surrogate_range
-from deployable.intervals.scalars import estimate_bounds, fit_scalar, influence
+from deployable.intervals.ranges import find_surrogate_range
+from deployable.intervals.scalars import estimate_bounds, find_influence, fit_scalar
 
 K, MOST = 40, 400
 SLOPES = np.random.default_rng(0).uniform(0.05, 1.0, K) * np.resize([1.0, -1.0, -1.0], K)
@@ -102,7 +102,7 @@ def test_points_of_a_wide_box_are_few():
 def test_curves_are_bounded_by_sums_of_single_parameters():
     design = make_design("screening", K)
     values = design.points @ SLOPES + design.points[:, 5] ** 2
-    bounds = surrogate_range(fit(design, values[:, None]))
+    bounds = find_surrogate_range(fit(design, values[:, None]))
     line = SLOPES[5] * LINE + LINE**2
     rest = SUM - abs(SLOPES[5])
     assert bounds.lower == pytest.approx(line.min() - rest, abs=1e-6)
@@ -152,7 +152,7 @@ def test_both_bounds_of_forty_parameters_in_400_runs(name):
 
 def test_contributions_are_those_of_fixing_each():
     surrogate, _, values = search(lambda u: u @ SLOPES + 2 * u[:, 3] * u[:, 17])
-    fixed = influence(surrogate, np.zeros(K)).fixed
+    fixed = find_influence(surrogate, np.zeros(K)).fixed
     pair = np.ptp([s * SLOPES[3] + t * SLOPES[17] + 2 * s * t for s in (-1, 1) for t in (-1, 1)])
     rest = 2 * (SUM - abs(SLOPES[3]) - abs(SLOPES[17]))
     expected = pair + rest - 2 * np.abs(SLOPES)

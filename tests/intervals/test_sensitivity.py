@@ -10,7 +10,7 @@ from deployable.intervals import (
     fit,
     held_out_points,
     make_design,
-    parameter_sensitivity,
+    measure_sensitivity,
     sensitivity_dataset,
 )
 
@@ -19,7 +19,7 @@ def test_shares_of_a_known_polynomial():
     design = make_design("tensor_roots", 2, 3)
     x, y = design.points.T
     # mean squares under the arcsine density: x 1/2, 2 y 2, x y 1/4
-    found = parameter_sensitivity(fit(design, (x + 2 * y + x * y)[:, None]))
+    found = measure_sensitivity(fit(design, (x + 2 * y + x * y)[:, None]))
     assert found.variance[0] == pytest.approx(2.75)
     assert found.first[:, 0] == pytest.approx([0.5 / 2.75, 2 / 2.75])
     assert found.total[:, 0] == pytest.approx([0.75 / 2.75, 2.25 / 2.75])
@@ -42,7 +42,7 @@ def test_dataset_per_instant_and_overall():
 
 def test_a_constant_response_has_no_shares():
     design = make_design("tensor_roots", 2, 2)
-    found = parameter_sensitivity(fit(design, np.full((design.run_count, 1), 0.25)))
+    found = measure_sensitivity(fit(design, np.full((design.run_count, 1), 0.25)))
     assert (found.width < 1e-15).all()
     assert np.isfinite(found.total).all()
 

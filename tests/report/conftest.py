@@ -69,7 +69,7 @@ def settled(bar):
     def settle(force):
         scene, link, *_ = bar
         scene.add_load(link.particles[-1], force=np.asarray(force, float), curve=0)
-        step = fpm.divide_time(0.6, 13, 0.9 * fpm.stable_step(scene).step).step
+        step = fpm.divide_time(0.6, 13, 0.9 * fpm.find_stable_step(scene).step).step
         (motion,) = whole_motion([scene], duration=0.6, instants=13, step=step)
         return motion.isel(time=-1)
 

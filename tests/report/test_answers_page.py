@@ -12,7 +12,7 @@ from opening import CONFIG
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
 from deployable.campaign.report.data import FURTHER, RunVerdicts
-from deployable.campaign.report.failing import meets, panels
+from deployable.campaign.report.failing_region import meets, panels
 from deployable.campaign.report.page import render
 from deployable.campaign.results.templates import sentence, summary_text
 
@@ -88,7 +88,7 @@ def test_the_part_of_the_box_that_fails_is_drawn(opened):
     for x, _, met, _ in panel.marks:
         assert met == (0.095 + 0.01 * x > exact)
     (low, bottom), (high, top) = panel.feasible
-    share = opened.facts["together"]["largest_share"]
+    share = opened.facts["together"]["max_interval_scale"]
     assert (low, high) == pytest.approx((0.5 - 0.5 * share, 0.5 + 0.5 * share))
     assert (bottom, top) == (0, 1)
     assert 0.095 + 0.01 * low == pytest.approx(exact, rel=1e-3)
@@ -113,7 +113,7 @@ def test_marks_whose_other_parameters_lie_outside_the_frame_are_faint(opened):
             np.ones((4, 2)),
         ),
     )
-    share = data.facts["together"]["largest_share"]
+    share = data.facts["together"]["max_interval_scale"]
     for panel in panels(data):
         for x, y, met, _ in panel.marks:
             inside = max(abs(x - 0.5), abs(y - 0.5)) <= 0.5 * share

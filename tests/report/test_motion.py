@@ -24,7 +24,7 @@ def scenes(count=2):
 
 
 def steps(scene):
-    return fpm.divide_time(**TIME, max_step=0.9 * fpm.stable_step(scene).step).step
+    return fpm.divide_time(**TIME, max_step=0.9 * fpm.find_stable_step(scene).step).step
 
 
 @pytest.fixture(scope="module")

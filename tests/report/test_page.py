@@ -207,7 +207,7 @@ def test_a_warning_is_said_once(data, quantities):
     facts = data.facts | {"quantities": [row] * quantities}
     page = render(replace(data, facts=facts, what_if=None))
     text = page.split("</style>")[1].replace("\N{NO-BREAK SPACE}", " ")
-    assert text.count("Do not rely on the number for x: either bound may be off by ") == 1
+    assert text.count("Do not rely on the number for x: the error of either bound may be ") == 1
     assert text.index('id="questions"') < text.index("Do not rely") < text.index('id="curves"')
 
 

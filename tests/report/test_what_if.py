@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions, write_page
 from deployable.campaign.report.data import RunVerdicts
-from deployable.campaign.report.failing import MOST_PARAMETERS, lines, prices
+from deployable.campaign.report.failing_region import MOST_PARAMETERS, lines, prices
 from deployable.campaign.report.page import render
 
 in_a_browser = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
@@ -209,5 +209,5 @@ def test_sliders_tell_what_measured_curves_leave(opened, tmp_path, after, inside
         for share, words, bands in ((0.0, inside, "0.5"), (1.0, outside, "8")):
             browser.ask(SLIDE.format(repr(k["lower"] + share * width)))
             assert words in browser.ask(LEFT)
-            assert browser.ask(LEFT).endswith(f" Their curve is off by about {bands} bands.")
+            assert browser.ask(LEFT).endswith(f" Their curve deviates by about {bands} bands.")
         assert browser.errors() == []

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
-from fpm.files.sealed import unseal
+from fpm.files.seals import unseal
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = "snakemake_executor_plugin_slurm"

@@ -69,8 +69,8 @@ def test_a_line_is_shared_by_the_particles_along_it(n):
 def test_the_stable_step_counts_the_speed_at_the_start():
     """Of a point mass: leapfrog with the damping 2 rho/2 Cd A |u| bears m over it."""
     scene = loads(BODY).build()
-    assert fpm.stable_step(scene).step == pytest.approx(0.3 / (2 * 0.36 * 5.0), rel=0.01)
-    assert fpm.stable_step(scene).element == "drag air"
+    assert fpm.find_stable_step(scene).step == pytest.approx(0.3 / (2 * 0.36 * 5.0), rel=0.01)
+    assert fpm.find_stable_step(scene).element == "drag air"
     assert Drag.dampings(loads(changed(BODY, ("velocity: [3, 4, 0]", ""))).build()) is None
 
 

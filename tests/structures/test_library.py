@@ -105,7 +105,7 @@ def test_masses_and_cost():
     assert report.mass(scene) == pytest.approx(6.0)
     np.testing.assert_allclose(report.centre(scene), [0.5, 0, 0], atol=1e-15)
     cost = report.cost(scene, 2.0)
-    limit = fpm.stable_step(scene)
+    limit = fpm.find_stable_step(scene)
     assert (cost.step, cost.element) == (limit.step, limit.element)
     assert 0.9 * limit.step * cost.steps == pytest.approx(2.0, rel=1e-3)
     assert cost.element_steps == cost.steps * len(scene.elements)

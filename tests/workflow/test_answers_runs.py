@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from deployable import campaign
-from fpm.files.sealed import unseal
+from fpm.files.seals import unseal
 
 ROOT = Path(__file__).parents[2]
 

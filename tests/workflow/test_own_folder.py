@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from deployable.campaign import shipped
-from deployable.campaign.cli.new import CAMPAIGN, make_folder, starts
+from deployable.campaign import program_data
+from deployable.campaign.cli.new import CAMPAIGN, list_starts, make_folder
 from deployable.campaign.config.check import load_config
 from deployable.campaign.errors import CampaignError
 
@@ -48,7 +48,7 @@ responses:
 
 
 def test_every_start_makes_a_folder_with_a_campaign_that_is_accepted(tmp_path):
-    assert {"small", "mast", "panel", "pendulum"} <= set(starts())
+    assert {"small", "mast", "panel", "pendulum"} <= set(list_starts())
     for start in ("small", "mast", "panel", "pendulum"):
         folder = tmp_path / start
         make_folder(folder, start)
@@ -59,7 +59,7 @@ def test_every_start_makes_a_folder_with_a_campaign_that_is_accepted(tmp_path):
 
 def test_a_folder_starts_from_a_structure_of_ones_own(tmp_path):
     mine = tmp_path / "two bars.yaml"
-    text = shipped.structures()["zfold"].read_text(encoding="utf-8")
+    text = program_data.list_structures()["zfold"].read_text(encoding="utf-8")
     mine.write_text(text.replace("name: zfold", "name: two_bars"), encoding="utf-8")
     make_folder(tmp_path / "made", str(mine))
     made = load_config([tmp_path / "made" / CAMPAIGN])
@@ -69,7 +69,7 @@ def test_a_folder_starts_from_a_structure_of_ones_own(tmp_path):
 
 def test_a_structure_with_latches_starts_with_the_question_whether_they_catch(tmp_path):
     mine = tmp_path / "mine.yaml"
-    mine.write_bytes(shipped.structures()["boom"].read_bytes())
+    mine.write_bytes(program_data.list_structures()["boom"].read_bytes())
     make_folder(tmp_path / "made", str(mine))
     made = load_config([tmp_path / "made" / CAMPAIGN])
     numbers = {quantity.name: quantity.places for quantity in made.experiment.quantity_list}
@@ -136,7 +136,7 @@ def test_the_snakefile_of_the_checkout_serves_other_folders(tmp_path, place_in):
 def test_a_module_takes_the_config_of_the_including_workflow(tmp_path, place_in):
     own = place_in(tmp_path)
     (own.folder / "mine.yaml").write_text(MINE, encoding="utf-8")
-    text = MODULE.format(snakefile=shipped.SNAKEFILE)
+    text = MODULE.format(snakefile=program_data.SNAKEFILE)
     (own.folder / "Snakefile").write_text(text, encoding="utf-8")
     asked = own.snakemake(*SEEN, "--config", "solver={duration: 0.01}")
     assert asked.returncode == 0, asked.stdout
@@ -162,7 +162,7 @@ def test_a_campaign_runs_in_a_folder_of_any_name_and_as_a_module(small, tmp_path
     place = place_in(tmp_path / "including")
     place.folder.mkdir()
     shutil.copy(ROOT / "config" / "small.yaml", place.folder / "mine.yaml")
-    text = MODULE.format(snakefile=shipped.SNAKEFILE).replace("results/mine", "results/small")
+    text = MODULE.format(snakefile=program_data.SNAKEFILE).replace("results/mine", "results/small")
     (place.folder / "Snakefile").write_text(text, encoding="utf-8")
     done = place.snakemake()
     assert done.returncode == 0, done.stdout

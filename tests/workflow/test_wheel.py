@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from fpm.kernels.compiled import cache_folder
+from fpm.kernels.compiled_loop import cache_folder
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ("deployable", "fpm", "evidence", "workflow", "config")
@@ -64,8 +64,8 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
     environment.call("pip", "wheel", checkout, "--no-deps", "-w", tmp_path)
     (wheel,) = tmp_path.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert "deployable/campaign/shipped/workflow/Snakefile" in names
-    assert "deployable/campaign/shipped/config/structures/scissor.yaml" in names
+    assert "deployable/campaign/program_data/workflow/Snakefile" in names
+    assert "deployable/campaign/program_data/config/structures/scissor.yaml" in names
     assert {name.split("/")[0] for name in names if ".dist-info/" not in name} == {
         "deployable",
         "fpm",

@@ -130,10 +130,8 @@ def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
     fitted to: a sparse grid and four validation runs. experiment: with intervals of
-    `widen_intervals`; choose:
-    section of the config, whose `order` the grid has along chosen
-    parameters; along others it has
-    that of the experiment's design, at least 2."""
+    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
+    parameters; along others it has that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -151,7 +149,7 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    from deployable.intervals.scalars import Goal, Limit, best_choice, safe_range, safest_choice
+    from deployable.intervals.scalars import Goal, Limit, find_best, find_safe_range, find_safest
 
     surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
     names = list(model.experiment.quantities)
@@ -166,11 +164,11 @@ def _best(
         return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
     ends = list(choose.parameters.values())
-    best, trials = best_choice(goals, limits, ends, subbox)
+    best, trials = find_best(goals, limits, ends, subbox)
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
-    safest = safest_choice(trials, goals, limits, ends, subbox)
-    ranges = [safe_range(best, i, limits, pair, subbox) for i, pair in enumerate(ends)]
+    safest = find_safest(trials, goals, limits, ends, subbox)
+    ranges = [find_safe_range(best, i, limits, pair, subbox) for i, pair in enumerate(ends)]
     return best, safest, ranges, trials
 
 

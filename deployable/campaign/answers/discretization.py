@@ -21,7 +21,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Notify
-from deployable.intervals.estimates import refinement_ratio, richardson_error
+from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 
 MAX_POINTS = 8
 """Points at which runs are repeated for the responses: eight side by side cost what three do."""
@@ -134,7 +134,7 @@ def estimate_discretization_errors(
             ratio = level.ratio(
                 values[worst], finer_values[worst], np.where(lost_rows[worst], np.nan, ratio)
             )
-        errors[name] = richardson_error(change, None if ratio is None else ratio[:, None])
+        errors[name] = extrapolate_error(change, None if ratio is None else ratio[:, None])
         values = finer_values
     return errors
 
@@ -186,8 +186,7 @@ def estimate_fraction_errors(
 
 def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict[str, np.ndarray]:
     """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
-    are attained, which are those of planned runs where there are some nearby. At which order that
-    falls is taken at the point at which it is most."""
+    are attained; its order is taken where it is largest."""
     from deployable import intervals
 
     box = model.experiment.box
@@ -204,8 +203,8 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     for name, level in _levels(model.plan, components).items():
         finer_curves = _curves(model, level.finer, test_points)
         change = np.abs(finer_curves - curves)
-        share = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
-        worst = int(share.sum(axis=1).argmax())
+        relative = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
+        worst = int(relative.sum(axis=1).argmax())
         third = _evaluate_third(
             model, level, lambda plan, worst=worst: _curves(model, plan, test_points[[worst]])[0]
         )
@@ -214,7 +213,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
             if third is None
             else level.ratio(curves[worst], finer_curves[worst], third)[:, None]
         )
-        errors[name] = richardson_error(sites.errors(change), ratio)
+        errors[name] = extrapolate_error(sites.errors(change), ratio)
         curves = finer_curves
     return errors
 

@@ -20,16 +20,16 @@ from deployable.campaign.text.numbers import duration_text, size_text
 from fpm.reading.variables import words
 from fpm.scenes import effort
 
-STARTING, RESPONSE, QUANTITY = 4.0, 1.0, 0.6
+START, RESPONSE, QUANTITY = 4.0, 1.0, 0.6
 """Seconds to start and write the page, to bound and draw a response, and a quantity."""
 
 REQUIREMENTS, CHOICE = 2.0, 7.0
 """Seconds to find what of the box meets requirements, and the best choice, by surrogate."""
 
-MOVING = 3
+MOTIONS = 3
 """Batches of runs that are made again for the page, on which they move."""
 
-WRITING = 5e-3
+WRITE = 5e-3
 """Seconds for a run's scene and file."""
 
 TEST_RUNS, TEST = 120, 20.0
@@ -47,26 +47,26 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 class Estimate:
     """What one call of `run` for a campaign takes, estimated before; `str()` is a sentence for
     users. runs: largest possible number of planned runs, further ones at bounds and limit-state
-    surfaces not counted; seconds: wall-clock time on all cores, `compiling` (s) of it to compile
-    kernels; integrating: core time (s) of all runs; bytes: on disk; is_budget: whether seconds are
+    surfaces not counted; seconds: wall-clock time on all cores, `compile_time` (s) of it to compile
+    kernels; core_time: core time (s) of all runs; bytes: on disk; is_budget: whether seconds are
     a limit set by the config, mostly far more than will be used; answers: what adds further runs,
     in words, such as "quantities"."""
 
     runs: int
     seconds: float
-    integrating: float
+    core_time: float
     bytes: float
-    compiling: float = 0.0
+    compile_time: float = 0.0
     is_budget: bool = False
     answers: str = ""
 
     def __str__(self) -> str:
         bound = "at most" if self.is_budget else "about"
         further = f" and further ones for {self.answers}" if self.answers else ""
-        first = duration_text(_round(self.compiling))
+        first = f" ({duration_text(_round(self.compile_time))} of it to compile, once)"
         return (
             f"at most {self.runs} runs{further}, {bound} {duration_text(_round(self.seconds))} "
-            f"on {cores()} cores{f' ({first} of it to compile, once)' if self.compiling else ''}, "
+            f"on {count_cores()} cores{first if self.compile_time else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
 
@@ -80,31 +80,31 @@ def estimate(campaign: Campaign) -> Estimate:
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
-    refinement = {} if experiment.is_adaptive else _further(campaign)
+    refinement = {} if experiment.is_adaptive else _refinement_passes(campaign)
     passes = [(runs, 1.0), *(p for iterations in refinement.values() for p in iterations)]
     batches = [(math.ceil(count / LANES), factor) for count, factor in passes if count]
-    integrating = batch * sum(number * factor for number, factor in batches)
+    core_time = batch * sum(number * factor for number, factor in batches)
     # A batch is one core's; rounds wait for each other.
-    waiting = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
-    writing = WRITING * sum(count for count, _ in passes) / cores()
+    run_time = batch * sum(math.ceil(number / count_cores()) * factor for number, factor in batches)
+    write_time = WRITE * sum(count for count, _ in passes) / count_cores()
     scene = experiment.nominal_scene
-    compiling = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
-    starting = STARTING + compiling + MOVING * batch
-    starting += RESPONSE * len(experiment.responses) + QUANTITY * len(experiment.quantities)
-    starting += REQUIREMENTS * bool(campaign.requirements) + CHOICE * bool(
+    compile_time = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
+    overhead = START + compile_time + MOTIONS * batch
+    overhead += RESPONSE * len(experiment.responses) + QUANTITY * len(experiment.quantities)
+    overhead += REQUIREMENTS * bool(campaign.requirements) + CHOICE * bool(
         campaign.choose.parameters
     )
-    seconds = waiting + writing + starting + TEST * len(campaign.measured)
+    seconds = run_time + write_time + overhead + TEST * len(campaign.measured)
     if experiment.is_adaptive:  # meshes and steps become finer
-        integrating = 60 * experiment.accuracy.max_core_minutes
-        seconds = integrating / cores() + starting
+        core_time = 60 * experiment.accuracy.max_core_minutes
+        seconds = core_time / count_cores() + overhead
     curves = _BOUNDS_CURVES * len(experiment.responses)
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
     answers = " and ".join(refinement)
     return Estimate(
-        runs, seconds, integrating, float(size), compiling, experiment.is_adaptive, answers
+        runs, seconds, core_time, float(size), compile_time, experiment.is_adaptive, answers
     )
 
 
@@ -112,12 +112,12 @@ def _sum(parts: list[Estimate]) -> Estimate:
     """What campaigns take one after another; kernels are compiled once."""
     keys = ("runs", "seconds", "integrating", "bytes")
     totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
-    compiling = max(part.compiling for part in parts)
-    totals["seconds"] += compiling - sum(part.compiling for part in parts)
-    return replace(parts[0], **totals, compiling=compiling)
+    compile_time = max(part.compile_time for part in parts)
+    totals["seconds"] += compile_time - sum(part.compile_time for part in parts)
+    return replace(parts[0], **totals, compile_time=compile_time)
 
 
-def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
+def _refinement_passes(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     """By what takes further runs, for each round their number and time over a planned one's."""
     experiment, verify = campaign.experiment, campaign.verify
     bounds = 2 * len(experiment.quantities)
@@ -166,7 +166,7 @@ def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
     return text
 
 
-def cores() -> int:
+def count_cores() -> int:
     """Return the number of processor cores of this machine, 1 if it is unknown."""
     return os.cpu_count() or 1
 

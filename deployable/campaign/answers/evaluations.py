@@ -17,7 +17,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.event_margins import margins_of, margins_of_samples
 from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
-from deployable.campaign.results.which import fitted_rows
+from deployable.campaign.results.run_roles import fitted_rows
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord

@@ -14,7 +14,7 @@ import numpy as np
 
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.plan.plan import Plan
-from deployable.intervals.estimates import richardson_error
+from deployable.intervals.estimates import extrapolate_error
 
 _SIDE = 4  # runs at once on each side of a border: eight side by side cost what three do
 _HALVINGS = 3  # of the stretch on which a border lies
@@ -53,7 +53,7 @@ def estimate_limit_state_error(
             model.points[test_rows], happens[test_rows], differs, np.abs(scores[test_rows])
         )
         shift = max(shift, _bisect_segments(model, q, occurrence, finest, *segments))
-    shift, number = map(float, richardson_error(np.array([shift, number])))
+    shift, number = map(float, extrapolate_error(np.array([shift, number])))
     return shift, number
 
 

@@ -74,7 +74,7 @@ def assess_limits(
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of values and of decision functions (sign: whether one exists), or None."""
-    from deployable.intervals.scalars import Limit, largest_share, least_scales
+    from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
@@ -85,13 +85,13 @@ def assess_limits(
     ]
     upper = model.experiment.box.free.astype(float)
     worst = [limit.worst(-upper, upper) for limit in limits]
-    largest = largest_share(limits, model.nominal)
+    largest = find_max_scale(limits, model.nominal)
     margins = np.array([
         limit.find_margins(model.numbers[:, spec.quantity])
         for spec, limit in zip(specs, limits, strict=True)
     ])  # fmt: skip
     failing_rows = np.flatnonzero(margins.min(axis=0) < 0)
-    scales = least_scales(model.nominal, model.points[failing_rows])
+    scales = find_least_scales(model.nominal, model.points[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() < largest[0]:  # a run fails where the surrogates do not
         run = failing_rows[scales.argmin()]
@@ -99,8 +99,8 @@ def assess_limits(
         largest = float(scales.min()), int(margins[:, run].argmin()), failure_point
     elif largest[2] is not None:
         # A little beyond the border, so that the run there fails and does not only touch it.
-        outward = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)
-        failure_point = np.clip(model.nominal + outward, -upper, upper)
+        farther = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)
+        failure_point = np.clip(model.nominal + farther, -upper, upper)
     return LimitAssessment(specs, limits, margins, worst, largest, failure_point)
 
 

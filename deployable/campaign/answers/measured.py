@@ -67,7 +67,7 @@ from deployable.intervals.calibration import (
     calibrate_together,
     no_runs,
 )
-from deployable.intervals.scalars.fits import best_fit
+from deployable.intervals.scalars.fits import choose_fit
 from fpm.structures.curves_file import CurvesFileError
 
 _LEAST_MOVE = 0.005  # of a parameter's width, by which a side must move
@@ -107,7 +107,7 @@ def answer(
         "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
         "disjoint": _disjoint_pairs(sources, singles),
         **_parameters(model, result, sources),
-        **_of_left(model, result, requirements, sources, folder),
+        **_describe_left(model, result, requirements, sources, folder),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
         "misfits": {
@@ -325,7 +325,7 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
     return {"parameters": rows, "trade_offs": trade_offs}
 
 
-def _of_left(
+def _describe_left(
     model: ModelEvaluator,
     result: Calibration,
     requirements: Mapping[str, Mapping],
@@ -352,7 +352,7 @@ def _of_left(
         happens = np.isfinite(numbers[:, q])
         lower, upper, error = np.nan, np.nan, np.nan
         if happens.any():
-            fit = best_fit((unit[happens] - center) / half, numbers[happens, q])
+            fit = choose_fit((unit[happens] - center) / half, numbers[happens, q])
             values = fit.evaluate((result.samples - center) / half)
             ends = result.samples[[values.argmin(), values.argmax()]]
             extra = model.evaluate(model.plan, ends)[0][:, q]

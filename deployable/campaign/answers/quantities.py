@@ -167,9 +167,9 @@ def _put_occurrence(
 
 def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[QuantityBounds]) -> None:
     """What each parameter contributes."""
-    from deployable.intervals.scalars import influence
+    from deployable.intervals.scalars import find_influence
 
-    influences = [influence(b.surrogate, model.nominal) for b in bounds]
+    influences = [find_influence(b.surrogate, model.nominal) for b in bounds]
     texts = {
         "share": "share of the widths, 0 where not above the error of the surrogate",
         "alone": "width when only this parameter varies",

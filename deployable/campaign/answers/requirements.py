@@ -8,7 +8,7 @@
     limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share,
                    share_uncertainty, runs}]: margin at the worst place, and the estimated error,
                    of mesh and step too if known; met and what follows of this limit alone
-    together       {met, share, share_uncertainty, runs, largest_share, fails, whole}: of all;
+    together       {met, share, share_uncertainty, runs, max_interval_scale, fails, whole}: of all;
                    `fails` is the nearest place at which one fails: {requirement, quantity, kind,
                    level, units, at, simulated}; whole: whether errors have those of step and mesh
     halved         (in together) {name: {share, share_uncertainty}}: if the interval of one
@@ -68,8 +68,8 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
 
 def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
-    decide where they differ from the surrogates by no more than the error: one that fails, or keeps
-    them, is enough. That no run keeps one proves nothing by itself: the share is unknown then."""
+    decide where they agree with the surrogates up to the error. That no run keeps one proves
+    nothing: the share is unknown then."""
     from deployable.intervals.scalars import share_of_box
 
     fraction, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
@@ -117,7 +117,7 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
 
 def _combine(model: ModelEvaluator, result: LimitAssessment) -> dict:
     largest, index, _ = result.largest
-    row = {**_met(model, result, list(range(len(result.specs)))), "largest_share": largest}
+    row = {**_met(model, result, list(range(len(result.specs)))), "max_interval_scale": largest}
     row["halved"] = _halve_intervals(model, result)
     if index is None:
         return {**row, "fails": None}

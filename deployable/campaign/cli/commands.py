@@ -10,7 +10,7 @@ from pathlib import Path
 
 import fpm
 from deployable.campaign.answers.estimate import describe_stored_runs, estimate
-from deployable.campaign.cli.new import make_folder, starts
+from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
@@ -20,7 +20,7 @@ from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
-from deployable.campaign.pictures.still import SUFFIXES, write_structure
+from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
 from deployable.campaign.stages.workflow import run
 
@@ -95,7 +95,7 @@ class _Starts(argparse.Action):
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
 
-        print("\n".join(starts()))
+        print("\n".join(list_starts()))
         parser.exit()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import fpm
-from deployable.campaign import shipped
+from deployable.campaign import program_data
 from deployable.campaign.config.loader import load
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
@@ -20,7 +20,7 @@ SNAKEFILE = f'''\
 # The campaign of this folder: snakemake -c2
 # Another one:                 snakemake -c2 --configfile other.yaml
 
-from deployable.campaign.shipped import RULES
+from deployable.campaign.program_data import RULES
 
 CAMPAIGN = "{CAMPAIGN}"
 
@@ -38,12 +38,12 @@ rule all:
 GITIGNORE = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
-def starts() -> list[str]:
+def list_starts() -> list[str]:
     """List names that a new folder can start from: shipped campaigns, structures without one."""
-    campaigns = shipped.campaigns()
+    campaigns = program_data.list_campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
-    return sorted({*campaigns, *(shipped.structures().keys() - scene_names)})
+    return sorted({*campaigns, *(program_data.list_structures().keys() - scene_names)})
 
 
 def make_folder(folder: str | Path, start: str) -> None:
@@ -53,14 +53,14 @@ def make_folder(folder: str | Path, start: str) -> None:
     folder = Path(folder)
     campaign, structures = _start_files(start)
     paths = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
-    if existing := [str(path) for path in paths if path.exists()]:
-        raise CampaignError(f"{', '.join(existing)}: there already; allowed: a folder without")
+    if present := [str(path) for path in paths if path.exists()]:
+        raise CampaignError(f"{', '.join(present)}: there already; allowed: a folder without")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, path in structures.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, folder / name)
-        shutil.copytree(shipped.WORKFLOW / "profiles", folder / "profiles")
+        shutil.copytree(program_data.WORKFLOW / "profiles", folder / "profiles")
         write_text(folder / CAMPAIGN, campaign)
         write_text(folder / "Snakefile", SNAKEFILE)
         if not (folder / ".gitignore").exists():
@@ -71,12 +71,12 @@ def make_folder(folder: str | Path, start: str) -> None:
 
 def _start_files(start: str) -> tuple[str, dict[str, Path]]:
     """The text of the campaign, and the files of its structures by their names in the folder."""
-    if start in starts() and (path := shipped.campaigns().get(start)):
+    if start in list_starts() and (path := program_data.list_campaigns().get(start)):
         file = load(path)["scene"].get("file")
         return path.read_text(encoding="utf-8"), {file: path.parent / file} if file else {}
-    path = shipped.structures().get(start) if start in starts() else Path(start)
+    path = program_data.list_structures().get(start) if start in list_starts() else Path(start)
     if path is None or path.suffix != ".yaml" or not path.is_file():
-        allowed = f"{', '.join(starts())}, or the .yaml file of a structure"
+        allowed = f"{', '.join(list_starts())}, or the .yaml file of a structure"
         raise CampaignError(f"--start {start} is not known; allowed: {allowed}")
     name, text = f"structures/{path.name}", campaign_of(path, f"structures/{path.name}")
     files = (f for f in scene_type("", str(path)).files if f.is_relative_to(path.parent))

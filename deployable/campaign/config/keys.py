@@ -47,9 +47,9 @@ class Rule:
         """The limits as pydantic knows them."""
         import annotated_types as types
 
-        kinds = (types.Gt, types.Ge, types.Le, types.MinLen, types.MaxLen)
+        constraints = (types.Gt, types.Ge, types.Le, types.MinLen, types.MaxLen)
         limits = (self.gt, self.ge, self.le, self.least, self.most)
-        yield from (kind(n) for kind, n in zip(kinds, limits, strict=True) if n is not None)
+        yield from (hint(n) for hint, n in zip(constraints, limits, strict=True) if n is not None)
         if self.pattern:
             yield types.Predicate(re.compile(self.pattern).fullmatch)
 
@@ -58,16 +58,16 @@ class Rule:
         limits = ((self.gt, operator.gt), (self.ge, operator.ge), (self.le, operator.le))
         return all(end is None or is_right(number, end) for end, is_right in limits)
 
-    def words(self, kind: Any) -> str:
+    def words(self, hint: Any) -> str:
         """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
-        limits and the type `kind` of the key imply, such as "a whole number above 0"."""
-        if self.allowed or is_dataclass(kind):
+        limits and the type `hint` of the key imply, such as "a whole number above 0"."""
+        if self.allowed or is_dataclass(hint):
             return self.allowed or "a mapping"
-        if get_origin(kind) is Literal:
-            return f"one of {', '.join(f'`{word}`' for word in get_args(kind))}"
-        if kind is bool:
+        if get_origin(hint) is Literal:
+            return f"one of {', '.join(f'`{word}`' for word in get_args(hint))}"
+        if hint is bool:
             return "`true` or `false`"
-        number = "a whole number" if kind is int else "a number"
+        number = "a whole number" if hint is int else "a number"
         if self.gt is not None:
             return f"{number} above {_text(self.gt)}" + (f", up to {self.le}" if self.le else "")
         if self.le is not None:
@@ -99,14 +99,14 @@ class ConfigKey:
         return self.children.get(name, self.entry)
 
 
-def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
-    """Describe a config key of a type, with all keys below it. kind: a type with its `Rule` in
+def config_key_of(hint: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
+    """Describe a config key of a type, with all keys below it. hint: a type with its `Rule` in
     `Annotated`, a dataclass, a dict or a union of these; default: value of the key if it is left
     out; description: what the key is, in words."""
-    key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Rule)), Rule())
-    kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
+    key = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
+    hint = get_args(hint)[0] if get_origin(hint) is Annotated else hint
     children, entry, names = {}, None, ""
-    for option in get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,):
+    for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
         if get_origin(option) is dict:
             name, entry = map(config_key_of, get_args(option))
             names = name.key.allowed
@@ -117,16 +117,16 @@ def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> C
                 f.name: config_key_of(hints[f.name], _default(f), docstrings.get(f.name, ""))
                 for f in fields(option)
             }
-    return ConfigKey(key, key.words(kind), description or key.text, default, children, entry, names)
+    return ConfigKey(key, key.words(hint), description or key.text, default, children, entry, names)
 
 
 def _default(field: Field) -> Any:
     return field.default if field.default_factory is MISSING else field.default_factory()
 
 
-def _docstrings(kind: type) -> dict[str, str]:
+def _docstrings(hint: type) -> dict[str, str]:
     """What stands below the fields of a class, on one line each."""
-    lines = ast.parse(dedent(inspect.getsource(kind))).body[0].body
+    lines = ast.parse(dedent(inspect.getsource(hint))).body[0].body
     return {
         field.target.id: " ".join(text.value.value.split())
         for field, text in pairwise(lines)

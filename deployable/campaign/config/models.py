@@ -122,8 +122,7 @@ class Solver(ConfigSection):
 
 @dataclass(frozen=True)
 class IntervalSpec(ConfigSection):
-    """One interval, as `relative` or `absolute` half width about `nominal`, or as `lower` and
-    `upper`."""
+    """One interval: `relative` or `absolute` half width about `nominal`, or `lower` and `upper`."""
 
     nominal: Annotated[float, Rule("a number inside the interval")] = ABSENT
     """Value of the nominal run. Default: the scene's value with `relative` and `absolute`, the
@@ -256,10 +255,9 @@ Goals = Annotated[
 
 
 @dataclass(frozen=True)
-class Choosing(ConfigSection):
-    """The nominal values that are best in the worst case: over choices and the box about each, one
-    surrogate of every quantity tells which choice keeps all requirements and has the best goal. Its
-    worst case is simulated."""
+class ChooseSection(ConfigSection):
+    """The nominal values that are best in the worst case: over choices and the box about each,
+    surrogates of quantities tell which keeps all requirements and has the best goal."""
 
     parameters: Annotated[
         dict[str, Annotated[tuple[float, float], Rule(
@@ -290,8 +288,7 @@ class CaseSolver(ConfigSection):
 
 @dataclass(frozen=True)
 class CaseSection(ConfigSection):
-    """One case: what differs from the campaign, which has the rest; `{}` is the campaign as it
-    stands."""
+    """One case: what differs from the campaign, which has the rest; `{}` is the campaign itself."""
 
     scene: Annotated[
         dict[str, Any], Rule("a mapping from the scene's parameter names to values")
@@ -321,8 +318,7 @@ class FigureChoice(ConfigSection):
 
 @dataclass(frozen=True)
 class Jobs(ConfigSection):
-    """How the runs are grouped. None of it changes a number but `keep: responses`, which rounds to
-    single precision."""
+    """How the runs are grouped. Only `keep: responses` changes numbers: to single precision."""
 
     runs_per_job: Annotated[
         Annotated[int, Rule(ge=1)] | OrAuto, Rule("a whole number of at least 1, or `auto`")
@@ -502,8 +498,8 @@ class Config(ConfigSection):
     tells whether all, some or none of the box meets each and all together, with which margin, and
     where it fails (docs/quantities.md)."""
     choose: Annotated[
-        Choosing, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
-    ] = Choosing()  # fmt: skip
+        ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
+    ] = ChooseSection()  # fmt: skip
     measured: Annotated[
         dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
         Rule("a mapping from names of tests to mappings"),

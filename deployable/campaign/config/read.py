@@ -20,7 +20,7 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     part of `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can
     be checked too; the config is None if that rest is invalid too, or a number is not finite."""
     endless: dict[str, Any] = {}
-    right, problems = _as_meant(_plain(raw, "", endless))
+    right, problems = _correct_sections(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
                  for key, value in endless.items()]  # fmt: skip
     config, faults = _validate(right)
@@ -101,7 +101,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
     return Fault((*path,), (*path[:entry],), text)
 
 
-def _as_meant(raw: Any) -> tuple[Any, list[str]]:
+def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
     """The config with sections under the names likely meant, and a sentence for each renamed."""
     names, problems = Config.__dataclass_fields__, []
     if not isinstance(raw, Mapping):

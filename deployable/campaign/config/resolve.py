@@ -10,7 +10,7 @@ from deployable.campaign.config.keys import RefusedError
 from deployable.campaign.config.models import (
     Aim,
     BoundsChoice,
-    Choosing,
+    ChooseSection,
     Config,
     IntervalSpec,
     Limits,
@@ -159,16 +159,16 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     return config, Accuracy(tolerances, aim.max_runs, aim.max_core_minutes, mesh)
 
 
-def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """Resolve the section `choose` of a config (nominal values to be chosen), `choosing` as the
+def choose_of(section: ChooseSection, intervals: Mapping[str, IntervalSpec]) -> Choose:
+    """Resolve the section `choose` of a config (nominal values to be chosen), `section` as the
     user wrote it: returns it with goals as tuples, and names of parameters whose intervals are
     `relative`, scaling with the nominal value. intervals: section of the config, by parameter."""
     relative = [
-        n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
+        n for n in section.parameters if n in intervals and intervals[n].relative is not None
     ]
-    goals = {"minimise": choosing.minimise, "maximise": choosing.maximise}
+    goals = {"minimise": section.minimise, "maximise": section.maximise}
     goals = {key: (goal,) if isinstance(goal, str) else goal for key, goal in goals.items()}
-    return Choose(choosing.parameters, **goals, order=choosing.order, relative=(*relative,))
+    return Choose(section.parameters, **goals, order=section.order, relative=(*relative,))
 
 
 def intervals_of(

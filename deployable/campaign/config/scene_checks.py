@@ -38,7 +38,7 @@ from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import number_hint
 from fpm.files.outcome import eventful
-from fpm.reading.margins import OPTIONAL, driving, read_label, travel_of
+from fpm.reading.margins import OPTIONAL, find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
@@ -114,7 +114,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
-        limit = fpm.stable_step(scene).step
+        limit = fpm.find_stable_step(scene).step
         step = solver.safety * limit if solver.step == "auto" else solver.step
         if solver.step != "auto" and solver.duration >= step > 2 * limit:
             problems.append(
@@ -184,7 +184,7 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
     """Whether a margin by the factors of a spring that is out is without one, of several."""
     if "spring out" not in curve.subjects:
         return []
-    drive = driving(work)
+    drive = find_drives(work)
     springs = [name for name in springs_of(experiment.nominal_scene) if name in drive]
     inactive = list(experiment.responses[curve.name].get("without", ()))
     if len(springs) > 1 and len(inactive) == 1 and inactive[0] in springs:

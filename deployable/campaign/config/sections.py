@@ -21,11 +21,11 @@ import numpy as np
 
 import fpm
 from deployable import intervals
-from deployable.campaign import shipped
+from deployable.campaign import program_data
 from deployable.campaign.config.models import (
     BoundsChoice,
     CampaignName,
-    Choosing,
+    ChooseSection,
     DesignSection,
     ErrorDisplay,
     FigureChoice,
@@ -57,7 +57,7 @@ def scene_type(name: str, file: str = "") -> Any:
     """Load the `fpm` structure (`SceneType`) in `file`, which results may name from then on
     (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
     if not file:
-        if name not in (files := shipped.structures()):
+        if name not in (files := program_data.list_structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(files)}")
         file = str(files[name])
     else:
@@ -131,7 +131,7 @@ class DesignChoice(DesignSection):
     normalized points (n, k), -1 to 1, of an adaptive design's runs, empty for other designs."""
 
     order: int | None = 3
-    existing: tuple = ()
+    points: tuple = ()
 
 
 @dataclass(frozen=True)
@@ -299,7 +299,7 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class Choose(Choosing):
+class Choose(ChooseSection):
     """Parameters whose nominal values are to be chosen by the worst case (section `choose`).
     parameters: least and largest value by name; minimise, maximise: goals, texts such as `upper(t)`
     (upper bound of the quantity t); order: of the surrogate along them; relative: those whose
@@ -385,7 +385,7 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     """Make the `intervals.Design` (points of the runs) that the section `design` (`choice`) of a
     config asks for, in a box (`intervals.Box`). Raises `intervals.IntervalError`."""
     if choice.method == ADAPTIVE:
-        points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
+        points = np.array(choice.points, dtype=float).reshape(-1, box.dimension)
         terms = np.zeros((0, box.dimension), dtype=int)
         return intervals.Design(points, terms, ADAPTIVE, (0,) * box.dimension)
     options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}

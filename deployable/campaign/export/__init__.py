@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.export.chosen import SelectedRun, choose
+from deployable.campaign.export.selection import SelectedRun, choose
 from deployable.campaign.files import check_results
 
 
@@ -38,7 +38,7 @@ def _glb(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 
 def _picture(kind: str) -> Callable[..., list[Path]]:
     def write(run: SelectedRun, folder: Path, frames: int, by_stress: bool = False) -> list[Path]:
-        from deployable.campaign.pictures.moving import write_moving
+        from deployable.campaign.pictures.animation import write_moving
 
         motion, path = run.motion(frames), folder / f"{run.name}.{kind}"
         return [write_moving(motion, path, by_stress=by_stress)]

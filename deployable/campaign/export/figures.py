@@ -11,7 +11,7 @@ from deployable.campaign.folder import MOST_PANELS
 from deployable.campaign.results.figures import DATELESS, STYLE, envelope, shares, without_formulas
 
 if TYPE_CHECKING:
-    from deployable.campaign.export.chosen import SelectedRun
+    from deployable.campaign.export.selection import SelectedRun
 
 COLUMN, PAGE = 90 / 25.4, 190 / 25.4
 """Widths of a column and of two, inches: what most journals set."""

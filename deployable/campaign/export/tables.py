@@ -10,10 +10,10 @@ import numpy as np
 
 from deployable.campaign.files import csv_text, open_netcdf, write_text
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.which import ids, roles
+from deployable.campaign.results.run_roles import read_ids, read_roles
 
 if TYPE_CHECKING:
-    from deployable.campaign.export.chosen import SelectedRun
+    from deployable.campaign.export.selection import SelectedRun
 
 _INTERVAL = ("lower", "nominal", "upper", "error", "happens")
 _BOUNDS = ("lower", "upper", "nominal", "error")
@@ -24,18 +24,18 @@ def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
     is made if missing, and return the paths of all files. For a run of a campaign's results these
     are also `bounds.csv`, `runs.csv` and, if there are quantities, `quantities.csv`, of the whole
     campaign. Units stand in the headings. Raises `CampaignError` if the run fails."""
-    tables = {f"{run.name}.csv": _columns(curves(run.outcome(), run.responses))}
+    tables = {f"{run.name}.csv": _columns(tabulate_curves(run.outcome(), run.responses))}
     if run.folder:
-        tables["bounds.csv"] = _columns(bounds(run.folder))
-        tables["runs.csv"] = runs(run.folder)
+        tables["bounds.csv"] = _columns(tabulate_bounds(run.folder))
+        tables["runs.csv"] = tabulate_runs(run.folder)
         if run.folder.quantities.exists():
-            tables["quantities.csv"] = quantities(run.folder)
+            tables["quantities.csv"] = tabulate_quantities(run.folder)
     for name, rows in tables.items():
         write_text(folder / name, csv_text(rows))
     return [folder / name for name in tables]
 
 
-def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
+def tabulate_curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
     """Collect the curves of a run as columns (T) by heading with unit: time, responses, positions
     (m) and velocities (m/s) of named points, joint coordinates ("opening of", rad; m of slides),
     energies (J). outcome: an `fpm.Outcome`; responses: `Response` objects, evaluated on it."""
@@ -51,7 +51,7 @@ def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]
     return columns
 
 
-def bounds(folder: Folder) -> dict[str, np.ndarray]:
+def tabulate_bounds(folder: Folder) -> dict[str, np.ndarray]:
     """Collect the bounds of a campaign as columns (T) by heading with unit: time, and of each
     response, in its unit, lower bound, upper bound, nominal run and estimated error, those that
     there are. folder: of the results, of which `bounds.nc` is read."""
@@ -65,7 +65,7 @@ def bounds(folder: Folder) -> dict[str, np.ndarray]:
     return columns
 
 
-def runs(folder: Folder) -> list[list]:
+def tabulate_runs(folder: Folder) -> list[list]:
     """Make the table of a campaign's runs, headings, then a row for each in `samples.nc`: id, role,
     parameter values, quantities (empty where one does not occur). folder: of the results."""
     with open_netcdf(folder.samples) as file:
@@ -75,13 +75,13 @@ def runs(folder: Folder) -> list[list]:
         if "quantities" in file.variables:
             rows[0] += _headings(file, "quantity", "quantity_units")
             numbers = file["quantities"][:]
-        fields = ids(file, slice(None)), roles(file), values.tolist(), numbers
+        fields = read_ids(file, slice(None)), read_roles(file), values.tolist(), numbers
         for name, role, place, row in zip(*fields, strict=True):
             rows.append([name, role, *place, *_cells(row)])
     return rows
 
 
-def quantities(folder: Folder) -> list[list]:
+def tabulate_quantities(folder: Folder) -> list[list]:
     """Make the table of a campaign's quantities, headings first, then a row for each: name, units,
     lower bound, nominal value, upper bound, estimated error of the surrogate (all in those units),
     fraction of the box's volume in which it occurs, and the values of all parameters (in their own

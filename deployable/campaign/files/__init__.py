@@ -1,4 +1,4 @@
-"""A campaign's files: whole or absent, sealed (`fpm.files.sealed`), and known by what they are of.
+"""A campaign's files: whole or absent, sealed (`fpm.files.seals`), and known by what they are of.
 
 The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
 its stage made it from (`basis`, the digest of code and config), and what computed it when."""
@@ -18,11 +18,11 @@ from typing import Any
 
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files.contents import data_of, experiment_of, reading
-from deployable.campaign.files.outside import refuse_outside
+from deployable.campaign.files.contents import data_of, experiment_of, report_damage
+from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import check_code, stamp
-from fpm.files.sealed import DamagedError, check, check_content, read_bytes, whole_file
+from fpm.files.seals import DamagedError, check, check_content, read_bytes, whole_file
 
 __all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json", "refuse_links",
            "result_file", "whole_file", "write_result", "write_text"]  # fmt: skip
@@ -55,7 +55,7 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
 
 def open_netcdf(path: str | Path) -> Any:
     """Check a result in netCDF and open it as a `netCDF4.Dataset`, with plain, not masked, arrays.
-    Raises `fpm.files.sealed.DamagedError` if the file is not as written."""
+    Raises `fpm.files.seals.DamagedError` if the file is not as written."""
     import netCDF4
 
     _check(path)
@@ -91,7 +91,7 @@ def wrap_error(error: Exception) -> CampaignError | None:
 
 def read_json(path: str | Path) -> dict:
     """Read the data of a result in JSON, checked and without its seal. Raises
-    `fpm.files.sealed.DamagedError` if the file is not as written."""
+    `fpm.files.seals.DamagedError` if the file is not as written."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
     HISTORY.append(Path(path))
@@ -106,7 +106,7 @@ def check_results(folder: Folder, names: Iterable[str]) -> None:
         if path.suffix == ".json":
             data, experiment = read_json(path), None
             if path == folder.plan:
-                with reading(path):
+                with report_damage(path):
                     experiment = Experiment.of_results(data["config"])
             if path.name == "summary.json" and first is not None:
                 _check_summary(path, data, first[1])
@@ -136,7 +136,7 @@ def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
 
 def open_dataset(path: str | Path) -> Any:
     """Check a result in netCDF and open it as an `xarray.Dataset`. Raises
-    `fpm.files.sealed.DamagedError` if the file is not as written."""
+    `fpm.files.seals.DamagedError` if the file is not as written."""
     import xarray
 
     _check(path)

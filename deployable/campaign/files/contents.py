@@ -17,7 +17,7 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, steps_problems
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 ROLES = ("nominal", "node", "held_out", "further")
 RUN_ID = re.compile("[0-9a-f]{16}")
@@ -96,7 +96,7 @@ _ALL = 1 << 26
 
 
 @contextmanager
-def reading(path: str | os.PathLike) -> Iterator[None]:
+def report_damage(path: str | os.PathLike) -> Iterator[None]:
     """Context manager for code that reads the file `path`: errors from malformed content become
     DamagedErrors; others, such as a missing file or a message for users, stay as they are."""
     try:
@@ -123,7 +123,7 @@ def experiment_of(path: str | os.PathLike) -> Experiment | None:
 def _inspect(path: Path, *state: int) -> Experiment | None:
     import netCDF4
 
-    with reading(path), netCDF4.Dataset(path) as file:
+    with report_damage(path), netCDF4.Dataset(path) as file:
         file.set_auto_maskandscale(False)
         _check_sizes(file, os.path.getsize(path))
         name = path.name
@@ -258,7 +258,7 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
         "cases.json": {"required": ["cases", "together"]},
         "measured.json": properties["measured"],
     }
-    with reading(path):
+    with report_damage(path):
         data = json.loads(content, parse_constant=_no_number)
         matches(schemas.get(Path(path).name, _MANIFEST), data)
         return {key: value for key, value in data.items() if key != "seal"}
@@ -270,8 +270,7 @@ def _no_number(text: str) -> None:
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
     """Raise ValueError unless plain data of a result match a JSON schema. Keywords that
-    `summary.schema.json` does not use are ignored. path: where the data stand in the whole, such as
-    `rows[2]`, for messages."""
+    `summary.schema.json` does not use are ignored. path: for messages, as `rows[2]`."""
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
     kinds = schema.get("type", "object" if "required" in schema else [])

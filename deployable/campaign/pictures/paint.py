@@ -53,8 +53,8 @@ def visible_faces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the faces of a structure that are turned to the eye, from far to near: corners (f, 4, 2)
     in the plane of the picture (m) and shaded colours (f, 3), 0 to 1. solid: the structure at some
-    moments; moment: index of one; view: direction to the eye; colours (m, 3): of its elements, 0 to
-    1; None: one for each bar."""
+    moments; moment: index; view: direction to the eye; colours (m, 3): of elements; None: by
+    bar."""
     element, face = np.nonzero(solid.visible)
     corners = solid.corners[moment][element[:, None], FACES[face]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])

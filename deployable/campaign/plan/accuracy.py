@@ -34,7 +34,7 @@ _UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 _CHECK_POINTS = 8  # places at which a check makes runs, of the responses
 
 
-def first_plan(experiment: Experiment) -> Plan:
+def start_plan(experiment: Experiment) -> Plan:
     """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
     width: the nominal one, the corners of the box, if they are at most half of them, and points of
     a Sobol sequence. It has errors estimated by mesh, or by step if no parameter sets the mesh."""
@@ -44,7 +44,7 @@ def first_plan(experiment: Experiment) -> Plan:
     return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
 
 
-def next_plan(
+def extend_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
     """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,
@@ -54,7 +54,7 @@ def next_plan(
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         quantities = _estimate_quantities(base, samples)
-        shares, free = _shares(plan, bounds, quantities), base.solver.step == "auto"
+        shares, free = _relative_errors(plan, bounds, quantities), base.solver.step == "auto"
         refinement = _refinement_state(plan, shares, free)
         cost, decision = refinement.cost, refinement.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
@@ -70,7 +70,7 @@ def next_plan(
         if decision.action == "runs":
             names = [errors.name for errors in refinement.reducible]
             unmet = [estimate for name, estimate in quantities.items() if name in names]
-            new = _places(base, samples, names, cost.next_runs, len(rounds), unmet)
+            new = _infill_points(base, samples, names, cost.next_runs, len(rounds), unmet)
             points += new.tolist()
     finer = base
     if decision.action == "mesh":
@@ -91,7 +91,7 @@ def _plan(
 ) -> Plan:
     """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
     points = tuple(tuple(map(float, point)) for point in points)
-    design = replace(experiment.design, existing=points)
+    design = replace(experiment.design, points=points)
     plan = make_plan(replace(experiment, design=design), time=time)
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
 
@@ -148,7 +148,7 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
     return estimates
 
 
-def _shares(
+def _relative_errors(
     plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
 ) -> dict[str, dict[str, float]]:
     """Errors of responses and quantities by part, as shares of widths; step, mesh: last checked."""
@@ -170,13 +170,13 @@ def _shares(
 
 
 def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> dict[str, float]:
-    """The surrogate's share, and those of step and mesh, new ones or else those known before."""
-    for part in ("step", "mesh"):
-        if name.format(part) in row:
-            share = float(row[name.format(part)]) / width if width > 0 else 0.0
-            new[part] = share if share < _UNKNOWN else _UNKNOWN  # NaN, too
-        elif part in previous:
-            new[part] = previous[part]
+    """Relative errors by surrogate, and by step and mesh: new ones, or else those known before."""
+    for component in ("step", "mesh"):
+        if name.format(component) in row:
+            error = float(row[name.format(component)]) / width if width > 0 else 0.0
+            new[component] = error if error < _UNKNOWN else _UNKNOWN  # NaN, too
+        elif component in previous:
+            new[component] = previous[component]
     return new
 
 
@@ -193,9 +193,9 @@ def _refinement_state(plan: Plan, shares: Mapping, is_step_free: bool = True) ->
     # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
-    for part in plan.adaptive.check:
+    for component in plan.adaptive.check:
         runs += check_runs
-        seconds += _whole(check_runs) * factor[part] * time
+        seconds += _whole(check_runs) * factor[component] * time
     reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
     answers = CHECKED_RUNS * len(plan.experiment.quantities)
     affordable = min(
@@ -214,7 +214,7 @@ def add_runs(nodes: int, growth: float, affordable: float) -> int:
     as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
     nodes: runs that surrogates are fitted to so far; growth: factor by which their number should
     grow; affordable: runs that the budget allows."""
-    quarter, need = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
+    quarter, need = (LANES * max(1, round(nodes * factor / LANES)) for factor in (0.25, growth - 1))
     return max(quarter, min(need, LANES * int(affordable // LANES)))
 
 
@@ -222,7 +222,7 @@ def _whole(runs: int) -> int:
     return -(-runs // LANES) * LANES
 
 
-def _places(
+def _infill_points(
     experiment: Experiment,
     samples: Any,
     unmet: list[str],
@@ -237,8 +237,8 @@ def _places(
 
     def take(candidates: Any, least: float) -> None:
         for point in candidates:
-            existing = np.array([*runs, *points])
-            if len(points) < count and np.linalg.norm(existing - point, axis=1).min() > least:
+            rivals = np.array([*runs, *points])
+            if len(points) < count and np.linalg.norm(rivals - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
     for surrogate, estimates in quantities:

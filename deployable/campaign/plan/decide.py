@@ -219,8 +219,8 @@ class RefinementState:
     def _need(self, error: Errors) -> Need:
         """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
-        share = _INITIAL_SHARE if is_first else _FINAL_SHARE
-        if not error.discretization > share * error.tolerance:
+        fraction = _INITIAL_SHARE if is_first else _FINAL_SHARE
+        if not error.discretization > fraction * error.tolerance:
             return Need("runs", self._stagnation(error))
         action, cause = error.larger, self._exceeds_budget(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.is_step_free):

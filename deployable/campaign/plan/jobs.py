@@ -13,7 +13,7 @@ from fpm.scenes import effort
 LANES = 8
 """Runs that are integrated side by side; fewer take as long."""
 
-JOB_STARTING = 5.0
+JOB_START = 5.0
 """Minutes of a job beside its runs, at most: starting, and compiling the time loop once."""
 
 PROGRAM, PROCESS = 600.0, 150.0
@@ -34,8 +34,8 @@ def runs_in_job(campaign: Campaign) -> int:
     """Return how many runs of a campaign fit a job of `jobs.minutes` (config): whole groups of
     `jobs.group` runs, at least one group for each process."""
     jobs = campaign.jobs
-    fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
-    return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
+    runs = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
+    return max(1, jobs.processes, int(runs / jobs.group)) * jobs.group
 
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
@@ -46,7 +46,7 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
         minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0
-    return math.ceil(JOB_STARTING + 2.0 * minutes / campaign.jobs.processes)
+    return math.ceil(JOB_START + 2.0 * minutes / campaign.jobs.processes)
 
 
 def job_megabytes(campaign: Campaign) -> int:

@@ -37,11 +37,11 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
-from deployable.campaign.files.contents import ROLES, RUN_ID, reading
+from deployable.campaign.files.contents import ROLES, RUN_ID, report_damage
 from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 MAX_PLAN_ROWS = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
@@ -142,14 +142,14 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     is a Sobol sequence, validation runs. time: their time step; None: `choose_step` finds it."""
     box = experiment.box
     design = make_design(experiment.design, box)
-    parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
+    groups = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
     if experiment.design.method != "sobol":
         points = held_out_points(box.free, experiment.held_out, design.points)
-        parts.append(("held_out", points))
+        groups.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.mechanics
-    normalized = np.concatenate([points for _, points in parts])
-    role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
+    normalized = np.concatenate([points for _, points in groups])
+    role = np.repeat([ROLES.index(role) for role, _ in groups], [len(p) for _, p in groups])
     name = namer(experiment, time.step, mechanics)
     role = role.astype(np.int8)
     runs = Runs(role, normalized, values_of(experiment, role, normalized), name)
@@ -168,7 +168,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     for point in points:
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         scene = experiment.build(values)
-        stable = fpm.stable_step(scene)
+        stable = fpm.find_stable_step(scene)
         steps.append(stable.step)
         if len(steps) == 2 * box.free.sum() + 1 > 2 * MOST_FULL + 1:  # the worse ends together
             low, high = np.reshape(steps[1:], (-1, 2)).T
@@ -187,9 +187,9 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     return TimeStep(division.step, division.output_steps, limit, element, energy)
 
 
-def share(items: list, part: int, parts: int) -> list:
-    """Part `part` (from 0) of `items`, a list or `Runs`, cut into `parts` nearly equal ones."""
-    return items[len(items) * part // parts : len(items) * (part + 1) // parts]
+def split_evenly(items: list, index: int, count: int) -> list:
+    """Part `index` (from 0) of `items`, a list or `Runs`, cut into `count` nearly equal ones."""
+    return items[len(items) * index // count : len(items) * (index + 1) // count]
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
@@ -213,9 +213,9 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read a plan from `path`; raises `fpm.files.sealed.DamagedError` if it is not as written."""
+    """Read a plan from `path`; raises `fpm.files.seals.DamagedError` if it is not as written."""
     data = read_json(path)
-    with reading(path):
+    with report_damage(path):
         return _plan(path, data)
 
 
@@ -252,7 +252,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
 def read_step(path: str | Path) -> TimeStep:
     """Read only the time step of the plan in the file `path` (`plan.json`), which is faster."""
     data = read_json(path)
-    with reading(path):
+    with report_damage(path):
         return _time(data)
 
 

@@ -92,8 +92,7 @@ class OmittedRun:
 @dataclass(frozen=True)
 class RunVerdicts:
     """For R runs whether each meets all requirements, `met` (R, bool), with its k parameter
-    `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN if it does not
-    occur."""
+    `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN: none."""
 
     values: np.ndarray
     met: np.ndarray

@@ -16,8 +16,8 @@ from deployable.campaign.files import open_dataset, open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.moments import draw_moments
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.which import ids, keeps_extremes, nominal_row
-from fpm.files.sealed import DamagedError, check
+from deployable.campaign.results.run_roles import keeps_extremes, nominal_row, read_ids
+from fpm.files.seals import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
@@ -67,7 +67,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
         labels = _label_runs(ends, np.concatenate([values, extra_values]), nominal)
-        run_ids = ids(samples, rows := [run for run in labels if run < len(values)])
+        run_ids = read_ids(samples, rows := [run for run in labels if run < len(values)])
     of_sample = dict(zip(rows, run_ids, strict=True))
     return [
         ShownRun(of_sample[run], values[run], label, run)
@@ -177,7 +177,7 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
 
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
-        (name,) = ids(samples, [row])
+        (name,) = read_ids(samples, [row])
         with (
             suppress(FileNotFoundError, DamagedError),
             open_dataset(Folder(folder).motions / f"{name}.nc") as motion,
@@ -220,7 +220,7 @@ def draw_nominal(folder: Folder, count: int) -> None:
     with open_netcdf(folder.samples) as samples:
         experiment = Experiment.read(samples.config)
         row, mechanics = nominal_row(samples) or 0, samples.mechanics
-        (name,) = ids(samples, [row])
+        (name,) = read_ids(samples, [row])
     if experiment.mechanics != mechanics:
         raise CampaignError(
             f"the structure or the mechanics have changed since {folder.path} was made, so that "

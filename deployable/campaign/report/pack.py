@@ -18,7 +18,7 @@ from deployable.campaign.report.data import MovingRun, PageData, ResponseBounds
 from deployable.campaign.results.facts import LARGE
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
-from deployable.intervals.scalars.fits import best_fit
+from deployable.intervals.scalars.fits import choose_fit
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -170,7 +170,7 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
     if measured := data.facts.get("measured"):  # what the tests leave, by name, and misfits
         body["left"] = {row["name"]: row["after"] for row in measured["parameters"]}
         points, misfits = map(np.array, measured["misfits"].values())
-        fit = best_fit(points, np.log(np.maximum(misfits, _LEAST_MISFIT)))
+        fit = choose_fit(points, np.log(np.maximum(misfits, _LEAST_MISFIT)))
         body["misfit"] = _table(fit.formula(), arrays)  # its logarithm
     if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
         return body

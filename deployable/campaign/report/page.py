@@ -13,7 +13,7 @@ from deployable.campaign.pictures.paint import limits_of, visible_faces
 from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
-from deployable.campaign.report.failing import lines, panels, prices
+from deployable.campaign.report.failing_region import lines, panels, prices
 from deployable.campaign.report.pack import compress, pack_data
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty

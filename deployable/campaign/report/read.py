@@ -24,12 +24,12 @@ from deployable.campaign.report.data import (
     WhatIf,
     Work,
 )  # fmt: skip
-from deployable.campaign.report.failing import meets
+from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
 from deployable.campaign.results.ranges import runs_of
-from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
-from fpm.files.sealed import DamagedError, check
+from deployable.campaign.results.run_roles import count_roles, keeps_extremes, read_ids, read_roles
+from fpm.files.seals import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
@@ -118,8 +118,8 @@ def _rows(samples: xarray.Dataset, movers: Iterable[ShownRun]) -> np.ndarray:
 def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[PageRun, ...]:
     contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
     events = [samples[f"event_{key}"].values[rows] for key in ("time", "contact", "closing")]
-    names, values = ids(samples, rows), samples["value"].values[rows]
-    run_roles = roles(samples)
+    names, values = read_ids(samples, rows), samples["value"].values[rows]
+    run_roles = read_roles(samples)
     return tuple(
         PageRun(
             id=names[i], role=run_roles[rows[i]], values=values[i],
@@ -234,7 +234,7 @@ def _work(folder: Path, run_counts: Mapping[str, int]) -> tuple[Work, ...]:
 
 def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -> dict[str, str]:
     attributes = bounds.attrs
-    design = counts(samples)
+    design = count_roles(samples)
     limit = f"{attributes['time_step_limit']:.4g} s, by {attributes['limiting_element']}"
     facts = {
         "Config digest": str(attributes["config_hash"]),

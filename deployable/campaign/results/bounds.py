@@ -17,7 +17,7 @@ from deployable.campaign.config.sections import BoundsChoice, Experiment, make_d
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.results.which import keeps_extremes
+from deployable.campaign.results.run_roles import keeps_extremes
 
 
 def analyse(

@@ -38,9 +38,8 @@ GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}
 
 
 def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
-    """Collect what all cases answer as plain data for JSON, the content of `cases.json`; folder: of
-    the campaign's results, with those of each case below it; cases: section of the config, by name
-    of a case what it changes."""
+    """Collect what all cases answer as plain data for `cases.json`; folder: of the campaign's
+    results, with each case's below it; cases: what each case changes, by its name."""
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
     summaries = {name: read_json(child / "summary.json") for name, child in folders.items()}
     requirements = _requirements(summaries)
@@ -94,8 +93,7 @@ def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 def combine_met(verdicts: Iterable[str]) -> str:
     """Return what several cases make of a requirement: `all` only where each meets it, `none` where
-    each fails everywhere, `some` where any fails, else `undecided`. verdicts: such a word by
-    case."""
+    each fails everywhere, `some` where any fails, else `undecided`. verdicts: by case."""
     verdicts = set(verdicts)
     if len(verdicts) == 1:
         return verdicts.pop()
@@ -200,7 +198,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             ends[f"{end}_cases"] = [c for c, row in values.items() if _is_same(row, last, end)]
         rows.append({
             "name": name, "units": first["units"], "long_name": first["long_name"], **ends,
-            "beyond": [case for case, row in by_case.items() if row["beyond"] is not None],
+            "censored_cases": [case for case, row in by_case.items() if row["censored_at"]],
             "never": [case for case, row in by_case.items() if row["lower"] is None],
             "by_case": [
                 {key: by_case[case].get(key) for key in keys.split()} if case in by_case else None

@@ -15,7 +15,7 @@ import numpy as np
 from deployable.campaign.files import open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
-from deployable.campaign.results.which import counts, nominal_row
+from deployable.campaign.results.run_roles import count_roles, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import MAX_TAIL_RATIO
@@ -93,7 +93,7 @@ def facts_of(
         facts["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
     if experiment.is_adaptive:
         for row in rows:
-            row["errors"]["asked"] = experiment.accuracy.tolerances[row["name"]]
+            row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
         facts["accuracy"] = _accuracy(plan, rows)
     for row in rows:
         if row["name"] in experiment.doubts:
@@ -120,7 +120,7 @@ def mark_constant(facts: dict) -> None:
         sizes[row["units"]] = max(sizes.get(row["units"], 0.0), largest)
     for row in rows:
         width = row.get("largest_difference")
-        if width is None and row["lower"] is not None and not row.get("beyond"):
+        if width is None and row["lower"] is not None and not row.get("censored_at"):
             width = row["upper"] - row["lower"]
         if width is None or width > ROUNDING * sizes[row["units"]]:
             continue
@@ -146,7 +146,7 @@ def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict
     """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
     parameters, design, contacts that close in the nominal run, and bounds by response. bounds,
     samples: those files, open; published: largest difference in the literature by response."""
-    count, time = counts(samples), bounds["time"][:]
+    count, time = count_roles(samples), bounds["time"][:]
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     names = ("name", "units", "lower", "nominal", "upper")
     facts = {
@@ -277,8 +277,7 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
 def along_of(data: Any, i: int) -> dict[str, Any] | None:
     """Describe the horizontal axis of response `i` (index) where it is not time, such as a hinge's
     opening angle; None where it is time. data: an open `bounds.nc` or `sensitivities.nc`. Keys:
-    `words`, `unit`, `first` and `last` value, and `duration` (s) of the time axis, onto which first
-    to last is mapped linearly."""
+    `words`, `unit`, `first` and `last` value, and `duration` (s), onto which they are mapped."""
     variable = data.variables.get("response_along")
     abscissa = json.loads(str(np.asarray(variable[i]))) if variable is not None else None
     return abscissa and abscissa | {"duration": float(data["time"][-1])}
@@ -286,12 +285,11 @@ def along_of(data: Any, i: int) -> dict[str, Any] | None:
 
 def grade(error: float | None, width: float) -> str:
     """Return a word for an error relative to `width`, the difference of the bounds in its unit:
-    `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` if error is None or width
-    0."""
+    `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` for None or width 0."""
     if error is None or not width > 0:
         return "unknown"
-    share = error / width
-    return "small" if share < SMALL else "large" if share >= LARGE else "noticeable"
+    relative = error / width
+    return "small" if relative < SMALL else "large" if relative >= LARGE else "noticeable"
 
 
 def _extrapolated_error(bounds: Any, i: int, instant: int) -> dict[str, float]:
@@ -346,8 +344,8 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     unmet = [row["name"] for row in intervals if not _is_met(row["errors"])]
     reason = last.reason
     if not unmet and intervals:
-        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["asked"])
-        share, target = row["errors"]["share"], row["errors"]["asked"]
+        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
+        share, target = row["errors"]["share"], row["errors"]["target"]
         reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
     elif plan.adaptive.met:
         reason = "the rounds found it met; runs for the ends of quantities showed more"
@@ -363,7 +361,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
 
 
 def _is_met(errors: Mapping[str, float | None]) -> bool:
-    return errors["share"] is not None and errors["share"] <= errors["asked"]
+    return errors["share"] is not None and errors["share"] <= errors["target"]
 
 
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
@@ -389,7 +387,7 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
             side for side in ("lower", "upper") if data[f"unconverged_{side}"][i]
         ]
         ends = data["is_time"][i] and row["runs_without"] and (row["upper"] or 0.0) >= duration
-        row["beyond"] = duration if ends else None
+        row["censored_at"] = duration if ends else None
         for key in ("argmin", "argmax"):
             row[key] = dict(zip(parameters, map(_number, data[key][i]), strict=True))
         row["influence"] = {
@@ -463,7 +461,7 @@ def _keeps(quantity: Mapping, limit: Mapping) -> bool:
     if quantity["lower"] is None or error is None:
         return False
     if limit["kind"] == "at_most":
-        return quantity["beyond"] is None and quantity["upper"] + error <= limit["level"]
+        return quantity["censored_at"] is None and quantity["upper"] + error <= limit["level"]
     return quantity["lower"] - error >= limit["level"]
 
 

@@ -48,7 +48,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     """Energies (J) of a campaign's nominal run: `change`, the largest change over the run of any
-    one kind of energy, `largest`, the largest size of one, and `off`, the largest error of their
+    one kind of energy, `largest`, the largest size of one, `imbalance`, the largest error of their
     balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
@@ -58,7 +58,7 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     return {
         "exchanged": float(max((np.ptp(x) for x in energies.values()), default=0.0)),
         "largest": float(max((np.abs(x).max() for x in energies.values()), default=0.0)),
-        "off": float(np.abs(balance).max()),
+        "imbalance": float(np.abs(balance).max()),
     }
 
 
@@ -77,10 +77,10 @@ def margin_of(
     worst = tuple(row["argmin"].values())
     worst = tuple(experiment.nominal) if None in worst else worst
     curves, label = sweep(worst, response), response.columns[0][1]
-    budget = margins.torque_budget(response, curves)
+    budget = margins.make_torque_budget(response, curves)
     drives = set()
     for sweep_curves in (curves, sweep(tuple(experiment.nominal), response)):
-        drives |= set(margins.driving({
+        drives |= set(margins.find_drives({
             margins.read_label(column)[1]: work
             for (name, column), work in sweep_curves.columns.items() if name == margins.WORK
         }))  # fmt: skip
@@ -108,8 +108,8 @@ def margin_of(
         "motors": [nominal.hinges[motor.hinge].name for motor in Motor.find(nominal)],
         "own": list_deviations(nominal, definition, response),
         "weaker": weaker_classes(nominal, response),
-        "added": [f"{key} {definition[key]:g}" for key in ("accelerate", "deliver")
-                  if definition.get(key)],
+        "added": [f"{key} {definition[key]:g}"
+                  for key in ("specified_acceleration", "output_torque") if definition.get(key)],
         "springs": [name for name in springs_of(nominal) if name in drives],
         "drives": sorted(drives),
         "at": dict(zip(experiment.intervals, worst, strict=True)),

@@ -15,19 +15,19 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.colours import BLUE, RED
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.which import fitted_rows
+from deployable.campaign.results.run_roles import fitted_rows
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121
 _GREY = "0.75"
 
 
-def draw_ranges(folder: Folder, place: str | Path) -> None:
+def draw_ranges(folder: Folder, target: str | Path) -> None:
     """Draw all quantities over the box of parameters as `ranges.png`, `.pdf` and `.svg`. folder:
-    the campaign's results, which are read; place: folder of the files."""
+    the campaign's results, which are read; target: folder of the files."""
     with open_netcdf(folder.quantities) as data:
         figure = ranges(data, runs_of(folder))
-    save(figure, Path(place) / "ranges")
+    save(figure, Path(target) / "ranges")
 
 
 def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
@@ -146,12 +146,12 @@ def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
         ax.legend(fontsize=7, frameon=False)
     mask = np.isfinite(values)
     for kind, mark, colour in ((mask, "o", "white"), (~mask, "x", RED)):
-        places = [_values(data, c, normalized[kind, c]) for c in (i, j)]
-        ax.plot(*places, mark, color=colour, mec="black" if mark == "o" else colour, ms=3.5,
+        points = [_values(data, c, normalized[kind, c]) for c in (i, j)]
+        ax.plot(*points, mark, color=colour, mec="black" if mark == "o" else colour, ms=3.5,
                 clip_on=False)  # fmt: skip
     for bound, mark in (("argmin", "v"), ("argmax", "^")):
-        place = data[bound][q]
-        ax.plot(place[i], place[j], mark, color="white", mec="black", ms=7, clip_on=False)
+        point = data[bound][q]
+        ax.plot(point[i], point[j], mark, color="white", mec="black", ms=7, clip_on=False)
     for line in ax.lines:  # on the border: their size would collapse the layout of many maps
         line.set_in_layout(False)
     ax.set_xlabel(_label(data, i), fontsize=8)

@@ -441,7 +441,7 @@ class _Sheet:
         }  # fmt: skip
         if locks := [name for name in margin["locked"] if name not in openings]:
             is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
-            reasons.append(f"{', '.join(locks)}, which {is_not} led")
+            reasons.append(f"{', '.join(locks)}, which {is_not} moved")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons
@@ -532,7 +532,7 @@ class _Sheet:
             for name, margin in margins.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
         }  # fmt: skip
-        remaining = [name for name in springs if name not in verdicts]
+        rest = [name for name in springs if name not in verdicts]
         text = "; ".join(
             f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()
         )
@@ -541,38 +541,38 @@ class _Sheet:
             return _row("", Verdict(NOT_ANALYSED, f"not analysed: {', '.join(springs)}"))
         states = {verdict.state for _, verdict in verdicts.values()}
         state = next((member for member in STATES if member in states), MET)
-        if state == MET and not remaining:
+        if state == MET and not rest:
             text = f"met in all of the box: with each single one of {', '.join(springs)} out"
-        elif remaining:
+        elif rest:
             state = PARTIAL if state == MET else state
-            text += f"; not analysed: {', '.join(remaining)}"
+            text += f"; not analysed: {', '.join(rest)}"
         text = text if text.startswith(state) else f"{state}: {text}"
         return _row(f"one at a time: {analysed}", Verdict(state, text))
 
     def all_requirements(self) -> dict[str, str] | None:
         """Row on the part of the box of parameters in which all requirements, and all margins'
         limits, are met; None where the campaign has no requirements."""
-        varying = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        free = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
             return None
         analysed = (
-            f"all requirements together, over the box of {', '.join(varying)}; "
+            f"all requirements together, over the box of {', '.join(free)}; "
             f"{self.facts['runs']['all']} runs, the worst places among them"
         )
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
         rows, whole = self.facts["requirements"], self.facts["together"]
-        failing = [
+        failures = [
             name for row in rows if row["met"] in ("some", "none")
             for name in [limit["quantity"] for limit in row["limits"] if limit["met"] != "all"]
             or [row["name"]]
         ]  # fmt: skip
-        failing += [name for name, state in states.items() if state == UNMET]
+        failures += [name for name, state in states.items() if state == UNMET]
         outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
         open_ = [name for name, state in states.items() if state not in (MET, UNMET)]
-        if not varying:
+        if not free:
             verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
-        elif failing:
+        elif failures:
             verdict = Verdict(UNMET, "not met in at least a part of the box")
         elif whole["met"] != "all" or OPEN in outcomes:
             verdict = self._judge({}, {**whole, "met": "undecided"})
@@ -581,10 +581,10 @@ class _Sheet:
             verdict = Verdict(PARTIAL, f"partly analysed: {text}")
         else:
             verdict = Verdict(MET, "met in all of the box, by analysis")
-        if failing and whole["met"] == "some":
+        if failures and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["share_uncertainty"])
             verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
-        value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
+        value = f"not met: {', '.join(dict.fromkeys(failures))}" if failures else ""
         return _row(analysed, verdict, value)
 
     def balance(self) -> dict[str, str]:
@@ -592,16 +592,16 @@ class _Sheet:
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
         analysed = (
-            f"{runs} runs, each of {duration}, fail where it is off by more than {allowed} of the "
+            f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of the "
             "largest energy"
         )
         if motion is None:
             text = "partly analysed: how far energies change was not kept (jobs.keep)"
             return _row(analysed, Verdict(PARTIAL, text))
-        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
+        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "imbalance"))
         value = (
             f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}, the "
-            f"largest is {numbers.quantity(largest, 'J')}, the balance off by "
+            f"largest is {numbers.quantity(largest, 'J')}, the error of the balance "
             f"{numbers.quantity(imbalance, 'J', 2)}"
         )
         if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
@@ -612,18 +612,18 @@ class _Sheet:
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
-        varying = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        free = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
             f"{numbers.quantity(p['value'], p['units'], 4)})"
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
-        if not varying:
+        if not free:
             return _row("", NO_VERDICT)
         verdict = Verdict(REPORT, "reported")
         if fixed:
             verdict = Verdict(PARTIAL, f"partly analysed: these do not vary: {'; '.join(fixed)}")
-        return _row("parameters that are intervals", verdict, ", ".join(varying))
+        return _row("parameters that are intervals", verdict, ", ".join(free))
 
     def tests(self) -> dict[str, str]:
         """Row on what measured curves leave of the parameters' box, or that they refute it."""

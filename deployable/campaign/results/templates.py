@@ -86,9 +86,8 @@ def met_text(row: Mapping[str, Any]) -> str:
 def doubts(facts: Mapping[str, Any]) -> list[str]:
     """Write sentences that name the responses and quantities whose values do not follow from the
     structural model, one for each reason; [] if all do. Reasons are peaks of shocks, which depend
-    on mesh and step, and statically indeterminate forces (`Experiment.doubts`). facts: the
-    campaign's results as plain data (`facts_of`), where `doubt` of a response or quantity is the
-    reason."""
+    on mesh and step, and statically indeterminate forces (`Experiment.doubts`). facts: results as
+    plain data (`facts_of`), with the reason as `doubt` of a response or quantity."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 

@@ -27,13 +27,13 @@ import fpm
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
-from deployable.campaign.plan.plan import Plan, share
+from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Notify, Progress, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
-from fpm.files.sealed import remove_temporary
+from fpm.files.seals import remove_temporary
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 
@@ -44,7 +44,7 @@ _MOST = 100  # runs that failed, named in a message
 _WORK: dict[str, Any] = {}
 """What the processes of a batch inherit, since it need not be sent to them then."""
 
-_BUILDING = Lock()
+_BUILD_LOCK = Lock()
 """Structures in Python may have state of their own, and know nothing of threads."""
 
 
@@ -72,7 +72,7 @@ def run_batch(
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
     groups = store.groups(plan.unique_runs(), jobs.group)
-    batch_groups = share(groups, batch, batches)
+    batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
 
@@ -219,7 +219,7 @@ class Simulation:
 
             def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
-                parts = [share(group, part, count) for part in range(count)]
+                parts = [split_evenly(group, part, count) for part in range(count)]
                 return [pool.submit(simulate, self.plan, part, columns) for part in parts]
 
             groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]
@@ -263,7 +263,7 @@ def simulate(
     processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
-    with _BUILDING:
+    with _BUILD_LOCK:
         scenes = [experiment.scene_type.build(**values) for values in parameters]
     start = clocks(time.thread_time)
     outcomes = fpm.simulate(

@@ -25,11 +25,11 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.files import whole_file
-from deployable.campaign.files.contents import reading
+from deployable.campaign.files.contents import report_damage
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
-from deployable.intervals.samples import Running
-from fpm.files.sealed import DamagedError
+from deployable.intervals.samples import RunBounds
+from fpm.files.seals import DamagedError
 
 FEWEST, MOST = 4, 128
 """Chunks of a scan; quarters consist of whole ones."""
@@ -43,7 +43,7 @@ PAUSE = 2.0
 _LOT = 32  # runs that are taken in side by side
 
 CURVES = {"lower": "f8", "upper": "f8", "lower_run": "i4", "upper_run": "i4"}
-"""Tables (response, time) of a chunk, in the order of `Running`, and their kinds."""
+"""Tables (response, time) of a chunk, in the order of `RunBounds`, and their kinds."""
 
 EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_closing": ("i1", -1)}
 """Kind and filling of the tables of impacts (run, event)."""
@@ -51,8 +51,8 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 class ScanChunk:
     """What is kept of `count` runs, a chunk of a scan. `mask` (count): which runs are included yet;
-    `running`: extremes of the responses over these at each instant (`Running`); `numbers` (count,
-    q): quantities; `events`: tables (count, events) of contacts that close or open, by name;
+    `bounds`: extremes of the responses over these at each instant (`RunBounds`); `numbers`
+    (count, q): quantities; `events`: tables (count, events) of contacts that close or open by name;
     `first` (n, T): responses of the first run; `time` (T): s; `overlap`: largest of contacts (rad).
     responses, quantities: those of the experiment, by which results are evaluated."""
 
@@ -62,7 +62,7 @@ class ScanChunk:
         self.numbers = np.full((count, len(quantities)), np.nan)
         self.events = {n: np.full((count, 1), fill, kind) for n, (kind, fill) in EVENTS.items()}
         self.overlap = 0.0
-        self.running: Running | None = None
+        self.bounds: RunBounds | None = None
         self.time = self.first = np.zeros(0)
         self.contacts: list[str] = []
 
@@ -71,7 +71,7 @@ class ScanChunk:
         results: one each. Raises ValueError if a response is not finite."""
         outcomes = [result.outcome for result in results]
         values = common.values_of(self.responses, outcomes)
-        self.running = Running.of_runs(values, np.array(rows, np.int32)).merge(self.running)
+        self.bounds = RunBounds.of_runs(values, np.array(rows, np.int32)).merge(self.bounds)
         if not self.mask.any():
             self.time, self.first = outcomes[0].time, np.zeros_like(values[0])
         if rows[0] == 0:
@@ -104,7 +104,7 @@ class ScanChunk:
         }
         if self.quantities:
             variables["quantities"] = "f8", ("run", "quantity"), self.numbers, compression
-        run = self.running
+        run = self.bounds
         tables = run.low, run.high, run.low_run, run.high_run
         for (name, kind), values in zip(CURVES.items(), tables, strict=True):
             variables[name] = kind, curves, values, compression
@@ -118,12 +118,12 @@ class ScanChunk:
         by which further results are evaluated. Raises `DamagedError` for malformed content."""
         import netCDF4
 
-        with reading(path), netCDF4.Dataset(path) as file:
+        with report_damage(path), netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
             chunk = cls(len(file.dimensions["run"]), responses, quantities)
             chunk.mask = file["done"][:].astype(bool)
             chunk.time, chunk.first = file["time"][:], file["first"][:]
-            chunk.running = Running(*(file[name][:] for name in CURVES))
+            chunk.bounds = RunBounds(*(file[name][:] for name in CURVES))
             chunk.contacts = list(file["contact"][:])
             chunk.overlap = float(file["overlap"][:])
             chunk.events = {name: file[name][:] for name in EVENTS}
@@ -163,9 +163,8 @@ class ScanExtremes(common.Store):
         return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
-        """Add results, in the order of the chunk's runs (`group`), to the stored chunk as they
-        come; its file is written at most every two seconds, and at the end. Raises ValueError if a
-        response is not finite."""
+        """Add results, in the order of the chunk's runs (`group`), to the stored chunk, written
+        at most every two seconds and at the end. ValueError if a response is not finite."""
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
         results, write_time = iter(results), time.monotonic()

@@ -82,8 +82,7 @@ class Progress:
 def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
     """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
     `notify` is called with a message after five seconds, then each five on a terminal, or elsewhere
-    when the time has doubled. record: variables to be recorded, (name, label) pairs as for
-    `fpm.simulate`."""
+    when the time has doubled. record: (name, label) pairs as for `fpm.simulate`."""
     start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
     is_printer = isinstance(notify, MessagePrinter)
     move = notify.move if is_printer else notify

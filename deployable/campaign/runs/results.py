@@ -13,9 +13,9 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files.outside import refuse_outside
+from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.plan.runs import PlannedRun, Runs
-from fpm.files.sealed import DamagedError, check
+from fpm.files.seals import DamagedError, check
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
 
@@ -92,7 +92,7 @@ class Store:
     def _contents(self) -> list:
         """Definitions of responses and quantities, and the code for them, that files depend on."""
         definitions = (asdict(definition) for definition in (*self.responses, *self.quantities))
-        return [type(self).__name__, sources.reading(), *definitions]
+        return [type(self).__name__, sources.digest_reading(), *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """Return a function that counts the stored runs of these groups, by file names alone."""
@@ -160,8 +160,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Stack the event tables (e, 3) of r runs into one array (r, most, 3), filled up with NaN;
-    most: largest number of events of a run, or `least` if that is more. Columns: time (s), index of
-    the contact, 1 if it closes."""
+    most: largest number of events of a run, or `least`. Columns: time (s), contact, 1 if
+    closing."""
     most = max(least, *map(len, events))
     tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(tables, events, strict=True):

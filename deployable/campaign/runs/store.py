@@ -23,13 +23,13 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
-from deployable.campaign.files.contents import reading
+from deployable.campaign.files.contents import report_damage
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import EVENT_VARIABLES, Result, RunRecord, Store
 from fpm.files import trajectory
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES
@@ -43,7 +43,7 @@ class Trajectories(Store):
         super().__init__(folder, experiment)
         self._columns: dict[str, set[Column]] = {}
         self._needs = {need for response in self.responses for need in response.needs}
-        self._code = sources.reading()
+        self._code = sources.digest_reading()
 
     def path(self, run: PlannedRun) -> Path:
         """Return the path of a run's file, `<run id>.nc`."""
@@ -77,7 +77,7 @@ class Trajectories(Store):
         for run in group:
             if (curves := self._curves(run)) is None:
                 continue
-            with reading(self.path(run)):
+            with report_damage(self.path(run)):
                 values = np.stack([r.evaluate(curves) for r in self.responses])
                 numbers = common.numbers_of(self.quantities, curves)
                 events, contacts = curves.impacts()
@@ -90,7 +90,7 @@ class Trajectories(Store):
         """The run's curves; None if its file is absent, damaged, or lacks what responses need."""
         path = self.path(run)
         try:
-            with reading(path):
+            with report_damage(path):
                 curves = trajectory.read_curves(path, run.id)
         except DamagedError as error:
             self.damage[error.path] = error
@@ -120,7 +120,7 @@ class Responses(Store):
         path = self.path(group)
         if not self.is_whole(path):
             return group
-        with reading(path), netCDF4.Dataset(path) as file:
+        with report_damage(path), netCDF4.Dataset(path) as file:
             ids = list(file["run_id"][:])
         return group[:0] if ids == [run.id for run in group] else group
 
@@ -161,7 +161,7 @@ class Responses(Store):
 
         if self.missing(group):
             return {}
-        with reading(self.path(group)), netCDF4.Dataset(self.path(group)) as file:
+        with report_damage(self.path(group)), netCDF4.Dataset(self.path(group)) as file:
             file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
             values, overlaps = file["values"][:], file["overlap"][:]

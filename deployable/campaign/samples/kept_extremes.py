@@ -31,7 +31,7 @@ from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.samples import samples
-from deployable.intervals.samples import Running, quarter_ends
+from deployable.intervals.samples import RunBounds, quarter_ends
 
 _CHUNK_RUNS = 4096
 _LONG_NAMES = {
@@ -53,7 +53,7 @@ def gather(
     import netCDF4
 
     store, runs = open_store("extremes", folder, plan.experiment), plan.unique_runs()
-    quarters: list[Running | None] = [None] * 4
+    quarters: list[RunBounds | None] = [None] * 4
     ends, first = quarter_ends(len(runs)), 0
     with (
         result_file(path, plan=plan.digest) as temporary,
@@ -61,16 +61,16 @@ def gather(
     ):
         samples.write_box(file, plan)
         file.createDimension("run", len(runs))
-        samples.write_points(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
+        samples.write_points(file, runs, **_compression(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(runs, jobs.group):
             chunk = _chunk(plan, store, group, jobs.group, notify)
             if first == 0:
                 _define(file, chunk, store, len(runs))
             _write(file, chunk, first, store)
             quarter = next(i for i in range(4) if first < ends[i + 1])
-            running = chunk.running
-            rows = running.low_run + first, running.high_run + first  # in the scan
-            quarters[quarter] = Running(running.low, running.high, *rows).merge(quarters[quarter])
+            bounds = chunk.bounds
+            rows = bounds.low_run + first, bounds.high_run + first  # in the scan
+            quarters[quarter] = RunBounds(bounds.low, bounds.high, *rows).merge(quarters[quarter])
             file["overlap"][:] = max(float(file["overlap"][:]), chunk.overlap)
             first += len(group)
         _write_quarters(file, quarters)
@@ -84,7 +84,7 @@ def _chunk(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> Sc
     return chunk
 
 
-def _packing(runs: int, columns: int) -> dict:
+def _compression(runs: int, columns: int) -> dict:
     """How a table of the runs is packed."""
     chunk = (min(_CHUNK_RUNS, runs), max(1, columns))
     return {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunk}
@@ -102,13 +102,13 @@ def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
     file.createVariable("overlap", "f8", ())[:] = 0.0
     file["overlap"].setncatts(samples.ATTRIBUTES["overlap"])
     for name, (kind, fill) in EVENTS.items():
-        packing = _packing(runs, 8)
-        variable = file.createVariable(name, kind, ("run", "event"), fill_value=fill, **packing)
+        compression = _compression(runs, 8)
+        variable = file.createVariable(name, kind, ("run", "event"), fill_value=fill, **compression)
         variable.setncatts(samples.ATTRIBUTES[name])
     if store.quantities:
         samples.write_names(file, "quantity", store.quantities)
-        packing = _packing(runs, len(store.quantities))
-        variable = file.createVariable("quantities", "f8", ("run", "quantity"), **packing)
+        compression = _compression(runs, len(store.quantities))
+        variable = file.createVariable("quantities", "f8", ("run", "quantity"), **compression)
         variable.long_name = samples.ATTRIBUTES["quantities"]["long_name"]
 
 
@@ -121,7 +121,7 @@ def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
         file["quantities"][rows] = chunk.numbers
 
 
-def _write_quarters(file: Any, quarters: list[Running | None]) -> None:
+def _write_quarters(file: Any, quarters: list[RunBounds | None]) -> None:
     for name, key in zip(CURVES, ("low", "high", "low_run", "high_run"), strict=True):
         is_run = name.endswith("run")
         kind, fill = ("i4", -1) if is_run else ("f8", 0.0)

@@ -105,14 +105,14 @@ def _write_runs(file: Any, plan: Plan) -> None:
         _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
 
 
-def write_points(file: Any, runs: Runs, **packing: Any) -> None:
+def write_points(file: Any, runs: Runs, **compression: Any) -> None:
     """Write the points of runs in the box, as variables `normalized` (-1 to 1) and `value` (in the
     parameters' units), each (run, parameter), into an open `netCDF4.Dataset`, whose dimensions
-    exist. packing: options of `createVariable`."""
+    exist. compression: options of `createVariable`."""
     dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
-    _numbers(file, "normalized", dims, runs.normalized, text, packing, units="1")
-    _numbers(file, "value", dims, runs.values, "parameter values in their units", packing)
+    _numbers(file, "normalized", dims, runs.normalized, text, compression, units="1")
+    _numbers(file, "value", dims, runs.values, "parameter values in their units", compression)
 
 
 def write_box(file: Any, plan: Plan) -> list[str]:
@@ -225,8 +225,8 @@ def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name
 
 def _numbers(
     file: Any, name: str, dimensions: tuple[str, ...], values: Any, long_name: str,
-    packing: Mapping | None = None, **attributes: str,
+    compression: Mapping | None = None, **attributes: str,
 ) -> None:  # fmt: skip
-    variable = file.createVariable(name, "f8", dimensions, **(packing or {}))
+    variable = file.createVariable(name, "f8", dimensions, **(compression or {}))
     variable[:] = values
     variable.setncatts({"long_name": long_name, **attributes})

@@ -24,7 +24,7 @@ from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
-from fpm.files.sealed import DamagedError, check, remove_temporary
+from fpm.files.seals import DamagedError, check, remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
@@ -109,8 +109,7 @@ class Stage:
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
         """Return the config sections that the stage depends on, by name. config: path of a YAML
         file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
-        the user's config names; folder: of the results, which tells the case, if there are cases.
-        Raises `CampaignError`."""
+        it names; folder: of the results, which tells the case. Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             campaign = check.load_config([config])

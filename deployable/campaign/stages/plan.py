@@ -13,9 +13,8 @@ _SKIPS = 10  # spaces of a curve's points below the time step from which on it i
 
 
 def work(folder: Folder, notify: Notify, experiment: Any) -> None:
-    """Do the work of the stage `plan`: choose the runs of a campaign and their common time step,
-    and write `plan.json` into `folder`. notify: called with each message; experiment: all settings
-    that decide the runs."""
+    """Do the work of the stage `plan`: choose a campaign's runs and their time step, and write
+    `plan.json` into `folder`. notify: called with each message; experiment: decides the runs."""
     warn(notify, experiment)
     plan = make_plan(experiment)
     write_plan(plan, folder.plan)

@@ -7,7 +7,7 @@ from typing import Any
 
 from deployable.campaign.files import results_of
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import first_plan, next_plan
+from deployable.campaign.plan.accuracy import extend_plan, start_plan
 from deployable.campaign.plan.plan import read_plan, write_plan
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import BOUNDS_FILES, PLAN, plan_of, simulate
@@ -36,11 +36,11 @@ def work(
 def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
     """Choose the runs of the next round towards an accuracy; whether there is to be none."""
     if previous := folder.previous():
-        plan = next_plan(experiment, read_plan(previous.plan), previous.samples, previous.bounds)
+        plan = extend_plan(experiment, read_plan(previous.plan), previous.samples, previous.bounds)
         notify(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
     else:
         warn(notify, experiment)
-        plan = first_plan(experiment)
+        plan = start_plan(experiment)
     write_plan(plan, folder.plan)
     if not plan.is_finished:
         notify(f"{experiment.name}: {len(plan.unique_runs())} runs")

@@ -23,7 +23,7 @@ from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
-from fpm.files.sealed import DamagedError, check, unseal
+from fpm.files.seals import DamagedError, check, unseal
 
 
 class Workflow:

@@ -96,13 +96,12 @@ def interval(row: Mapping[str, Any]) -> str:
     the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, and beyond:
     None, or, of a time that some runs do not reach, their duration (s): then the text is `0.31 to
     more than 2 s (the end of the runs)`. Bounds are rounded at the first digit of their error (or
-    of a tenth of their difference, if that is less), but at most two digits below that of their
-    difference."""
+    of a tenth of their difference, if that is less), at most two below that of the difference."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)
-    if row.get("beyond"):
-        most = quantity(row["beyond"], row["units"])
+    if row.get("censored_at"):
+        most = quantity(row["censored_at"], row["units"])
         return f"{ends[0]} to more than {most} (the end of the runs)"
     return with_unit(f"{ends[0]} to {ends[1]}", row["units"])
 

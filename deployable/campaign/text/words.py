@@ -12,8 +12,7 @@ if TYPE_CHECKING:
 
 def words_of(quantity: Quantity) -> dict[str, str]:
     """Describe a quantity in a dict of two texts: `event`, what must happen for it to exist (`L
-    latches`; where nothing must, `there is a largest ...`), and `words`, what it is (`speed of the
-    tip when L latches`)."""
+    latches`; else `there is a largest ...`), and `words`, what it is (`speed when L latches`)."""
     from fpm.reading.quantities import Quantity
 
     name = quantity.response.long_name if quantity.response else ""

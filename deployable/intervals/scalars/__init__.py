@@ -3,22 +3,22 @@
 A number is smooth in the parameters where curves are not, and has no time of its own: it is fitted
 directly. Where what it is of does not happen in a run, that run has none (NaN)."""
 
-from .fits import Fit, best_fit
+from .fits import Fit, choose_fit
 from .occurrence import Occurrence
 from .requirements import (
     Choice,
     Goal,
     Limit,
-    best_choice,
-    largest_share,
-    least_scales,
-    safe_range,
-    safest_choice,
+    find_best,
+    find_least_scales,
+    find_max_scale,
+    find_safe_range,
+    find_safest,
     share_of_box,
     sub_box,
 )
 from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
-from .surrogate import Extremes, Influence, ScalarSurrogate, extremes, fit_scalar, influence
+from .surrogate import Extremes, Influence, ScalarSurrogate, find_influence, fit_scalar
 
 __all__ = [
     "NEAREST",
@@ -32,16 +32,15 @@ __all__ = [
     "Limit",
     "Occurrence",
     "ScalarSurrogate",
-    "best_choice",
-    "best_fit",
+    "choose_fit",
     "estimate_bounds",
-    "extremes",
+    "find_best",
+    "find_influence",
+    "find_least_scales",
+    "find_max_scale",
+    "find_safe_range",
+    "find_safest",
     "fit_scalar",
-    "influence",
-    "largest_share",
-    "least_scales",
-    "safe_range",
-    "safest_choice",
     "share_of_box",
     "sub_box",
 ]

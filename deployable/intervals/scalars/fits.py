@@ -95,7 +95,7 @@ def root_fit(
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
-    fit = best_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
+    fit = choose_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
     function = RootFunction(fit.function, margin, scale)
     return replace(fit, points=fit.points[:, :-1], kind=f"{fit.kind}, with the root of its margin",
                    function=function)  # fmt: skip
@@ -152,7 +152,7 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
     return polynomial(function) if isinstance(function, Surrogate) else function.formula()
 
 
-def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
+def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
     at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
     are polynomials by least squares, of every total degree that the runs can test, and the spline
@@ -208,9 +208,8 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
 
 def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
     """A sum of quadratic polynomials of one parameter each, with the products of two parameters and
-    the higher degrees that the residuals ask for (`_pursue`). Their number is the one that
-    predicts folds of runs best, which are left out of the choice, too, each run together with that
-    at the opposite point, which has the same products."""
+    the higher degrees that the residuals ask for (`_pursue`). Their number predicts folds of runs
+    best, each run left out with that at the opposite point, of the same products."""
     axes = np.eye(points.shape[1], dtype=int)[np.ptp(points, axis=0) > 0]
     first, second = np.triu_indices(len(axes), 1)
     groups = [0 * axes[:1], axes, 2 * axes, axes[first] + axes[second], 3 * axes, 4 * axes]
@@ -241,8 +240,8 @@ def _pursue(
     columns: np.ndarray, values: np.ndarray, count: int, is_fitted: np.ndarray
 ) -> tuple[np.ndarray, list[int]]:
     """Residuals (_MOST_TERMS + 1, N) of values (N) fitted by the first `count` of the `columns` (N,
-    M) and 0, 1, 2, ... others, and which others, each the one that lowers the residuals most, by
-    orthogonal matching pursuit (Pati et al. 1993). is_fitted (N): runs that are fitted."""
+    M) and 0, 1, 2, ... others, and which, by orthogonal matching pursuit (Pati et al. 1993).
+    is_fitted (N): runs that are fitted."""
     root = np.linalg.qr(columns[is_fitted, :count], mode="r")
     basis = np.linalg.lstsq(root.T, columns[:, :count].T, rcond=1e-9)[0].T
     rest = values - basis @ (basis[is_fitted].T @ values[is_fitted])

@@ -94,11 +94,11 @@ class Occurrence:
         points = np.zeros((0, self.points.shape[1]))
         if not self.is_mixed:
             return points
-        places = self._open_places()
-        gaps = scipy.spatial.cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
+        trials = self._undecided_points()
+        gaps = scipy.spatial.cKDTree(self.points).query(trials)[0] if len(trials) else np.zeros(0)
         while len(points) < count and gaps.max(initial=0.0) > _LEAST:
-            points = np.concatenate([points, places[[gaps.argmax()]]])
-            gaps = np.minimum(gaps, np.linalg.norm(places - points[-1], axis=1))
+            points = np.concatenate([points, trials[[gaps.argmax()]]])
+            gaps = np.minimum(gaps, np.linalg.norm(trials - points[-1], axis=1))
         return points
 
     @cached_property
@@ -107,7 +107,7 @@ class Occurrence:
         on the side where it does; none where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
-    def _open_places(self) -> np.ndarray:
+    def _undecided_points(self) -> np.ndarray:
         """Unit points (P, k) at which the decision value has one of a few sizes."""
         return self._level_points(_LEVELS)
 

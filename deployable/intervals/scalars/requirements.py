@@ -79,8 +79,8 @@ class Limit:
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
         surrogate, middle = self.surrogate, (lower + upper) / 2
         if self.kind == "happens":
-            place = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
-            point = place(lower, upper)
+            find = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
+            point = find(lower, upper)
             feasible = (point is None) == worst
             return (np.inf if feasible else -np.inf), middle if point is None else point
         if worst and (point := surrogate.find_absence(lower, upper)) is not None:
@@ -99,7 +99,7 @@ def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
     return nominal + scale * (-1.0 - nominal), nominal + scale * (1.0 - nominal)
 
 
-def least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
+def find_least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Least scale factors (P) at which the box [-1, 1]^k, shrunk towards a nominal point (k) by
     `sub_box`, still contains each of the `points` (P, k) in it."""
     offset = np.asarray(points, dtype=float) - nominal
@@ -166,7 +166,7 @@ def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
     return int(np.argmax(np.where(free, total, -1.0)))
 
 
-def largest_share(
+def find_max_scale(
     limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
 ) -> tuple[float, int | None, np.ndarray | None]:
     """Largest scale factor (0 to 1) at which all of the box, shrunk towards the nominal point (k)
@@ -207,8 +207,8 @@ ENDS = ("upper", "lower", "width")
 @dataclass(frozen=True)
 class Goal:
     """An objective of a choice of parameters: the bound ("upper", "lower") or the "width" (`kind`)
-    of a quantity's range over the box that the choice leaves, by its surrogate. sign: 1 to minimise
-    it, -1 to maximise it."""
+    of a quantity's range over the box that the choice leaves, by its surrogate. sign: 1: minimise,
+    -1: maximise."""
 
     surrogate: ScalarSurrogate
     kind: str
@@ -273,7 +273,7 @@ def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], bo
     )
 
 
-def best_choice(
+def find_best(
     goals: Sequence[Goal],
     limits: Sequence[Limit],
     ranges: Sequence[tuple[float, float]],
@@ -292,11 +292,11 @@ def best_choice(
         value = goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
         return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
 
-    trials = [judge(place, goals, limits, box) for place in _grid_of_choices(ranges)]
+    trials = [judge(point, goals, limits, box) for point in _grid_of_choices(ranges)]
     return _refine_choice(trials, rank, goals, limits, ranges, box), trials
 
 
-def safest_choice(
+def find_safest(
     trials: Sequence[Choice],
     goals: Sequence[Goal],
     limits: Sequence[Limit],
@@ -315,7 +315,7 @@ def safest_choice(
     return _refine_choice(trials, rank, goals, limits, ranges, box)
 
 
-def safe_range(
+def find_safe_range(
     best: Choice, index: int, limits: Sequence[Limit], ends: tuple[float, float], box: BoxOf
 ) -> tuple[float, float]:
     """Range (least, largest) of one chosen value, of index `index`, about that of the safe choice
@@ -371,7 +371,7 @@ def _refine_choice(
     steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
     for _ in range(_ZOOMS):
         for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
-            place = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
-            best = min(best, judge(place, goals, limits, box), key=rank)
+            point = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
+            best = min(best, judge(point, goals, limits, box), key=rank)
         reach = reach * (0.45 if len(ends) == 1 else 0.6)
     return best

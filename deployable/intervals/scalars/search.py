@@ -56,8 +56,7 @@ def estimate_bounds(
     """Estimate the lower and the upper bound of a quantity from its surrogate and values (N) of
     runs at `points` (N, k) in [-1, 1]^k, NaN where a run has none: two estimates; an empty tuple
     where no run has a value. mispredictions: for the lower and the upper bound, by how much the
-    last run at that end of the surrogate differed from it; 0 without such a run, infinite without a
-    value."""
+    last run at that end of the surrogate differed from it; 0 without such a run, else infinite."""
     if surrogate.fit is None:
         return ()
     surrogate_range = surrogate.range()
@@ -93,9 +92,9 @@ def _estimate(
     tolerance: float,
     misprediction: float = 0.0,
 ) -> BoundEstimate:
-    """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. surrogate_range:
-    the surrogate's over the box; attained: extreme value of all runs, its unit point (k). Gains
-    below `tolerance` are not sought. misprediction: as in `estimate_bounds`, of this bound."""
+    """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. attained: extreme
+    value of all runs, its unit point (k). Gains below `tolerance` do not count. misprediction: see
+    `estimate_bounds`."""
     value, argument = attained
     end, peak = surrogate_range.low, surrogate_range.argmin
     if sign > 0:
@@ -159,8 +158,7 @@ def _moves(
     """Normalized points (P, k) of a search about the extreme run, at a point (k), by the polynomial
     with slopes by the runs near by: its extreme and that of the polynomial alone, all changes of
     single parameters together that it gains by and the four best of them, then single ones: to
-    either end, the middle, and half way to the next runs, most promising first, as many as may
-    gain."""
+    either end, the middle, and half way to the next runs, best first, as many as may gain."""
     fit, trend = surrogate.fit, surrogate.trend
     side = (np.ptp(fit.points, axis=0) > 0).astype(float)
     offsets = fit.points - argument

@@ -13,7 +13,7 @@ import scipy
 from ..box import MOST_FULL
 from ..designs import spread_points
 from ..formula import Formula
-from .fits import Fit, best_fit, root_fit
+from .fits import Fit, choose_fit, root_fit
 from .occurrence import FittedOccurrence, Occurrence
 
 _CANDIDATES = 1024
@@ -40,7 +40,7 @@ class Extremes:
         return self.high - self.low
 
 
-def extremes(
+def find_extremes(
     function: Function,
     lower: np.ndarray,
     upper: np.ndarray,
@@ -194,7 +194,7 @@ class ScalarSurrogate:
         self, lower: np.ndarray | None, upper: np.ndarray | None, **options: int
     ) -> Extremes:
         lower, upper = self._part(lower, upper)
-        return extremes(self.evaluate, lower, upper, self._trial_points, **options)
+        return find_extremes(self.evaluate, lower, upper, self._trial_points, **options)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
@@ -224,14 +224,14 @@ class ScalarSurrogate:
     def find_absence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
         where the quantity most certainly does not exist; None if it exists all over the part."""
-        return self._place(lower, upper, False)
+        return self._find_point(lower, upper, False)
 
     def find_presence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
         where the quantity most certainly exists; None if it exists nowhere in the part."""
-        return self._place(lower, upper, True)
+        return self._find_point(lower, upper, True)
 
-    def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
+    def _find_point(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
@@ -257,7 +257,7 @@ def fit_scalar(
     if known of all runs, vanishes."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
-    fit = best_fit(points[happens], values[happens]) if happens.any() else None
+    fit = choose_fit(points[happens], values[happens]) if happens.any() else None
     if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
@@ -285,7 +285,7 @@ def _occurrence(
         return by_runs
     borders = [by_runs]
     if margin is not None and np.isfinite(margin).all():
-        margin_fit = best_fit(points, margin)
+        margin_fit = choose_fit(points, margin)
         border = FittedOccurrence(points, happens, margin_fit, margin_fit.error)
         borders += [border] if np.isfinite(border.error) and border.agrees(border.error) else []
     if latest is not None and np.isfinite(fit.error):
@@ -308,7 +308,7 @@ class Influence:
     halved: np.ndarray
 
 
-def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
+def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     """Compute the influence of each parameter on the width of a quantity's range, by its surrogate
     (of up to eight without kriging corrections), so without further runs. nominal (k): nominal
     values of the parameters, normalized to [-1, 1]."""
@@ -328,11 +328,11 @@ def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
-    share = _shares(lone_widths, surrogate.error)
+    share = _contributions(lone_widths, surrogate.error)
     return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved)
 
 
-def _shares(widths: np.ndarray, error: float) -> np.ndarray:
+def _contributions(widths: np.ndarray, error: float) -> np.ndarray:
     significant = np.where(widths > error, widths, 0.0)
     return significant / (significant.sum() or 1.0)
 
@@ -353,5 +353,5 @@ def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influ
         widths.append(ends[1] - ends[0])
     lines = [surrogate.predict(np.where(eye, x, nominal)) for x in np.linspace(-1.0, 1.0, 9)]
     lone_widths = np.ptp(lines, axis=0)
-    share = _shares(lone_widths, surrogate.error)
+    share = _contributions(lone_widths, surrogate.error)
     return Influence(float(width), lone_widths, share, *np.maximum(widths, 0.0))

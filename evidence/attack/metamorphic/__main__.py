@@ -24,9 +24,9 @@ def main() -> None:
     parser.add_argument("--families", type=int, default=len(ALL), help="of each structure")
     options = parser.parse_args()
     if numba.config.DISABLE_JIT:
-        from evidence.attack.metamorphic.plain import without_compiling
+        from evidence.attack.metamorphic.plain_loop import disable_compilation
 
-        without_compiling()
+        disable_compilation()
     for seed in range(options.first, options.first + options.count):
         for verdict in verdicts(str(seed), options.families):
             print(json.dumps({"seed": seed, **asdict(verdict)}), flush=True)

@@ -12,7 +12,7 @@ from evidence.attack.metamorphic.ballast import add_ballast
 from evidence.attack.metamorphic.families import DELAY, FAMILIES
 from evidence.attack.metamorphic.pairs import Trial, Verdict
 from evidence.attack.metamorphic.runs import drawn
-from evidence.attack.metamorphic.written import as_text
+from evidence.attack.metamorphic.structure_text import as_text
 
 ALL = (*FAMILIES, DELAY)
 

@@ -5,7 +5,7 @@ To compile that takes a minute or two, once; then a run takes milliseconds, what
 
 from __future__ import annotations
 
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.structure_text import Structure
 
 PREFIX = "y_"
 """What the names in the ballast begin with; what they do is not compared."""

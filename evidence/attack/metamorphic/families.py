@@ -13,7 +13,7 @@ from evidence.attack.metamorphic.image import Image, entries, scale
 from evidence.attack.metamorphic.openings import OPENINGS, openings_of, shift_zeros, swap_parts
 from evidence.attack.metamorphic.parts import reversed_cables, split, with_inert
 from evidence.attack.metamorphic.space import mirror, rotate
-from evidence.attack.metamorphic.written import Structure, map_numbers
+from evidence.attack.metamorphic.structure_text import Structure, map_numbers
 from fpm.structures.statements import GROUPS
 
 

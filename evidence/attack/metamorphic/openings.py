@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from evidence.attack.metamorphic.image import Image, entries
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.structure_text import Structure
 from fpm.structures.statement import ON_SLIDES, SLIDE
 
 OPENINGS = {"revolute", "universal", SLIDE}

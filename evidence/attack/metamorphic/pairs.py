@@ -19,7 +19,7 @@ from evidence.attack.metamorphic.ballast import PREFIX
 from evidence.attack.metamorphic.families import DELAY, FAMILIES, delay
 from evidence.attack.metamorphic.image import Image
 from evidence.attack.metamorphic.runs import INSTANTS, STEPS, Curves, Run, simulate
-from evidence.attack.metamorphic.written import Structure, map_numbers
+from evidence.attack.metamorphic.structure_text import Structure, map_numbers
 
 ROUNDING = 1e-6
 """Of the largest value: hinges close to 2e-11 m and 2e-10 rad in a step, over some
@@ -37,7 +37,7 @@ LATCH_KINDS = frozenset(
 )
 """Of the instant at which a latch catches: interpolated in the step, from the axes of a side."""
 
-IMBALANCE = "the energy balance is off"
+IMBALANCE = "the energy balance has an error"
 """By more than all there is: the scale is wrong, or energy comes from nowhere."""
 
 UNRELIABLE_STARTS = frozenset({"motor_moment", "slide_motor_force"})

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from evidence.attack.metamorphic.drawn import GROUND
 from evidence.attack.metamorphic.image import Image, entries
 from evidence.attack.metamorphic.openings import OPENINGS, draw_joints, ends_of
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.random_structures import GROUND
+from evidence.attack.metamorphic.structure_text import Structure
 from fpm.structures.statement import ON_SLIDES, SLIDE
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import fpm
-from evidence.attack.metamorphic.drawn import DURATION, Draw
-from evidence.attack.metamorphic.written import Structure, as_text
+from evidence.attack.metamorphic.random_structures import DURATION, Draw
+from evidence.attack.metamorphic.structure_text import Structure, as_text
 from fpm.errors import SceneError
 from fpm.solver.pack import topology
 from fpm.structures import StructureError, loads
@@ -41,7 +41,7 @@ def drawn(seed: str) -> tuple[Structure, float]:
     while True:
         structure = Draw(rng).draw()
         try:
-            limit = 0.5 * fpm.stable_step(scene_of(structure)).step
+            limit = 0.5 * fpm.find_stable_step(scene_of(structure)).step
         except (StructureError, SceneError):
             continue
         for k in range(HALVINGS + 1):

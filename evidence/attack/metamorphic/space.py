@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from evidence.attack.metamorphic.image import Image, entries
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.structure_text import Structure
 from fpm.structures.statement import SLIDE
 from fpm.structures.statements import GROUPS
 

@@ -61,7 +61,7 @@ def distances(elements: int, duration: float) -> np.ndarray:
 def cost_of(elements: int, duration: float, repeats: int, samples: int = 32) -> float:
     """Our cpu seconds per simulated second and sample of a batch."""
     scenes = linkages(samples, elements)
-    step = 0.9 * min(fpm.stable_step(scenes[0]).step, fpm.stable_step(scenes[-1]).step)
+    step = 0.9 * min(fpm.find_stable_step(scenes[0]).step, fpm.find_stable_step(scenes[-1]).step)
     steps = round(duration / step)
     seconds = best({"ours": runner(scenes, steps, step)}, repeats)["ours"]
     return seconds / samples / (steps * step)
@@ -157,7 +157,7 @@ def elastica(duration: float, repeats: int, cases=None) -> list[Row]:
         rows.append(info(name, answer["cpu"] / duration, COST, note))
     if costs:
         scenes = linkages(32, ELEMENTS)
-        step = 0.85 * fpm.stable_step(scenes[0]).step
+        step = 0.85 * fpm.find_stable_step(scenes[0]).step
         seconds = best({"ours": runner(scenes, 4000, step)}, repeats)["ours"]
         cost = 1e9 * seconds / 4000 / count / 32
         name = f"{title} ({cost:.3g} ns)"

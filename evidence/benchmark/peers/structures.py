@@ -122,7 +122,7 @@ class Run:
     """A run, its places (instants, 3) m and how many steps it took, and seconds of cpu a sample.
 
     batch: one of a batch, single: by itself, set_up: packing and handing back one of a batch,
-    building: making its scene from the file.
+    build_time: making its scene from the file.
     """
 
     places: np.ndarray
@@ -130,7 +130,7 @@ class Run:
     batch: float
     single: float
     set_up: float
-    building: float
+    build_time: float
 
 
 def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]:
@@ -179,7 +179,7 @@ def _ratios(case: Case, run: Run, deviation: float, right: list[tuple[float, dic
     note += f"{case.tolerance:g}; ours with steps of {case.duration / run.steps:.2g} s, error "
     note += f"{deviation:.2g}"
     loops = fastest["cpu"] / max(run.batch - run.set_up, 1e-9)
-    whole = (fastest["cpu"] + fastest["building"]) / (run.batch + run.building)
+    whole = (fastest["cpu"] + fastest["building"]) / (run.batch + run.build_time)
     least = min(miss for miss, _ in pairs)
     accurate = [pair for pair in pairs if pair[0] <= max(deviation, least)]
     miss, equal = min(accurate, key=lambda pair: pair[1]["cpu"])
@@ -214,7 +214,7 @@ def _deviation(places: np.ndarray, fine: np.ndarray, distance: float) -> float:
 
 
 def _step(case: Case, scenes: list[fpm.Scene]) -> float:
-    return case.step or 0.9 * min(fpm.stable_step(scene).step for scene in scenes)
+    return case.step or 0.9 * min(fpm.find_stable_step(scene).step for scene in scenes)
 
 
 def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps: int | None):

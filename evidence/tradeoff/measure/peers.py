@@ -113,7 +113,7 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             design = design_of(case, Choice("tensor_lobatto", order))
             values = runs_at(design.points)
             start = time.perf_counter()
-            bands["polynomial"] = intervals.surrogate_range(intervals.fit(design, values))
+            bands["polynomial"] = intervals.find_surrogate_range(intervals.fit(design, values))
             seconds["polynomial"] = (time.perf_counter() - start) / INSTANTS
         if order > 1:
             knots = np.linspace(-1.0, 1.0, order + 1)[:, None]

@@ -100,7 +100,7 @@ def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Ru
         return kind.build(**{case.mesh: elements}, **case.fixed, **values_by_name)
 
     ends = np.vstack([np.zeros(box.dimension), box.corners()])
-    step = safety * min(fpm.stable_step(scene(point)).step for point in ends)
+    step = safety * min(fpm.find_stable_step(scene(point)).step for point in ends)
     points = unique_points(points)
     fpm.warm_up(scene(ends[0]))
     values, events, cpu = [], [], 0.0

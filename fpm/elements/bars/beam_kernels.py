@@ -121,10 +121,10 @@ def forces(part, world, timing):
     element is found beside the forces of each: its root and quotient take long."""
     state, beams = world.state, part.beams
     last = part.nodes.shape[0] - 1
-    following = chord_of(part, state, 0)
+    next_chord = chord_of(part, state, 0)
     for e in range(last + 1):
-        n, inverse, axial = following
-        following = chord_of(part, state, min(e + 1, last))
+        n, inverse, axial = next_chord
+        next_chord = chord_of(part, state, min(e + 1, last))
         a, b = part.nodes[e, 0], part.nodes[e, 1]
         a2, a3, b2, b3 = end_axes(part, state, e)
         twist = load(beams, e, TWIST) * twist_of(a2, a3, b2, b3)

@@ -44,9 +44,9 @@ def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
     for k in range(1, order + 1):
         for j in range(k + 1):
             # The share of particle j in the difference of order k, whose sign alternates.
-            share = -GREGORY[k - 1] * (-1) ** j * math.comb(k, j)
-            weights[j] += share
-            weights[-1 - j] += share
+            weight = -GREGORY[k - 1] * (-1) ** j * math.comb(k, j)
+            weights[j] += weight
+            weights[-1 - j] += weight
     return tuple(weights.tolist())
 
 
@@ -76,8 +76,8 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
         weights[1] += shift
         weights[-2] += shift
     mass = material.rho * section.A * l * weights
-    share = np.ones(n + 1)
-    share[[0, -1]] = 0.5
+    weight = np.ones(n + 1)
+    weight[[0, -1]] = 0.5
     principal = np.array([section.Iy + section.Iz, scale * section.Iy, scale * section.Iz])
-    inertia = material.rho * l * share[:, None] * principal
+    inertia = material.rho * l * weight[:, None] * principal
     return mass, inertia

@@ -75,8 +75,8 @@ class Viscosity(ElementType):
             first, second = nodes.T
             chord = scene.position[second] - scene.position[first]
             length = np.linalg.norm(chord, axis=1)
-            moving = np.where(scene.fixed[:, :3], 0.0, scene.velocity)
-            rate = np.sum(chord * (moving[second] - moving[first]), axis=1) / length
+            velocities = np.where(scene.fixed[:, :3], 0.0, scene.velocity)
+            rate = np.sum(chord * (velocities[second] - velocities[first]), axis=1) / length
             return np.column_stack([rate, np.zeros(len(rate)), length])
 
         return Viscous(

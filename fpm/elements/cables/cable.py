@@ -29,7 +29,7 @@ REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
 
 FRICTION_LOSS = Energy("cable_friction", "cable_friction_loss", "energy lost by friction of cables")
 
-RUBBING = 300.0
+FRICTION_COST = 300.0
 """Core time (ns) of a stretch with friction in a step."""
 
 
@@ -156,7 +156,7 @@ class Cable(ElementType):
     def cost_in(cls, scene):
         """Return the core time (ns) of all cables of a scene in a time step, to estimate run times:
         `cost` for each stretch between two points, RUBBING with friction."""
-        costs = [cls.cost if cable.friction is None else RUBBING for cable in cls.find(scene)]
+        costs = [cls.cost if cable.friction is None else FRICTION_COST for cable in cls.find(scene)]
         counts = [len(cable.beams) - 1 for cable in cls.find(scene)]
         return float(np.dot(costs, counts))
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.kind import Deformations
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 
 FACTOR = 2.0
 

@@ -191,8 +191,7 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to column part.account of
-    world.accounts, and what friction took to part.loss. part: all (RubbingCables); world: World;
-    timing: unused."""
+    world.accounts, and what friction took to part.loss. part: RubbingCables; timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.has_friction[c]:

@@ -47,7 +47,7 @@ class Cables(NamedTuple):
     that the winch takes in where its curve is 1 (m); stretches (p, 8, lanes): direction (3), length
     (m), arm of the point (3, m), pull (N); state (c, 6, lanes): elongation, unstrained length (m),
     winch force (N), each now and a step ago; account: index of the winches' work in World.accounts;
-    peaks (1, 1, lanes): largest `crowding` of all so far; rows (c, 1, lanes): that of each; log: of
+    peaks (1, 1, lanes): largest crowding of all so far; rows (c, 1, lanes): that of each; log: of
     events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
@@ -87,8 +87,7 @@ def measure_path(part, state, c):
 @kernel
 def find_unstrained_length(part, world, timing, c):
     """Return the unstrained length (m, lanes) of cable c (index) at timing.time, less what its
-    winch has taken in. part: Cables or RubbingCables; world (World): has the curves; timing:
-    StepTime (s)."""
+    winch has taken in. part: Cables or RubbingCables; world: with curves."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -189,7 +188,7 @@ def energy_of(part, world, c):
 
 
 @kernel
-def crowding(part, c):
+def crowding_of(part, c):
     """Return the crowding of cable c: its elongation over the length of its shortest stretch, 0
     where it is slack; a run fails above 1. part: arrays of all cables (Cables or RubbingCables)."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
@@ -202,16 +201,16 @@ def crowding(part, c):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
-    of part.track, and raise part.peaks to its `crowding`. part: Cables or RubbingCables."""
+    of part.track, and raise part.peaks to its crowding. part: Cables or RubbingCables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
-    store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding(part, c)))
+    store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding_of(part, c)))
 
 
 @hook(Cables)
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable in part.track, and raise part.peaks
-    (one for all cables) to the largest `crowding`, elongation over the length of the shortest
+    (one for all cables) to the largest crowding, elongation over the length of the shortest
     stretch. part: all cables (Cables); world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
@@ -220,7 +219,7 @@ def record(part, world, row):
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store each cable's `crowding`, elongation over the length of its shortest stretch, in
+    """Store each cable's crowding, elongation over the length of its shortest stretch, in
     part.rows, to name the worst when a run failed. part: all cables (Cables); world: not used."""
     for c in range(part.curve.shape[0]):
-        store(part.rows, c, 0, crowding(part, c))
+        store(part.rows, c, 0, crowding_of(part, c))

@@ -263,14 +263,14 @@ def are_alone(scene) -> list[bool]:
     particles, unless held altogether, are in no other hinge or joint and have no Drive; and its own
     matrix is regular, whatever arms and axis become: no axis is held for both particles, nor for a
     particle and the hinge point, one may turn, and about all axes or none."""
-    joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
-    uses = Counter(p for element in joining for p in element.particles)
+    joints = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
+    uses = Counter(p for element in joints for p in element.particles)
     shared_particles = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
     shared_particles.update(drive.particle for drive in scene.drives)
-    turning = {holder.hinge for holder in Turn.find(scene)}
+    driven_hinges = {holder.hinge for holder in Turn.find(scene)}
     return [
         hinge.type == "revolute"
-        and h not in turning
+        and h not in driven_hinges
         and shared_particles.isdisjoint(hinge.particles)
         and is_regular(hinge, scene.fixed)
         for h, hinge in enumerate(scene.hinges)

@@ -13,7 +13,7 @@ The matrix of impulses (hinge_matrix.py) is built at the start of a step and ser
 A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
 not depend on theirs."""
 
-from fpm.elements.joints.closing import (
+from fpm.elements.joints.closure import (
     ALL,
     clear,
     coarse,

@@ -8,7 +8,7 @@ complement), then the supports. hinge.py uses it. The two particles of hinge h a
 with a short chain of operations, so that the processor works on several at once. Kernels take a
 named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it."""
 
-from fpm.elements.joints.closing import save_pose
+from fpm.elements.joints.closure import save_pose
 from fpm.elements.joints.hinge_arrays import (
     ARM,
     AXIS_IM,

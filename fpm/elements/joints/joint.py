@@ -34,7 +34,7 @@ from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 CONDITION, MULTIPLY_ADD = 240.0, 1.5
@@ -161,7 +161,7 @@ class Joint(JointBase):
         return tuple(hinges)
 
     @staticmethod
-    def holding(scene, name, particle: int, point, axes: str) -> "Joint":
+    def held_point(scene, name, particle: int, point, axes: str) -> "Joint":
         """A "held" joint, not added to the scene: it keeps a point of a particle in its present
         place along some global axes. name: for messages; particle: index; point (3,) m, global;
         axes: letters out of "xyz", at least one, else SceneError."""

@@ -101,10 +101,9 @@ class Joints(NamedTuple):
     pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the drives'
     work in World.accounts; peaks (1, 2, lanes): largest gap (m) and tilt (sine) so far; excess (j,
     1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps
-    (instants + 1, 2, lanes): largest gap and tilt at each instant; sums (r, 1, lanes): impulses of
-    this step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m), None if nothing
-    reads them; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, their index by joint
-    (-1: none), their joints."""
+    (instants + 1, 2, lanes): gap and tilt at each instant; sums (r, 1, lanes): impulses of this
+    step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m), None if not read;
+    turns (Turns), turn_of (j,), turn_at (t,): held coordinates, index by joint or -1, joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

@@ -5,7 +5,7 @@ their rates do not change over the step, less what was missing so in the step be
 the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
 by small turns on top. All joints of a sample are solved together, and go the same rounds."""
 
-from fpm.elements.joints.closing import (
+from fpm.elements.joints.closure import (
     ALL,
     clear,
     coarse,

@@ -36,8 +36,8 @@ from fpm.elements.openings.friction import SWEEP_DEFLECTION, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
 from fpm.elements.openings.opening import (
+    ANGLE_TYPES,
     JOINT_LOSS,
-    TURNING,
     moving_at_start,
     on_hinge,
     start_angles,
@@ -166,7 +166,7 @@ class RigidFriction(Rigid):
     """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
     sticks): it holds the joint coordinate up to `moment` (N m), and slips against that above."""
 
-    hinge: int = on_hinge(types=TURNING)
+    hinge: int = on_hinge(types=ANGLE_TYPES)
     moment: float = number("N m", 0.0)
 
     takes = JOINT_LOSS

@@ -57,8 +57,7 @@ class RigidFrictions(NamedTuple):
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
     arrays of all rigid frictions (RigidFrictions); world (World): solver state, changed; timing:
-    StepTime (s). The time of an impact, part.turns.impact, is then counted from this step's
-    start."""
+    StepTime (s). The time of an impact, part.turns.impact, then counts from its start."""
     impact = load(part.turns.impact, 0, 0)
     store(part.turns.impact, 0, 0, where_negative(-1.0 * impact, impact - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
@@ -79,7 +78,7 @@ register_work_hooks(RigidFrictions, WORKS, -1.0)
 
 
 @kernel
-def turning(part, i, timing):
+def stop_of(part, i, timing):
     """Return, for each lane where the rate of element i would reverse in this kick, the fraction of
     the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then: by
     the parabola of its motion if its rate fell before, else as braked from the middle of the kick
@@ -127,7 +126,7 @@ def find_holding_moment(part, i, timing):
 
 
 @kernel
-def slipping(part, i, full, timing):
+def slip_moment(part, i, full, timing):
     """Return the moment (N m) of element i in the step in which it starts to slip: a mean of what
     held it and of the `full` friction moment (N m, with its sign), which agree to first order for a
     load that grows; after an impact it makes up for what the kicks before and after lack. part: all
@@ -148,8 +147,8 @@ def change(part, world, timing, i, slips, turns, sticks):
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(find_holding_moment(part, i, timing), -1.0, 1.0)
-    fraction, path = turning(part, i, timing)
-    brake = where_negative(slips, slipping(part, i, sign * most, timing), last)
+    fraction, path = stop_of(part, i, timing)
+    brake = where_negative(slips, slip_moment(part, i, sign * most, timing), last)
     brake = where_negative(turns, (1.0 - 2.0 * fraction) * old * most, brake)
     brake = where_negative(sticks, 0.0, brake)
     push(part.openings, world.state, h, timing.kick * (brake - last))

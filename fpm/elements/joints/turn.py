@@ -30,10 +30,9 @@ class Turn(ElementType):
     @classmethod
     def find(cls, scene):
         """Return the elements (ExactConnector) of a scene, of all types, that hold a joint
-        coordinate exactly; the index of an element in this list is that of its condition in
-        Turns.state."""
-        holding = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
-        return [element for kind in holding for element in scene.kinds[kind]]
+        coordinate exactly; its indices are those of conditions in Turns.state."""
+        kinds = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
+        return [element for kind in kinds for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):
@@ -82,8 +81,7 @@ class ExactConnector(Connector):
     def array(cls, name, batch):
         """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
         state of all conditions that hold joint coordinates (Turns); "turn": index of each element's
-        condition among them; others as Connector.array. batch: the scenes simulated side by
-        side."""
+        condition among them; others as Connector.array. batch: scenes simulated together."""
         match name:
             case "turns":
                 return batch.part(Turn)

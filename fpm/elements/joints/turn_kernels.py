@@ -9,7 +9,7 @@ bodies; `solve` finds the impulses, again where it was decided otherwise, and te
 the openings would have; `move` begins with the impulses that stand then."""
 
 from fpm.elements.joints import joint_kernels
-from fpm.elements.joints.closing import clear, report_gaps
+from fpm.elements.joints.closure import clear, report_gaps
 from fpm.elements.joints.joint_arrays import (
     AXIS,
     AXIS_IM,
@@ -39,7 +39,7 @@ from fpm.elements.joints.joint_kernels import (
 )
 from fpm.elements.joints.joint_matrix import build, factorise
 from fpm.elements.joints.joint_rows import find_gaps, find_lock_gap, find_rows, place
-from fpm.elements.openings.opening_kernels import MOMENT as ACTING
+from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
@@ -91,7 +91,7 @@ def add_late_moment(moments, openings, h, moment):
     nothing is done; openings: arrays of all joint coordinates, as the type takes them."""
     if moments is not None:
         row = h * openings.parts + openings.part
-        store(moments, row, ACTING, load(moments, row, ACTING) + moment)
+        store(moments, row, OPENING_MOMENT, load(moments, row, OPENING_MOMENT) + moment)
         store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
 
 
@@ -111,10 +111,9 @@ def register_work_hooks(arrays, first, sign):
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the work (J) that `end_work` counted after the instant was recorded but is due
-        before it, to recorded energies. part: arrays; world: not used; energies
-        (instants, columns, lanes): changed in row `row` (the instant's) and column ACCOUNTS +
-        part.account."""
+        """Add the work (J) that `end_work` counted after the instant was recorded but is due before
+        it, to recorded energies. part: arrays; world: not used; energies (instants, columns,
+        lanes): changed in row `row` (the instant's) and column ACCOUNTS + part.account."""
         for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -137,8 +136,7 @@ def end_work_of(part, world, i, moment, first, sign):
     """Add half of the work (J) of the `moment` (N m; on a slide a force, N; lanes) of element i
     over the step that ends now to account part.account of World, and store moment and work in
     part.state. The other half follows in the next step (`work_before`). part: arrays of elements;
-    world: World; first: index of HOLD_MOMENT in part.state; sign: 1 for work given, -1 for
-    losses."""
+    first: index of HOLD_MOMENT in part.state; sign: 1: work given, -1: loss."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)

@@ -156,8 +156,8 @@ class Friction(Connector):
 
         def bristle(f, scene):
             most = f.bristle_deflection * (f.shares or (float(f.load is None),))[0]
-            locking = 0.0 if f.load is None else 1.0 / f.bristle_deflection
-            return f.stiffness, most, f.damping_in(scene), locking
+            inverse_bend = 0.0 if f.load is None else 1.0 / f.bristle_deflection
+            return f.stiffness, most, f.damping_in(scene), inverse_bend
 
         def bristles(scene):
             return [bristle(f, scene) for f in cls.find(scene)]
@@ -198,13 +198,13 @@ def _bearing_force(batch, kind):
     if joints := [joint.name for joint in Joint.find(scene)]:
         part = batch.part(Joint)
         rows, impulses = part.rows, part.sums
-        place = {joints[number]: j for j, number in enumerate(part.names)}
+        row = {joints[number]: j for j, number in enumerate(part.names)}
         for i, name in enumerate(names):
-            if name in place:
+            if name in row:
                 first[i], count[i] = (
-                    x[place[name]] for x in (part.pattern.first, part.pattern.count)
+                    x[row[name]] for x in (part.pattern.first, part.pattern.count)
                 )
-    share = batch.table(
+    slip_deflections = batch.table(
         kind, 1, lambda f: [0.0 if f.load is None else f.bristle_deflection / f.load]
     )
-    return JointForce(share, lone, first, count, hinges, rows, impulses)
+    return JointForce(slip_deflections, lone, first, count, hinges, rows, impulses)

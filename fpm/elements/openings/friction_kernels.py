@@ -11,7 +11,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
 from fpm.kernels.vectors import kernel, larger
 
-STIFFNESS, BEND, DAMPING, LOCKING = range(4)  # the last: 1/bend where it goes with the force
+STIFFNESS, BEND, DAMPING, INVERSE_BEND = range(4)  # the last: 1/bend where it goes with the force
 
 ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend changes there
 
@@ -58,8 +58,7 @@ def bend_at(points, start, i, most, psi):
     """Return the bristle deflection (rad, lanes) at which friction element i slips at joint
     coordinate psi (rad, lanes), linear between the points of its table. points (p, 2, lanes):
     coordinate (rad) and change of slope there, of all tables; start: index of each element's first
-    point; both None: no tables; most: deflection (rad, lanes) below the table's first coordinate,
-    or without one."""
+    point; both None: no tables; most: deflection (rad, lanes) below the table's first point."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -112,7 +111,7 @@ def watch_lock(part, i, bend, most, slips):
     growth, over the deflection at slip, raises LOCK_RATIO in part.state and part.peaks if larger.
     part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It counts
     from the least `bend` since the last slip, once the bristle was bent by one deflection more."""
-    state, per_bend = part.state, load(part.numbers, i, LOCKING)
+    state, per_bend = part.state, load(part.numbers, i, INVERSE_BEND)
     size, least = absolute(bend), load(state, i, LEAST)
     least = where_negative(slips, size, where_negative(size - least, size, least))
     growth = size - least

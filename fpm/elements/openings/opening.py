@@ -18,7 +18,7 @@ from fpm.elements.fields import index
 from fpm.elements.kind import Deformations, ElementType, Energy, Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
@@ -34,13 +34,13 @@ PARTS = (
 )  # fmt: skip
 """Parts of the moment on an opening, by the kinds that act on it (ElementType.acts_as)."""
 
-SLIDING = {
+SLIDE_UNITS = {
     "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
     "N m/rad": "N/m", "N m s/rad": "N s/m", "kg m2": "kg",
 }  # fmt: skip
 """Units of what acts on hinges, and those of the same on slides."""
 
-TURNING = ("revolute", "universal", "cross")
+ANGLE_TYPES = ("revolute", "universal", "cross")
 """Types of hinges whose opening is an angle."""
 
 
@@ -117,7 +117,7 @@ class ConnectorElement(ElementType):
             raise SceneError(self.subject(scene, field), text, allowed)
 
     def unit_in(self, scene, unit):
-        return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDING else unit
+        return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDE_UNITS else unit
 
     @classmethod
     def names(cls, scene):
@@ -217,7 +217,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
         names = tuple(label for label, is_chosen in zip(labels, columns, strict=True) if is_chosen)
         for name, (values, unit, text, dimension, *_) in series.items() if names else ():
             if prefix:
-                unit = SLIDING[unit]
+                unit = SLIDE_UNITS[unit]
                 dimension = "slide" if dimension == "hinge" else prefix + dimension
                 text = text.replace("hinges", "slides").replace("moment", "force")
                 text = text.replace("angular impulse", "impulse")
@@ -229,7 +229,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 def unit_of(scene, hinge: int, unit: str) -> str:
     """Return the unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide
     that of SLIDING, as "N/m" (KeyError for others). scene: has the hinge; hinge: its index."""
-    return SLIDING[unit] if scene.hinges[hinge].slides else unit
+    return SLIDE_UNITS[unit] if scene.hinges[hinge].slides else unit
 
 
 def _sides(scene) -> np.ndarray:
@@ -260,11 +260,10 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
-    axes, with factors on the stiffness. The particles of a slide turn together: what their turn
-    does may be taken as that of either, or of both in any shares: those that bound the frequency
-    best. In the second particle the axis of a universal joint's angle lies in a plane, anywhere in
-    the course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs
-    from both sides to the ground, on the second about all axes of the plane, bound it then."""
+    axes, with factors on the stiffness. The particles of a slide turn together: their turn may be
+    taken as that of either or both, as bounds the frequency best. In the second particle the axis
+    of a universal joint's angle lies anywhere in a plane; so does a spring's stiffest direction.
+    Springs from both sides to the ground, on the second about all its axes, bound it (Cauchy)."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":

@@ -46,8 +46,7 @@ def overlap(part, i, field):
 def forces(part, world, timing):
     """Add the moments (N m; on slides forces, N) of stops, against openings beyond them, to the
     forces on particles, and what their dampers lose in the step that ends now (J) to
-    World.accounts. part: arrays of all stops (Stops); world: solver state, changed; timing: times
-    of this step (s)."""
+    World.accounts. part: arrays of all stops (Stops); world: solver state, changed."""
     for i in range(part.hinge.shape[0]):
         h, side = part.hinge[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.rates, i, h, timing)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
-from fpm.elements.openings.opening import TURNING, ConnectorElement, mobility, relative_turn
+from fpm.elements.openings.opening import ANGLE_TYPES, ConnectorElement, mobility, relative_turn
 from fpm.errors import SceneError
 
 
@@ -26,7 +26,7 @@ class SyncLoop(ConnectorElement):
     (rad); preload: tension of each strand (N), infinite: never slack."""
 
     name: str = topology()
-    hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
+    hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=ANGLE_TYPES)
     radii: tuple[float, float] = number(
         "m", count=2, text="of the pulleys; opposite in sign where the loop is crossed"
     )
@@ -97,8 +97,7 @@ class SyncLoop(ConnectorElement):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple Loops: "hinge": (loops, 2),
-        indices of both hinges of each loop; else as ConnectorElement.array. batch: scenes side by
-        side."""
+        indices of both hinges of each loop; else as ConnectorElement.array. batch: the scenes."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         return super().array(name, batch)

@@ -19,8 +19,7 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 class DampingState(NamedTuple):
     """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): total, 1/s; free
     (f,): indices of particles that no other element type moves; joint_particles (j,): of those that
-    joints or supports move and that can move in some way; account: index in World.accounts of the
-    loss."""
+    joints or supports move, not held in all ways; account: of the loss, in World.accounts."""
 
     rate: np.ndarray
     free: np.ndarray
@@ -87,8 +86,7 @@ def move(part, world, timing):
 def work_after(part, world, timing):
     """Add to World.accounts the energy (J) that damping takes, in this step, out of
     part.joint_particles: particles that joints or supports move (not those held in all ways or
-    driven), by their momenta after joints acted. part: arrays of damping (DampingState); world:
-    solver state; timing: times."""
+    driven), by their momenta after joints acted. part: DampingState; world: solver state."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.joint_particles.shape[0]):

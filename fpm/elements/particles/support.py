@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.kind import AXES, ElementType
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 

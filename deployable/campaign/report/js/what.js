@@ -31,12 +31,12 @@ class WhatIf {
     Object.assign(this, { quantities, limits, indices, constants, slopes, left, misfit, shown: null });
     this.sliders = DATA.parameters.map(({ name, unit, lower, nominal, upper, description }) => {
       const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": description || name });
-      const told = make("output");
+      const output = make("output");
       input.value = nominal;
       input.disabled = !(upper > lower);
       input.addEventListener("input", () => this.ask());
-      byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, told));
-      return { input, told, unit };
+      byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, output));
+      return { input, output, unit };
     });
     this.tell(this.values());
     byId("usual").addEventListener("click", () => this.set(DATA.parameters.map(({ nominal }) => nominal)));
@@ -50,7 +50,7 @@ class WhatIf {
 
   // Say what the sliders ask for.
   tell(values) {
-    this.sliders.forEach(({ told, unit }, j) => { told.textContent = `${digits(values[j], 3)} ${unit}`; });
+    this.sliders.forEach(({ output, unit }, j) => { output.textContent = `${digits(values[j], 3)} ${unit}`; });
   }
 
   // Say what the measured curves say of the sliders' values: nothing outside the intervals that they leave explains them;
@@ -58,8 +58,8 @@ class WhatIf {
   compare(values, unit) {
     const out = DATA.parameters.filter(({ name }, j) => !this.left[name] || values[j] < this.left[name][0] || values[j] > this.left[name][1]);
     const none = Object.values(this.left).every((ends) => !ends);
-    const off = ` Their curve is off by about ${digits(Math.exp(evaluate(this.misfit, unit)), 1)} bands.`;
-    byId("what-tests").textContent = (none ? "The measured curves leave nothing of the box." : out.length ? `The measured curves exclude this: ${out.map(({ name }) => name).join(", ")}.` : "Within the intervals that the measured curves leave.") + off;
+    const deviation = ` Their curve deviates by about ${digits(Math.exp(evaluate(this.misfit, unit)), 1)} bands.`;
+    byId("what-tests").textContent = (none ? "The measured curves leave nothing of the box." : out.length ? `The measured curves exclude this: ${out.map(({ name }) => name).join(", ")}.` : "Within the intervals that the measured curves leave.") + deviation;
   }
 
   values() {
@@ -84,9 +84,9 @@ class WhatIf {
 
   // A response over time at unit coordinates.
   curve(r, unit) {
-    const found = Float64Array.from(this.constants[r]);
-    products(this.indices, unit).forEach((factor, m) => { const slope = this.slopes[r][m]; for (let i = 0; i < found.length; i++) found[i] += factor * slope[i]; });
-    return found;
+    const curve = Float64Array.from(this.constants[r]);
+    products(this.indices, unit).forEach((factor, m) => { const slope = this.slopes[r][m]; for (let i = 0; i < curve.length; i++) curve[i] += factor * slope[i]; });
+    return curve;
   }
 
   ask(run = null) {

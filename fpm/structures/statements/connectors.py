@@ -26,9 +26,18 @@ from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
 from fpm.elements.openings.release import latch_rows
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
-from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
+from fpm.structures.statement import (
+    CLASS,
+    JOINT,
+    SLIDE,
+    connector,
+    element,
+    key_of,
+    statement,
+    whole,
+)
 
-TURNING = replace(JOINT, types=("revolute", "universal"))
+ANGLE_JOINT = replace(JOINT, types=("revolute", "universal"))
 
 
 def _at_start(build, hinge: int) -> float:
@@ -45,7 +54,7 @@ def _rigid(build, args, **_) -> bool:
 
 def _of_slide(key: NumberKey) -> NumberKey:
     text = key.text.replace("moment", "force").replace("radian", "metre")
-    return replace(key.sliding(["joint"]), text=text)
+    return replace(key.for_slides(["joint"]), text=text)
 
 
 SPRING = {
@@ -59,7 +68,7 @@ SPRING = {
 @statement(
     "actions",
     "torsion spring",
-    joint=replace(TURNING, hint="; for a slide there is `spring`"),
+    joint=replace(ANGLE_JOINT, hint="; for a slide there is `spring`"),
     **SPRING,
 )
 def torsion_spring(build, args):
@@ -90,7 +99,7 @@ whole(Contact)
 whole(Damper)
 
 
-@acting(
+@connector(
     Friction,
     default_texts={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
     sticks=ChoiceKey(
@@ -157,7 +166,7 @@ def bearing(build, args):
     scene.add(Friction(args.joint, lever * args.load, deflection, load=args.load))
 
 
-@acting(
+@connector(
     Stop,
     exclusions=("angle", "side"),
     lower=NumberKey(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
@@ -179,7 +188,7 @@ def stop(build, args):
             build.scene.add(element(Stop, args, angle=angle, side=side))
 
 
-@acting(
+@connector(
     Latch,
     exclusions=("one_sided", "name"),
     default_texts={"stiffness": "it holds exactly"},
@@ -239,11 +248,11 @@ def tabulated_spring(build, args):
         scene.classes[Friction, scene.add(drag)] = "HY"
 
 
-@acting(
+@connector(
     SyncLoop,
     exclusions=("hinges", "name"),
     default_texts={"rest": "those at the start"},
-    joints=ListKey(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
+    joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
@@ -255,7 +264,7 @@ def loop(build, args):
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
 
-@acting(
+@connector(
     Motor,
     exclusions=("by_rate",),
     default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
@@ -283,7 +292,7 @@ def motor(build, args):
 whole(TorqueMotor)
 
 
-@acting(
+@connector(
     Release,
     exclusions=("latch",),
     default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},

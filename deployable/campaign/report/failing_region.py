@@ -70,7 +70,7 @@ def panels(data: PageData) -> list[Panel]:
 
 
 def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
-    share = data.facts["together"]["largest_share"]
+    share = data.facts["together"]["max_interval_scale"]
     nominal = [_scale(p, p["nominal"]) for p in data.parameters]
     ends = [(middle * (1 - share), middle + share * (1 - middle)) for middle in nominal]
     in_part = [

@@ -187,8 +187,7 @@ def _damaged_files(folder: Path) -> list[str]:
 @contextmanager
 def _one_at_a_time(folder: Path) -> Iterator[bool]:
     """Hold a lock for a folder among all processes, on all machines that share its file system.
-    Gives False where there is no lock to have, as the folder cannot be written or its file system
-    knows no locks; then nothing can be kept there safely."""
+    Gives False where none can be had: nothing is kept there safely."""
     with ExitStack() as stack:
         try:
             folder.parent.mkdir(parents=True, exist_ok=True)

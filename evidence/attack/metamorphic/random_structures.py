@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from evidence.attack.metamorphic.acting import Acting
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.joint_actions import StructureDraft
+from evidence.attack.metamorphic.structure_text import Structure
 
 DURATION = 0.4
 """Time (s) in which a drawn structure is to show what it does."""
@@ -22,7 +22,7 @@ TURNS = {"revolute": [""], "universal": ["_axis", "_other"]}
 """Endings of the names of the openings that are angles, by the type of their joint."""
 
 
-class Draw(Acting):
+class Draw(StructureDraft):
     """A whole structure."""
 
     def __init__(self, rng: random.Random):

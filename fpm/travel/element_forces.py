@@ -104,7 +104,7 @@ class ElementForces:
         return NUDGE
 
     def _act(self) -> np.ndarray:
-        from fpm.kernels.compiled import loop_for
+        from fpm.kernels.compiled_loop import loop_for
 
         state = self.world.state
         state[:, layout.F : layout.M + 3] = 0.0

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 _HARD, _DATASET, _VIRTUAL = 0, 5, 3
 """HDF5's codes of a link within the file, a dataset, and a layout of data in other datasets."""

@@ -15,7 +15,7 @@ TOLERANCE = 1e-12
 """Share by which inertias that are alike may differ, by rounding."""
 
 
-class Turning(NamedTuple):
+class RotationAxes(NamedTuple):
     """How supports let the n particles of a scene turn. inertia (n, 3): moments of inertia (kg m²)
     about own axes; of a particle that turns about a single global axis that about this, repeated;
     no_turn (n, 3): whether it never turns about an own axis; about_two: indices of particles of
@@ -26,24 +26,24 @@ class Turning(NamedTuple):
     about_two: list[int]
 
 
-def turns_of(scene) -> Turning:
+def turns_of(scene) -> RotationAxes:
     """Return how the supports of a scene let its particles turn (Turning). Raises SceneError where
     a particle that turns about two axes, with unequal inertias, is in a joint."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)
     for p in np.flatnonzero(count == 2):
-        shares = scene.frame[p][~fixed[p]][0] ** 2
-        inertia[p] = shares @ inertia[p]
-        no_turn[p] = (shares < TOLERANCE) & (shares.max() > 1 - TOLERANCE)
+        squares = scene.frame[p][~fixed[p]][0] ** 2
+        inertia[p] = squares @ inertia[p]
+        no_turn[p] = (squares < TOLERANCE) & (squares.max() > 1 - TOLERANCE)
     is_unequal = np.ptp(inertia, axis=1) > TOLERANCE * inertia.max(axis=1)
     about_two = np.flatnonzero((count == 1) & is_unequal).tolist()
-    joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
-    for p in [p for e in joining for p in e.particles if p in about_two] if about_two else ():
+    joints = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
+    for p in [p for e in joints for p in e.particles if p in about_two] if about_two else ():
         raise SceneError(
             f"rotations of particle {p} in a joint, held about {'xyz'[fixed[p].argmax()]} alone",
             inertia[p].tolist(),
             "two or three axes, the same inertia about all of its own, or a joint to the ground "
             "that holds them",
         )
-    return Turning(inertia, no_turn, about_two)
+    return RotationAxes(inertia, no_turn, about_two)

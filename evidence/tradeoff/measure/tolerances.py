@@ -18,7 +18,7 @@ import numpy as np
 
 from deployable import campaign, intervals
 from deployable.campaign.folder import Folder
-from evidence.tradeoff.measure.asked_cases import AccuracyCase, scan
+from evidence.tradeoff.measure.tolerance_cases import AccuracyCase, scan
 
 MINUTES, RUNS = 0.2, 300
 """Budget of each: minutes of one core, and runs."""

@@ -97,18 +97,18 @@ def drag(build, args):
     area (m²), coefficient, density (kg/m³), normal (unit vector (3,) or None), wind (3,) m/s."""
     scene, ends = build.scene, [point.position for point in args.through]
     particles = [args.part.particle(point.name) for point in args.through]
-    axis, places = ZERO if args.normal is None else args.normal, [(particles[0], ends[0], 1.0)]
+    axis, spots = ZERO if args.normal is None else args.normal, [(particles[0], ends[0], 1.0)]
     if len(ends) > 1:
         if not (length := np.linalg.norm(ends[1] - ends[0])) > POINT_TOL * build.size:
             build.refuse("through", args.through[1].name, "two points that are apart")
         axis = (ends[1] - ends[0]) / length if args.normal is None else axis
-        places = stations(scene, args.part.particles, *ends)
+        spots = stations(scene, args.part.particles, *ends)
     factor = args.density / 2 * args.coefficient * args.area
     component = "across" if args.normal is None else "along"
-    for particle, place, share in places:
-        beam = scene.arm_to(particle, place)
-        local_axis = scene.arm_to(particle, place + axis).arm - beam.arm
-        scene.add(Drag(beam, share * factor, local_axis, component, args.wind, args.name))
+    for particle, position, weight in spots:
+        beam = scene.arm_to(particle, position)
+        local_axis = scene.arm_to(particle, position + axis).arm - beam.arm
+        scene.add(Drag(beam, weight * factor, local_axis, component, args.wind, args.name))
 
 
 @statement(

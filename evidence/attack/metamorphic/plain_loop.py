@@ -27,7 +27,7 @@ def store(array, row, field, value):
         array[row, field] = value
 
 
-def without_compiling() -> None:
+def disable_compilation() -> None:
     """Let fpm run its kernels so from here on."""
     np.seterr(all="ignore")  # as compiled code does
     operations = {

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from fpm.files import sealed
-from fpm.files.sealed import DamagedError, check, check_content, seal, unseal, whole_file
+from fpm.files import seals
+from fpm.files.seals import DamagedError, check, check_content, seal, unseal, whole_file
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -75,12 +75,12 @@ def test_zeroed_pages_are_noticed(tmp_path):
 
 
 def test_damage_to_a_large_file_is_noticed_by_who_has_checked_it_before(tmp_path, monkeypatch):
-    monkeypatch.setattr(sealed, "_LARGE", 1000)
+    monkeypatch.setattr(seals, "_LARGE", 1000)
     path, read = tmp_path / "large.nc", []
     with whole_file(path, {"name": "it"}) as temporary:
         temporary.write_bytes(CONTENT[".nc"])
-    whole = sealed._hash
-    monkeypatch.setattr(sealed, "_hash", lambda *args: read.append(args) or whole(*args))
+    whole = seals._hash
+    monkeypatch.setattr(seals, "_hash", lambda *args: read.append(args) or whole(*args))
     assert check(path) == check(path)
     assert len(read) == 1
     time.sleep(0.05)  # the clock of files goes by steps
@@ -102,7 +102,7 @@ def test_a_file_that_breaks_off_leaves_nothing(tmp_path):
 
 KILLED = """
 import os, sys
-from fpm.files.sealed import whole_file
+from fpm.files.seals import whole_file
 with whole_file(sys.argv[1]) as temporary:
     temporary.write_text("half")
     os.kill(os.getpid(), 9)
@@ -115,18 +115,18 @@ def test_what_dead_processes_left_is_swept_and_nothing_else(tmp_path):
     (tmp_path / ".mine.nc").write_text("x")
     with whole_file(tmp_path / "b.nc") as temporary:
         temporary.write_text("being written")
-        assert len(sealed.remove_temporary(tmp_path)) == 1
+        assert len(seals.remove_temporary(tmp_path)) == 1
         assert temporary.exists()
     assert sorted(p.name for p in tmp_path.iterdir()) == [".mine.nc", "b.nc"]
-    assert sealed.remove_temporary(tmp_path / "nowhere") == []
+    assert seals.remove_temporary(tmp_path / "nowhere") == []
 
 
 def test_what_a_killed_process_left_is_swept_before_its_parent_has_noticed(tmp_path):
     """As a job's children are, which the system has not taken leave of yet."""
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as child:
-        left = tmp_path / f".bounds.{sealed._host()}-{child.pid}.part.nc"
+        left = tmp_path / f".bounds.{seals._host()}-{child.pid}.part.nc"
         left.write_text("half")
-        assert sealed.remove_temporary(tmp_path) == []
+        assert seals.remove_temporary(tmp_path) == []
         child.kill()
         time.sleep(0.2)
-        assert sealed.remove_temporary(tmp_path) == [left]
+        assert seals.remove_temporary(tmp_path) == [left]

@@ -14,11 +14,11 @@ RULES = str(WORKFLOW / "rules" / "campaign.smk")
 """Its rules without the one that asks for results, for `include:`."""
 
 
-def campaigns() -> dict[str, Path]:
+def list_campaigns() -> dict[str, Path]:
     """The paths of the shipped campaigns' configs (YAML), by file name without suffix."""
     return {path.stem: path for path in sorted(CONFIG.glob("*.yaml"))}
 
 
-def structures() -> dict[str, Path]:
+def list_structures() -> dict[str, Path]:
     """The paths of the shipped structures' files (YAML), by file name without suffix."""
     return {path.stem: path for path in sorted(CONFIG.glob("structures/*.yaml"))}

@@ -6,16 +6,16 @@ import random
 
 import numpy as np
 
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.structure_text import Structure
 from fpm.structures.statement import ON_SLIDES
 
-TURNING = ["torsion spring", "contact", "damper", "friction", "friction", "stop", "latch",
+HINGE_ACTIONS = ["torsion spring", "contact", "damper", "friction", "friction", "stop", "latch",
            "tabulated spring", "motor", "torque motor", "release"]  # fmt: skip
-SLIDING = ["spring", "damper", "friction", "stop", "latch", "tabulated spring", "motor",
+SLIDE_ACTIONS = ["spring", "damper", "friction", "stop", "latch", "tabulated spring", "motor",
            "torque motor", "release"]  # fmt: skip
 
 
-class Acting:
+class StructureDraft:
     """A structure, `structure`, while it is drawn. quiet: nothing moves it before a curve does, and
     curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one.
     """
@@ -90,7 +90,7 @@ class Acting:
 
     def act(self, joint: str, opening: float, turns: bool) -> None:
         """Up to three different things on an opening."""
-        kinds = TURNING if turns else SLIDING
+        kinds = HINGE_ACTIONS if turns else SLIDE_ACTIONS
         if "_" in joint or opening <= 0.0:
             kinds = [kind for kind in kinds if kind != "contact"]
         for kind in self.rng.sample(kinds, self.rng.choice([0, 1, 1, 2, 3])):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from deployable.campaign.config.sections import Experiment, trust
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.which import ids, nominal_row
+from deployable.campaign.results.run_roles import nominal_row, read_ids
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
 
@@ -157,7 +157,7 @@ def _of_results(folder: Folder, run: str) -> SelectedRun:
         )
     with open_netcdf(folder.samples) as samples:
         nominal, values = nominal_row(samples), samples["value"][:]
-        run_ids, names = ids(samples, slice(None)), list(samples["parameter"][:])
+        run_ids, names = read_ids(samples, slice(None)), list(samples["parameter"][:])
         experiment, mechanics = Experiment.read(samples.config), samples.mechanics
         step = float(samples.time_step)
     if experiment.mechanics != mechanics:
@@ -233,7 +233,7 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
         )
     structure = scene_type(source, source if Path(source).suffix else "")
     scene = structure.build(**parse_values(settings))
-    limit = fpm.SAFETY * fpm.stable_step(scene).step
+    limit = fpm.SAFETY * fpm.find_stable_step(scene).step
     step = fpm.divide_time(duration, INSTANTS, limit).step
     return SelectedRun(structure.name, scene, duration, INSTANTS, step)
 

@@ -62,14 +62,14 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
     return np.array(sorted(rows))
 
 
-def roles(samples: Any) -> list[str]:
+def read_roles(samples: Any) -> list[str]:
     """Role of each run of an open `samples.nc`: `nominal`, `node` (fitted), `held_out` (a test)."""
     if keeps_extremes(samples):
         return ["nominal"] + ["node"] * (samples.variables["value"].shape[0] - 1)
     return np.asarray(samples.variables["role"][:]).tolist()
 
 
-def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
+def read_ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
     """Names (16 hex digits) of runs of an open `samples.nc`; rows: indices, or a slice."""
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
@@ -79,13 +79,13 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
     return [name(tuple(row)) for row in np.asarray(samples.variables["value"][:])[rows].tolist()]
 
 
-def counts(samples: Any) -> Counts:
+def count_roles(samples: Any) -> Counts:
     """Count the different runs of the open `samples.nc` (equal parameters count once) by role."""
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)
     of_role: dict[str, set] = {role: set() for role in ROLES}
-    for role, run in zip(roles(samples), ids(samples, slice(None)), strict=True):
+    for role, run in zip(read_roles(samples), read_ids(samples, slice(None)), strict=True):
         of_role[role].add(run)
     nominal, nodes, held_out, _ = of_role.values()
     held_out = held_out - nodes

@@ -56,7 +56,7 @@ class FileRecord:
         self.modules: dict[str, ModuleType] = {}
         self.data: tuple[str, ...] | None = None
         self._states: dict[Path, sources.State | None] = {}
-        self._states_now: dict[Path, sources.State | None] = {}
+        self._new_states: dict[Path, sources.State | None] = {}
         self._outputs: set[Path] = set()
 
     # -- while it runs --------------------------------------------------------------------------
@@ -96,12 +96,12 @@ class FileRecord:
         if flags & (os.O_TRUNC | os.O_EXCL):
             self._outputs.add(path)
         elif flags & os.O_ACCMODE != os.O_WRONLY and path not in self._outputs:
-            self._states_now.setdefault(path, _state(path))
+            self._new_states.setdefault(path, _state(path))
 
     def add_import(self, path: Path, content: bytes) -> None:
         """Note an imported file's `path` and content; ChangedError if other content was noted."""
         path = Path(os.path.realpath(path))
-        self._states_now.pop(path, None)
+        self._new_states.pop(path, None)
         digest = sources.content_digest(content, path)
         if self.files.setdefault(path, digest) != digest:
             raise ChangedError(str(path))
@@ -114,12 +114,12 @@ class FileRecord:
         None if it has none. Raises ChangedError if a file changed since it was read."""
         self.data = None if data is None else tuple(data)
         code = sources.find_user_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
-        for path in (*code, *self._states_now, *self._data_files()):
+        for path in (*code, *self._new_states, *self._data_files()):
             self.files.setdefault(path, _digest(path))
-        for path, state in self._states_now.items():
+        for path, state in self._new_states.items():
             if path not in self._outputs and _state(path) != state:
                 raise ChangedError(str(path))
-        self._states_now.clear()
+        self._new_states.clear()
         self._states = {path: _state(path) for path in self.files}
         digests = sorted((os.path.relpath(p, self.folder), d) for p, d in self.files.items())
         return hashlib.sha256(repr(digests).encode()).hexdigest()[:16]
@@ -128,7 +128,7 @@ class FileRecord:
         """Check all files that a build of the structure opened, when it is done. values: its
         parameters' by name, for messages. Raises SceneError for a file not in the sealed record, or
         where files may have been read unseen and there is no DATA; ChangedError if one changed."""
-        paths, self._states_now = {*self._states_now, *self._data_files()}, {}
+        paths, self._new_states = {*self._new_states, *self._data_files()}, {}
         if self.hidden_reads and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.hidden_reads, DATA_HINT)
         for path in sorted(paths):
@@ -167,7 +167,7 @@ class FileRecord:
 
     def adopt(self, record: "FileRecord") -> None:
         """Note files of another structure, which this one loads, as its own. record: of that."""
-        self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
+        self._new_states |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def list_hidden_reads(self) -> list[str]:
         """Return the ways in which the structure's code may read files that cannot be noted, as

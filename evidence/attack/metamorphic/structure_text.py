@@ -29,7 +29,7 @@ def keys_of(structure: Structure, group: str, entry: dict) -> dict[str, Key]:
         for key, kind in statement.keys.items()
         if isinstance(kind, OpeningKey) and joints.get(entry.get(key), {}).get("type") == SLIDE
     ]
-    return {name: kind for name, (_, kind) in statement.sliding(slides).items()}
+    return {name: kind for name, (_, kind) in statement.for_slides(slides).items()}
 
 
 def map_numbers(structure: Structure, change: Change) -> Structure:

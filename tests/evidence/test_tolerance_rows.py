@@ -9,9 +9,9 @@ import pytest
 import xarray as xr
 
 from evidence.registry import STUDIES
-from evidence.tradeoff.asked_rows import asked_rows, asked_text
-from evidence.tradeoff.measure.asked import judge, measure_targets
-from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES, AccuracyCase, scan
+from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES, AccuracyCase, scan
+from evidence.tradeoff.measure.tolerances import judge, measure_targets
+from evidence.tradeoff.tolerance_rows import asked_rows, asked_text
 
 
 def row(cpu, true, told, most, covers=1.0, **more):

@@ -141,12 +141,12 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     is_late = [g["units"] == "s" and g["end"] == "upper" for g in choice["goals"]]
     best = {"values": [p["value"] for p in parameters], "kept": None}
     best["goals"] = [goal["value"] for goal in choice["goals"]]
-    rows, kept, values = [], [], []
+    rows, flags, values = [], [], []
     for trial in [*choice["tried"], best]:
         goals = [np.inf if value is None else value for value in trial["goals"]]
         if not (np.array(is_late) & (np.array(goals) > 0.95 * facts["duration"])).any():
             rows.append([trial["values"][0], *goals[:2]])
-            kept.append(trial["kept"])
+            flags.append(trial["kept"])
             names = (p["name"] for p in parameters)
             values.append(dict(zip(names, trial["values"], strict=True)))
     places = np.array(rows)
@@ -169,7 +169,7 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
             axes[y],
             [
                 (float(a), float(b), met, True)
-                for a, b, met in zip(shares[x], shares[y], kept, strict=True)
+                for a, b, met in zip(shares[x], shares[y], flags, strict=True)
             ],
             frame,
             values,

@@ -186,13 +186,13 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
     if summary["quantities"]:
         model = WhatIf(_surrogates(place, runs_of(place)), None, None)
     if "choice" in summary:
-        fitted = read_json(place.choice)["fitted"]
+        record = read_json(place.choice)["fitted"]
         keys = ("points", "numbers", "margins")
-        runs = FittedRuns(*(np.array(fitted[key], dtype=float) for key in keys))
+        runs = FittedRuns(*(np.array(record[key], dtype=float) for key in keys))
         model = replace(
             model,
             choice_quantities=_surrogates(place, runs),
-            choice_intervals={name: tuple(ends) for name, ends in fitted["intervals"].items()},
+            choice_intervals={name: tuple(ends) for name, ends in record["intervals"].items()},
         )
     if "polynomial" not in summary["bounds"]:
         return model

@@ -49,6 +49,23 @@ def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
     )
 
 
+@pytest.mark.parametrize(
+    ("changes", "start"),
+    [
+        ({"met": "all"}, "None: all requirements are met"),
+        ({"met": "undecided"}, "None because of the requirements"),
+        ({"largest_share": 0.0}, "None yet: the nominal values fail already, by in_time ("),
+    ],
+)
+def test_no_tolerance_is_to_be_paid_for_where_that_changes_nothing(opened, changes, start):
+    facts = opened.facts
+    both = [*facts["parameters"], {**facts["parameters"][0], "name": "other"}]
+    facts = facts | {"together": facts["together"] | changes, "parameters": both}
+    assert sentence("tolerance", facts).startswith(start)
+    failures = len(np.unique(opened.verdicts.values[~opened.verdicts.met], axis=0))
+    assert f"In {failures} of {facts['together']['runs']} runs some" in sentence("required", facts)
+
+
 def test_the_headline_tells_how_many_quantities_it_leaves_out(opened):
     (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
     assert sentence("ranges", {"quantities": [row] * 4}).endswith(" 2 more below.")

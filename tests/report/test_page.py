@@ -17,7 +17,7 @@ from deployable.campaign.report.data import MOST_LINES
 from deployable.campaign.report.motions import MOST_MOVING, count_moving_runs, shown_runs
 from deployable.campaign.report.pack import thin_curves
 from deployable.campaign.report.page import render
-from deployable.campaign.results.facts import grade
+from deployable.campaign.results.facts import LARGE, grade
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import number, spread, tie_units, to_html, with_error
 
@@ -194,7 +194,8 @@ def test_the_estimated_error_has_a_grade(data, share, name):
     assert grade(None if share is None else 2 * share, 2.0) == name
     error = None if share is None else share
     text = text_of(altered(data, grade=name, error_at_largest_difference=error))
-    warned = "Do not rely on the number for x" in text or "no error estimate for x." in text
+    pattern = r"(Do not rely on the bounds of|no error estimate for) the [^.]* \(x\)"
+    warned = re.search(pattern, text) is not None
     assert warned == (name in ("large", "unknown"))
 
 
@@ -207,8 +208,23 @@ def test_a_warning_is_said_once(data, quantities):
     facts = data.facts | {"quantities": [row] * quantities}
     page = render(replace(data, facts=facts, what_if=None))
     text = page.split("</style>")[1].replace("\N{NO-BREAK SPACE}", " ")
-    assert text.count("Do not rely on the number for x: the error of either bound may be ") == 1
+    assert len(re.findall(r"Do not rely on the bounds of the [^.]* \(x\) where", text)) == 1
     assert text.index('id="questions"') < text.index("Do not rely") < text.index('id="curves"')
+
+
+def test_a_number_that_is_said_lies_where_bounds_are_drawn(data):
+    """The largest difference whose error is below a quarter of the largest of all; that of all
+    where its own error is not large."""
+    for row, response in zip(data.facts["responses"], data.responses, strict=True):
+        width = response.upper - response.lower
+        sure = response.error < LARGE * width.max()
+        assert (row["trusted"] is None) == (not sure.any())
+        if sure.any():
+            assert row["trusted"]["difference"] == pytest.approx(width[sure].max(), rel=1e-12)
+    trusted = {"difference": 0.123, "error": 0.01, "time": 0.5}
+    for name, is_said in (("large", True), ("noticeable", False)):
+        facts = altered(data, grade=name, trusted=trusted).facts
+        assert ("0.12 ± 0.01" in sentence("differences", facts)) == is_said
 
 
 def test_a_large_error_comes_with_what_to_do_about_it(data):

@@ -7,10 +7,14 @@
                  errors; both without requirements of a level, or where none is kept so, null
     kept         whether the whole box about the choice keeps all requirements
     safe         whether it keeps them by their estimated errors or more
-    goals        [{end, quantity, units, sense, value, at, simulated}] of the choice; of a width
-                 `at` is where the upper end is, `lower_at` where the lower, `simulated` the width
+    goals        [{end, quantity, units, sense, value, error, at, simulated}] of the choice; error:
+                 estimated, of a bound of the quantity; of a width `at` is where the upper end is,
+                 `lower_at` where the lower, `simulated` the width
     limits       [{requirement, quantity, units, kind, level, margin, error, at, simulated}] of it
     tried        [{values, goals, kept}]: choices of a grid, for the trade-off
+    fitted       {intervals, points, numbers, margins}: the runs that surrogates over all choices
+                 are fitted to: `points`, -1 to 1 within `intervals` ({name: [lower, upper]}),
+                 quantities and event margins there (null: none); not in `summary.json`
     runs         how many runs it took, over choices and intervals
     simulated    how many of them were simulated in the last call
 
@@ -87,6 +91,12 @@ def answer(
             }
             for trial in trials
         ],
+        "fitted": {
+            "intervals": {name: [i.lower, i.upper] for name, i in experiment.intervals.items()},
+            "points": model.points.tolist(),
+            "numbers": [list(map(number, row)) for row in model.numbers],
+            "margins": [list(map(number, row)) for row in model.margins],
+        },
         "runs": len(model.points),
         "simulated": model.simulated,
     }
@@ -239,6 +249,7 @@ def _goal(
     quantity = model.experiment.quantity_list[q]
     description = {"end": end, "quantity": name, "units": quantity.unit, **words_of(quantity)}
     description |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
+    description["error"] = number(model.surrogates()[q].error)
     *lower_row, row = (model.describe_point(point, q) for point in points)
     if lower_row:
         row["lower_at"] = lower_row[0]["at"]

@@ -8,7 +8,8 @@
     limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share,
                    share_uncertainty, runs}]: margin at the worst place, and the estimated error,
                    of mesh and step too if known; met and what follows of this limit alone
-    together       {met, share, share_uncertainty, runs, max_interval_scale, fails, whole}: of all;
+    together       {met, share, share_uncertainty, runs, max_interval_scale, fails, whole}: of
+                   all; failures: how many of the runs break a limit, null where not all are judged;
                    `fails` is the nearest place at which one fails: {requirement, quantity, kind,
                    level, units, at, simulated}; whole: whether errors have those of step and mesh
     halved         (in together) {name: {share, share_uncertainty}}: if the interval of one
@@ -119,6 +120,8 @@ def _combine(model: ModelEvaluator, result: LimitAssessment) -> dict:
     largest, index, _ = result.largest
     row = {**_met(model, result, list(range(len(result.specs)))), "max_interval_scale": largest}
     row["halved"] = _halve_intervals(model, result)
+    is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
+    row["failures"] = None if model.rest_count else int(is_broken.sum())
     if index is None:
         return {**row, "fails": None}
     spec = result.specs[index]

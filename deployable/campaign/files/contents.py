@@ -254,7 +254,10 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
         "plan.json": {"type": "object"},
         "summary.json": _schema(),
         "requirements.json": {"required": [*answers, "further_runs"], "properties": answers},
-        "choice.json": properties["choice"],
+        "choice.json": {
+            **properties["choice"],
+            "required": [*properties["choice"]["required"], "fitted"],
+        },
         "cases.json": {"required": ["cases", "together"]},
         "measured.json": properties["measured"],
     }

@@ -104,11 +104,15 @@ class WhatIf:
     """Surrogates (fitted functions) that the page's sliders evaluate: `quantities`,
     `ScalarSurrogate` by name, and polynomials of the n responses at T instants: coefficients (n, M,
     T) of M products of Chebyshev polynomials in the k parameters, whose degrees are indices (M, k);
-    both None where the bounds are not those of polynomials."""
+    both None where the bounds are not those of polynomials. With a choice of parameters also those
+    of the quantities over all choices, `choice_quantities`, and what its runs span,
+    `choice_intervals`, (lower, upper) by parameter, those of the box first."""
 
     quantities: Mapping[str, Any]
     indices: np.ndarray | None
     coefficients: np.ndarray | None
+    choice_quantities: Mapping[str, Any] = field(default_factory=dict)
+    choice_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -26,13 +26,13 @@ class Panel:
     one parameter alone; marks: tuples of x, y, whether the run meets all requirements, whether its
     other parameters lie within the feasible part; feasible: (lower, upper) of x, then of y, of the
     largest box about the nominal point without failures, None if there is none; runs: index of each
-    mark's run in `PageData.verdicts`."""
+    mark's run in `PageData.verdicts`, of trials their values by name."""
 
     x_axis: Mapping[str, Any]
     y_axis: Mapping[str, Any] | None
     marks: list[tuple[float, float, bool, bool]]
     feasible: tuple[tuple[float, float], tuple[float, float]] | None
-    runs: list[int]
+    runs: list[int] | list[dict[str, float]]
 
 
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
@@ -120,42 +120,62 @@ def _drawn_runs(met: np.ndarray) -> np.ndarray:
     ])  # fmt: skip
 
 
-def prices(facts: Mapping[str, Any]) -> Panel | None:
-    """Make the plot of the trials of the best choice of parameters: over its two goals
-    (objectives), or over its first parameter and the one goal. A mark's first flag is whether its
-    limits are met, None for the choice itself, which comes last. Returns None without a choice, or
-    if fewer than two trials remain or a goal of one is unknown. Left out are trials whose goal, the
-    latest time of an event, is within 5 % of the end of the runs. facts: the campaign's results as
-    plain data (`facts_of`)."""
+def prices(facts: Mapping[str, Any]) -> list[Panel]:
+    """Make plots of the trials of the best choice: each of its (at most two) goals over the value
+    of the one chosen parameter, with the `feasible` range of values that keep all requirements by
+    their errors; of several parameters one plot, of the second goal over the first or of the one
+    goal over the first parameter. A mark's first flag is whether its limits are met, None for the
+    choice itself, which comes last; `runs` has the chosen values of each mark, by name. Returns []
+    without a choice, or if fewer than two trials remain or a goal of one is unknown. Left out are
+    trials whose goal, the latest time of an event, is within 5 % of the end of the runs. facts: the
+    campaign's results as plain data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
-        return None
-    aims = [
+        return []
+    parameters = choice["parameters"]
+    axes = [{key: parameters[0][key] for key in ("name", "units")}]
+    axes += [
         {"name": f"{goal['quantity']} {_ENDS[goal['end']]}", "units": goal["units"]}
         for goal in choice["goals"][:2]
     ]
     is_late = [g["units"] == "s" and g["end"] == "upper" for g in choice["goals"]]
-    best = {"values": [p["value"] for p in choice["parameters"]], "kept": None}
+    best = {"values": [p["value"] for p in parameters], "kept": None}
     best["goals"] = [goal["value"] for goal in choice["goals"]]
-    rows, feasible = [], []
+    rows, flags, values = [], [], []
     for trial in [*choice["tried"], best]:
         goals = [np.inf if value is None else value for value in trial["goals"]]
         if not (np.array(is_late) & (np.array(goals) > 0.95 * facts["duration"])).any():
-            rows.append(goals[:2] if len(aims) > 1 else [trial["values"][0], goals[0]])
-            feasible.append(trial["kept"])
+            rows.append([trial["values"][0], *goals[:2]])
+            flags.append(trial["kept"])
+            names = (p["name"] for p in parameters)
+            values.append(dict(zip(names, trial["values"], strict=True)))
     places = np.array(rows)
-    if len(aims) == 1:
-        aims.insert(0, {key: choice["parameters"][0][key] for key in ("name", "units")})
     if len(rows) < 2 or not np.isfinite(places).all():
-        return None
-    x_axis, y_axis = (
-        {**aim, "lower": float(column.min()), "upper": float(column.max())}
-        for aim, column in zip(aims, places.T, strict=True)
-    )
-    coords = zip(_scale(x_axis, places[:, 0]), _scale(y_axis, places[:, 1]), feasible, strict=True)
-    return Panel(
-        x_axis, y_axis, [(float(x), float(y), met, True) for x, y, met in coords], None, []
-    )
+        return []
+    axes = [
+        {**axis, "lower": float(column.min()), "upper": float(column.max())}
+        for axis, column in zip(axes, places.T, strict=True)
+    ]
+    shares = [_scale(axis, column) for axis, column in zip(axes, places.T, strict=True)]
+    frame, pairs = None, [(0, y) for y in range(1, len(axes))]
+    if len(parameters) > 1:
+        pairs = pairs if len(axes) == 2 else [(1, 2)]
+    elif (safe := parameters[0]["safe"]) is not None:
+        low, high = (float(_scale(axes[0], value)) for value in safe)
+        frame = (low, 0.0), (high, 1.0)
+    return [
+        Panel(
+            axes[x],
+            axes[y],
+            [
+                (float(a), float(b), met, True)
+                for a, b, met in zip(shares[x], shares[y], flags, strict=True)
+            ],
+            frame,
+            values,
+        )
+        for x, y in pairs
+    ]
 
 
 _ENDS = {"upper": "at most", "lower": "at least", "width": "known to"}

@@ -167,6 +167,16 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
         {"of": row["name"], **{key: limit[key] for key in ("quantity", "kind", "level")}}
         for row in data.facts.get("requirements", ()) for limit in row["limits"]
     ]  # fmt: skip
+    if model.choice_intervals:
+        body["choice"] = {
+            "kept": data.facts["choice"]["kept"],
+            "parameters": _choice_parameters(data),
+            "quantities": [
+                _quantity(row | {"error": surrogate.error}, surrogate, arrays)
+                for row in rows
+                for surrogate in [model.choice_quantities[row["name"]]]
+            ],
+        }
     if measured := data.facts.get("measured"):  # what the tests leave, by name, and misfits
         body["left"] = {row["name"]: row["after"] for row in measured["parameters"]}
         points, misfits = map(np.array, measured["misfits"].values())
@@ -184,6 +194,20 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
     }  # fmt: skip
 
 
+def _choice_parameters(data: PageData) -> list[dict[str, Any]]:
+    """The parameters of the sliders with a choice: those of the box, then others that are chosen,
+    each with what the choice's runs span and, of those that are chosen, the best `value`."""
+    values = {p["name"]: p["value"] for p in data.facts["choice"]["parameters"]}
+    rows = {p["name"]: p for p in (*data.facts["fixed"], *data.parameters)}
+    return [
+        {"name": name, "unit": pretty(rows[name]["units"]), "lower": lower, "upper": upper,
+         "description": rows[name]["description"]}
+        | {"nominal": rows[name].get("nominal", rows[name].get("value"))}
+        | ({"value": values[name]} if name in values else {})
+        for name, (lower, upper) in data.what_if.choice_intervals.items()
+    ]  # fmt: skip
+
+
 def _table(formula: Any, arrays: _Arrays) -> Any:
     if not isinstance(formula, Formula):
         return formula
@@ -196,10 +220,11 @@ def _table(formula: Any, arrays: _Arrays) -> Any:
 
 def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     value, happens = surrogate.formulas()
-    ends = {key: end if np.isfinite(end) else None
-            for key, end in (("least", surrogate.least), ("latest", surrogate.latest))}  # fmt: skip
-    fields = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
-    return {**fields, "words": row.get("words", row["long_name"]), **ends,
+    numbers = {"least": surrogate.least, "latest": surrogate.latest, "error": row["error"]}
+    numbers = {key: None if value is None or not np.isfinite(value) else value
+               for key, value in numbers.items()}  # fmt: skip
+    fields = {"name": row["name"], "unit": pretty(row["units"])}
+    return {**fields, "words": row.get("words", row["long_name"]), **numbers,
             "value": _table(value, arrays), "there": _table(happens, arrays)}  # fmt: skip
 
 

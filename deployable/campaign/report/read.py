@@ -27,12 +27,14 @@ from deployable.campaign.report.data import (
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
-from deployable.campaign.results.ranges import runs_of
+from deployable.campaign.results.ranges import FittedRuns, runs_of
 from deployable.campaign.results.run_roles import count_roles, keeps_extremes, read_ids, read_roles
 from fpm.files.seals import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
+
+    from deployable.intervals.scalars import ScalarSurrogate
 
 
 def from_results(folder: str | Path) -> PageData:
@@ -180,16 +182,31 @@ def _verdicts(samples: xarray.Dataset, folder: Path, summary: Mapping) -> RunVer
 
 def _what_if(folder: Path, summary: Mapping) -> WhatIf:
     """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
-    place, quantities = Folder(folder), {}
+    place = Folder(folder)
+    model = WhatIf({}, None, None)
     if summary["quantities"]:
-        runs = runs_of(place)
-        with open_netcdf(place.quantities) as file:
-            names = file["quantity"][:].tolist()
-            quantities = {name: runs.surrogate(file, q) for q, name in enumerate(names)}
+        model = WhatIf(_surrogates(place, runs_of(place)), None, None)
+    if "choice" in summary:
+        record = read_json(place.choice)["fitted"]
+        keys = ("points", "numbers", "margins")
+        runs = FittedRuns(*(np.array(record[key], dtype=float) for key in keys))
+        model = replace(
+            model,
+            choice_quantities=_surrogates(place, runs),
+            choice_intervals={name: tuple(ends) for name, ends in record["intervals"].items()},
+        )
     if "polynomial" not in summary["bounds"]:
-        return WhatIf(quantities, None, None)
+        return model
     with open_netcdf(place.surrogate) as file:
-        return WhatIf(quantities, file["multi_index"][:], file["coefficient"][:])
+        indices, coefficients = file["multi_index"][:], file["coefficient"][:]
+    return replace(model, indices=indices, coefficients=coefficients)
+
+
+def _surrogates(folder: Folder, runs: FittedRuns) -> dict[str, ScalarSurrogate]:
+    """The surrogate of each quantity by its name, fitted to runs."""
+    with open_netcdf(folder.quantities) as file:
+        names = file["quantity"][:].tolist()
+        return {name: runs.surrogate(file, q) for q, name in enumerate(names)}
 
 
 def _find_omitted_runs(

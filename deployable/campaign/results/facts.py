@@ -85,6 +85,7 @@ def facts_of(
             refinements = assessment["further_runs"]
         if choice:
             facts["choice"] = read_json(folder.choice)
+            del facts["choice"]["fitted"]
     if measured:
         facts["measured"] = read_json(folder.measured)
     facts["further_runs"] = refinements
@@ -261,6 +262,7 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
         if extrapolation := _extrapolated_error(bounds, i, instant):
             row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
+    row["trusted"] = _largest_trusted(bounds, i)
     if "growth_quarter" in bounds.variables:
         row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
     if "worst_violation" in bounds.variables:
@@ -272,6 +274,20 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
     row["impossible_by"] = float(bounds["largest_impossible"][i])
     row["time_of_impossible"] = float(bounds["largest_impossible_time"][i])
     return row
+
+
+def _largest_trusted(bounds: Any, i: int) -> dict[str, float] | None:
+    """The largest difference between the bounds of response `i` where these are drawn, with the
+    error of either and the time; None where there are no errors, or none is small enough."""
+    if "error" not in bounds.variables:
+        return None
+    width, error = bounds["upper"][i] - bounds["lower"][i], bounds["error"][i]
+    is_sure = error < LARGE * width.max()
+    if not is_sure.any():
+        return None
+    instant = int(np.where(is_sure, width, -np.inf).argmax())
+    values = width[instant], error[instant], bounds["time"][instant]
+    return dict(zip(("difference", "error", "time"), map(float, values), strict=True))
 
 
 def along_of(data: Any, i: int) -> dict[str, Any] | None:

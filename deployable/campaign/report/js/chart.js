@@ -77,9 +77,9 @@ class Chart {
   // Draw the curve that sliders ask for.
   ask(values) {
     this.what = values;
-    if (!values || !this.asked) return;
+    if (!this.asked) return;
     this.asked.curve = values;
-    this.asked.setAttribute("d", line(values, this.span, this.x, this.y));
+    this.asked.setAttribute("d", values ? line(values, this.span, this.x, this.y) : "");
   }
 
   axes(low, high, base) {

@@ -26,7 +26,8 @@ function responseChart(response, r, marks) {
     ...(error ? [["error ±", `${digits(error[i], 2)}${Number.isNaN(lower[i]) ? ", too large to draw them" : ""}`]] : []),
     ...(nominal ? [["nominal", digits(nominal[i])]] : []),
   ];
-  return new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, along: response.along, readout });
+  const chart = new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, along: response.along, readout });
+  return Object.assign(chart, { trusted: { lower, upper } });
 }
 
 // Of more parameters than there are colours, the others are dashed.

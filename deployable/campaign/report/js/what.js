@@ -27,19 +27,33 @@ const keeps = ({ kind, level }, value) => (kind === "happens" ? Number.isNaN(val
 const isAtLimit = ({ kind, level }, value, error) => kind !== "happens" && Math.abs(value - level) <= (error ?? 0);
 
 class WhatIf {
-  constructor({ quantities, limits, indices, constants, slopes, left, misfit }) {
-    Object.assign(this, { quantities, limits, indices, constants, slopes, left, misfit, shown: null });
-    this.sliders = DATA.parameters.map(({ name, unit, lower, nominal, upper, description }) => {
+  constructor({ quantities, limits, indices, constants, slopes, left, misfit, choice }) {
+    Object.assign(this, { quantities, limits, indices, constants, slopes, left, misfit, choice, shown: null });
+    this.parameters = choice?.parameters ?? DATA.parameters; // with a choice as far as its runs went
+    this.sliders = this.parameters.map(({ name, unit, lower, nominal, upper, value, description }, j) => {
+      const { lower: low, upper: high } = DATA.parameters[j] ?? { lower: nominal, upper: nominal };
+      const marks = make("datalist", { id: `marks-${j}` }, ...[low, high, value].filter((mark) => mark !== undefined).map((mark) => make("option", { value: mark })));
       const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": description || name });
+      if (choice) input.setAttribute("list", marks.id);
       const output = make("output");
       input.value = nominal;
       input.disabled = !(upper > lower);
       input.addEventListener("input", () => this.ask());
-      byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, output));
+      byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, output, marks));
       return { input, output, unit };
     });
     this.tell(this.values());
-    byId("usual").addEventListener("click", () => this.set(DATA.parameters.map(({ nominal }) => nominal)));
+    const nominal = this.parameters.map((parameter) => parameter.nominal);
+    byId("usual").addEventListener("click", () => this.set(nominal));
+    if (choice) {
+      const button = make("button", { type: "button", id: "chosen-values" }, choice.kept ? "Best choice" : "Nearest choice");
+      button.addEventListener("click", () => this.set(this.parameters.map(({ value }, j) => value ?? nominal[j])));
+      byId("usual").after(button);
+      for (const mark of document.querySelectorAll("[data-choice]")) {
+        const values = JSON.parse(mark.dataset.choice);
+        mark.addEventListener("click", () => this.set(this.parameters.map(({ name }, j) => values[name] ?? nominal[j])));
+      }
+    }
     for (const mark of document.querySelectorAll("[data-judged]")) mark.addEventListener("click", () => this.run(Number(mark.dataset.judged)));
     if (!DATA.judged) return;
     const number = make("input", { type: "number", min: 1, max: DATA.judged.met.length, "aria-label": "Run" });
@@ -50,7 +64,10 @@ class WhatIf {
 
   // Say what the sliders ask for.
   tell(values) {
-    this.sliders.forEach(({ output, unit }, j) => { output.textContent = `${digits(values[j], 3)} ${unit}`; });
+    this.sliders.forEach(({ input, output, unit }, j) => {
+      output.textContent = `${digits(values[j], 3)} ${unit}`;
+      input.setAttribute("aria-valuetext", output.textContent);
+    });
   }
 
   // Say what the measured curves say of the sliders' values: nothing outside the intervals that they leave explains them;
@@ -66,49 +83,62 @@ class WhatIf {
     return this.sliders.map(({ input }) => Number(input.value));
   }
 
-  unit(values) {
-    return DATA.parameters.map(({ lower, upper }, j) => (upper > lower ? Math.min(1, Math.max(-1, (2 * (values[j] - lower)) / (upper - lower) - 1)) : 0));
+  // Unit coordinates of values, in the box or, with a choice, in what its runs span.
+  unit(values, parameters = DATA.parameters) {
+    return parameters.map(({ lower, upper }, j) => (upper > lower ? Math.min(1, Math.max(-1, (2 * (values[j] - lower)) / (upper - lower) - 1)) : 0));
+  }
+
+  // The parameters whose values lie beyond the box, or that are fixed there.
+  beyond(values) {
+    return this.parameters.filter(({ nominal }, j) => {
+      const { lower, upper } = DATA.parameters[j] ?? { lower: nominal, upper: nominal }, room = 1e-9 * Math.abs(upper);
+      return values[j] < lower - room || values[j] > upper + room;
+    });
   }
 
   set(values, run = null) {
-    this.sliders.forEach(({ input }, j) => { input.value = values[j]; });
+    this.sliders.forEach(({ input }, j) => { input.value = values[j] ?? this.parameters[j].nominal; });
     this.ask(run);
   }
 
   // Show a run that was judged, by its number.
   run(index) {
-    const { values } = DATA.judged, k = this.sliders.length;
+    const { values } = DATA.judged, k = DATA.parameters.length;
     this.set([...values.subarray(k * index, k * (index + 1))], index);
     for (const mark of document.querySelectorAll("[data-judged]")) mark.classList.toggle("asked", Number(mark.dataset.judged) === index);
   }
 
-  // A response over time at unit coordinates.
+  // A response over time at unit coordinates, within its bounds and where these are drawn.
   curve(r, unit) {
-    const curve = Float64Array.from(this.constants[r]);
-    products(this.indices, unit).forEach((factor, m) => { const slope = this.slopes[r][m]; for (let i = 0; i < curve.length; i++) curve[i] += factor * slope[i]; });
-    return curve;
+    const values = Float64Array.from(this.constants[r]), { lower, upper } = charts[r].trusted;
+    products(this.indices, unit).forEach((factor, m) => { const slope = this.slopes[r][m]; for (let i = 0; i < values.length; i++) values[i] += factor * slope[i]; });
+    return values.map((value, i) => Math.min(upper[i], Math.max(lower[i], value)));
   }
 
   ask(run = null) {
     const values = this.values(), unit = this.unit(values), q = this.quantities.length;
+    const beyond = this.choice ? this.beyond(values) : [], model = beyond.length ? this.choice.quantities : this.quantities;
+    const place = beyond.length ? this.unit(values, this.parameters) : unit;
     this.tell(values);
     if (this.number) this.number.value = run === null ? "" : run + 1;
-    const numbers = run === null ? this.quantities.map((one) => answer(one, unit)) : [...DATA.judged.numbers.subarray(q * run, q * (run + 1))];
+    const numbers = run === null ? model.map((one) => answer(one, place)) : [...DATA.judged.numbers.subarray(q * run, q * (run + 1))];
     const index = ({ quantity }) => this.quantities.findIndex(({ name }) => name === quantity);
     const names = (limits) => [...new Set(limits.map(({ of }) => of))];
-    const near = run === null ? this.limits.filter((limit) => isAtLimit(limit, numbers[index(limit)], this.quantities[index(limit)].error)) : [];
+    const near = run === null ? this.limits.filter((limit) => isAtLimit(limit, numbers[index(limit)], model[index(limit)].error)) : [];
     const broken = names(this.limits.filter((limit) => !near.includes(limit) && !keeps(limit, numbers[index(limit)])));
     const [mark, verdict] = broken.length ? ["bad", `Fails: ${broken.join(", ")}`] : near.length ? ["", `About at the limit: ${names(near).join(", ")}`] : ["good", "Meets all requirements"];
-    const basis = run === null ? "by what was fitted" : "simulated";
+    const basis = run !== null ? "simulated" : beyond.length ? `by what was fitted to the runs of the choice, ${beyond.map(({ name }) => name).join(", ")} beyond the box` : "by what was fitted";
     byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: mark }, verdict), ` (${basis}).`] : []));
-    byId("what-numbers").replaceChildren(...this.quantities.flatMap(({ name, words, unit: of, latest, error }, i) => {
+    byId("what-numbers").replaceChildren(...model.flatMap(({ name, words, unit: of, latest, error }, i) => {
       const late = run === null && latest !== null && numbers[i] >= latest;
       const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)} ${of}`;
-      return [make("dt", {}, `${words} (${name})`), make("dd", {}, text)];
+      return [make("dt", {}, `${words[0].toUpperCase()}${words.slice(1)} (${name})`), make("dd", {}, text)];
     }));
-    if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(this.curve(r, unit)));
-    if (this.left) this.compare(values, unit);
-    this.nearest(unit);
+    if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(beyond.length ? null : this.curve(r, unit)));
+    if (this.left && !beyond.length) this.compare(values, unit);
+    else byId("what-tests").textContent = "";
+    clearTimeout(this.later);
+    this.later = setTimeout(() => this.nearest(unit), 20); // after the numbers and curves are painted
     Object.assign(byId("what-if").dataset, { numbers: JSON.stringify(numbers.map((value) => (Number.isNaN(value) ? null : value))) });
   }
 

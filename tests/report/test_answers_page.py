@@ -54,7 +54,7 @@ def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
     [
         ({"met": "all"}, "None: all requirements are met"),
         ({"met": "undecided"}, "None because of the requirements"),
-        ({"largest_share": 0.0}, "None yet: the nominal values fail already, by in_time ("),
+        ({"max_interval_scale": 0.0}, "None yet: the nominal values fail already, by in_time ("),
     ],
 )
 def test_no_tolerance_is_to_be_paid_for_where_that_changes_nothing(opened, changes, start):

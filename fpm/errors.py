@@ -129,10 +129,12 @@ _WORDS = {
     "max": "at_most upper largest", "maximum": "at_most upper largest", "peak": "largest",
     "min": "at_least lower smallest", "minimum": "at_least lower smallest",
     "density": "rho", "poisson": "nu", "modulus": "E", "young": "E", "angle": "opening rest level",
-    "hinge": "revolute", "pin": "revolute", "slider": "prismatic", "slide": "prismatic",
+    "hinge": "revolute", "pin": "revolute", "rotary": "revolute",
+    "linear": "prismatic", "slider": "prismatic", "slide": "prismatic",
     "ball": "spherical", "weld": "fixed", "rigid": "fixed", "cardan": "universal",
     "pipe": "tube", "round": "circle", "box": "rectangle", "lock": "latch", "damping": "damper",
     "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
+    "monte_carlo": "sobol", "lhs": "sobol", "latin_hypercube": "sobol",
     "tol": "relative", "tolerance": "relative", "plusminus": "absolute", "time": "duration",
 }  # fmt: skip
 """Words of other programs and of everyday, and those of this one for the same."""
@@ -159,6 +161,8 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     word = ""
     if unit == "%":
         word = f"{number / 100:.9g}"
+        if with_unit:
+            return f" (did you mean {word}? A share of another value is a product: {word}*k)"
     elif unit not in ("", "s") and match and not with_unit:
         return " (a number alone, in the unit of what it is for)"
     elif match and not with_unit:

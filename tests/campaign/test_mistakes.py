@@ -77,7 +77,7 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("rho: 7850", "density: 7850", "line 12: materials.steel.density", "did you mean rho?"),
     ("actions:", "action:", "line 19: action: there is no such key (did you mean actions?)"),
     ("tip: [L, 0, 0]", "tip: [L, 0]", "allowed: three coordinates [x, y, z]"),
-    ("2 mm", "2 m", "sections.tube.thickness: 2 is not allowed; allowed: at most half the diam"),
+    ("2 mm", "2 m", "tube.thickness: 2 ('2 m') is not allowed; allowed: at most half"),
     (", elements: 2", "", "bars.arm.elements: missing; allowed: a whole number from 1 to 1000"),
     ("relative: 0.1}", "relative: 10%}", "line 5: intervals.k.relative", "did you mean 0.1?"),
     ("relative: 0.1}", "relative: 10}", "line 5: intervals.k", "did you mean 0.1, for 10 %?"),

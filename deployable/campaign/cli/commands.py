@@ -183,7 +183,8 @@ def _structure(options: argparse.Namespace) -> int:
     try:
         structure = scene_type(name, name if Path(name).suffix else "")
     except fpm.SceneError as error:
-        print(error, file=sys.stderr)
+        text = f"structure {name!r} is not known; allowed: a file, or {error.allowed}"
+        print(text if error.key == "scene.name" else error, file=sys.stderr)
         return 1
     if name.endswith(".py"):
         print(f"{name} is a program, which was run")

@@ -304,8 +304,8 @@ class CaseSection(ConfigSection):
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
         dict[str, Annotated[IntervalSpec, Rule(
-            "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
-            "`nominal`")]],
+            "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: 1, upper: 3}`, "
+            "perhaps with `nominal`")]],
         Rule("a mapping from parameter names to intervals", most=60),
     ] = field(default_factory=dict)  # fmt: skip
     """Intervals that stand in the place of the campaign's, or are further ones, as there."""
@@ -434,8 +434,8 @@ class Config(ConfigSection):
     solver: Solver = Solver()
     intervals: Annotated[
         dict[str, Annotated[IntervalSpec, Rule(
-            "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
-            "`nominal`")]],
+            "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: 1, upper: 3}`, "
+            "perhaps with `nominal`")]],
         Rule("a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
     ]  # fmt: skip
     """The uncertain parameters, by the scene's parameter names."""

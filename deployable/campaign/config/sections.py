@@ -38,6 +38,7 @@ from deployable.campaign.config.models import (
 from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import digest_code
 from fpm import SceneError, structures
+from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
@@ -58,7 +59,9 @@ def scene_type(name: str, file: str = "") -> Any:
     (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
     if not file:
         if name not in (files := shipped.structures()):
-            raise SceneError("scene.name", name, f"one of {', '.join(files)}")
+            hint = f", or {name}.yaml as a file" if Path(f"{name}.yaml").is_file() else ""
+            hint = hint or did_you_mean(name, files)
+            raise SceneError("scene.name", name, f"one of {', '.join(files)}{hint}")
         file = str(files[name])
     else:
         trust(file)

@@ -64,12 +64,13 @@ class InstabilityError(RuntimeError):
                 "nothing is elastic: halve solver.step; or joints of rigid bodies contradict each "
                 "other, by lengths or axes that do not fit"
             )
-        if words is not None and isfinite(balance):
+        is_told = words is not None and isfinite(balance)
+        if is_told:
             text, remedy = words
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         super().__init__(
-            f"unstable at t = {time:.6g} s: {text}"
+            f"{'stopped' if is_told else 'unstable'} at t = {time:.6g} s: {text}"
             f"{f', worst in element {element}' if element != 'none' else ''}; "
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )

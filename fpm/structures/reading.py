@@ -200,8 +200,8 @@ def why_not_yaml(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     line = mark.line + 1 if mark else 0
     if "colon" in words and line < len(lines):
         indent = re.match(r"[ -]*", lines[line])[0]
-        tried = (line - 1, line) if "too many" in words else (line,)
-        for number in tried:  # a key and its value without a colon between
+        numbers = (line - 1, line) if "too many" in words else (line,)
+        for number in numbers:  # a key and its value without a colon between
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])
             if key and (number < line or "too many" not in words):
                 value = key[2].strip()[:40] + "..." * (len(key[2].strip()) > 40)

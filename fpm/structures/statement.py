@@ -185,9 +185,9 @@ class Entry:
         first, _, rest = error.key.removeprefix(f"{self.key}.").partition(".")
         name = self.key_names.get(first, first)
         path, value = join_key(self.key, name, rest), show(error.value)
-        if written := self.node.entries.get(name):
-            if isinstance(error.value, float) and re.search("[a-zA-Z]", written.text):
-                value = f"{value} ({written.text!r})"
+        if value_node := self.node.entries.get(name):
+            if isinstance(error.value, float) and re.search("[a-zA-Z]", value_node.text):
+                value = f"{value} ({value_node.text!r})"
             sentence = f"{path}: {value} is not allowed"
         elif first not in self.statement.keys:
             sentence = f"{', '.join(filter(None, (self.key, error.key)))}: {value} is not allowed"
@@ -218,9 +218,9 @@ def read_entry(
             value = node.value if isinstance(node.value, str) else "a list"
             place.problems.refuse(line, place.key, value, "a mapping of keys")
             return None
-        known = {key for kind in kinds.values() for key in ("type", *kind.sliding(()))}
-        deep = [k for k, entry in node.entries.items() if entry.is_table and k not in known]
-        if len(deep) == len(node.entries) == 1 and known & node.entries[deep[0]].entries.keys():
+        keys = {key for kind in kinds.values() for key in ("type", *kind.sliding(()))}
+        deep = [name for name in node.entries if name not in keys and len(node.entries) == 1]
+        if deep and keys & node.entries[deep[0]].entries.keys():
             text = f"its keys stand one level too deep; allowed: directly below {place.key}"
             place.problems.say(node.lines[deep[0]], f"{place.key}.{deep[0]}: {text}")
             return None
@@ -229,7 +229,7 @@ def read_entry(
         read = _read_keys(statement, slides, node, line, place)
     except SkippedError:
         return None
-    key_names = {n: written for written, (n, _) in statement.sliding(slides).items()}
+    key_names = {name: key for key, (name, _) in statement.sliding(slides).items()}
     return Entry(statement, name, place.key, line, node, read, key_names)
 
 

@@ -35,6 +35,7 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
+from deployable.campaign.config.plausible import experiment_warnings
 from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import digest_code
 from fpm import SceneError, structures
@@ -265,10 +266,11 @@ class Experiment:
 
     @property
     def warnings(self) -> list[str]:
-        """Texts on likely mistakes in the nominal structure; raises `fpm.SceneError`."""
+        """Texts on likely mistakes in the nominal structure, intervals, instants and levels; raises
+        `fpm.SceneError`."""
         from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
 
-        return warnings(self.nominal_scene, self.solver.duration)
+        return warnings(self.nominal_scene, self.solver.duration) + experiment_warnings(self)
 
     @cached_property
     def box(self) -> Any:

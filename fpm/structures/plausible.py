@@ -258,6 +258,30 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
         )
 
 
+SLOWER = 6.0
+"""Time in which structures open by the least that their springs need, by which the library's do."""
+
+
+def run_duration(scene: Scene) -> float:
+    """Return a time (s) in which what moves a scene has acted, to start from: 6 times the least
+    that springs need to their latches, or to their rest; a swing by weight; the end of curves. 1
+    where there is none of these. The library's structures open within it."""
+    times, gravity = [float(ends[-1]) for ends, _ in scene.curves], np.linalg.norm(scene.gravity)
+    if gravity and scene.hinges:
+        times.append(float(2 * np.pi * np.sqrt(extent(scene) / gravity)))
+    springs = [e for kind in (TorsionSpring, TableSpring) for e in kind.find(scene)]
+    latches = [*Latch.find(scene), *RigidLatch.find(scene)]
+    for number in {spring.hinge for spring in springs}:
+        hinge, acting = scene.hinges[number], [s for s in springs if s.hinge == number]
+        rests = [s.rest if isinstance(s, TorsionSpring) else s.angles[-1] for s in acting]
+        ends = [latch.angle for latch in latches if latch.hinge == number] or rests
+        travel = max(abs(end - hinge.opening) for end in ends)
+        push = abs(sum(_moment(spring, hinge.opening) for spring in acting))
+        fastest = _acceleration(scene, hinge, push) if push else np.inf
+        times.append(SLOWER * float(np.sqrt(2 * travel / fastest)))
+    return max(times, default=0.0) or 1.0
+
+
 def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
     """Moment (N m), or force (N), of a spring at an opening."""
     if isinstance(spring, TableSpring):

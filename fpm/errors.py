@@ -70,7 +70,7 @@ class InstabilityError(RuntimeError):
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         super().__init__(
-            f"{'stopped' if is_told else 'unstable'} at t = {time:.6g} s: {text}"
+            f"{'stopped' if is_told and step <= limit else 'unstable'} at t = {time:.6g} s: {text}"
             f"{f', worst in element {element}' if element != 'none' else ''}; "
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )

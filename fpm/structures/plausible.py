@@ -245,7 +245,8 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
         )
         return
     if end_push * travel < 0 and all(isinstance(spring, TorsionSpring) for spring in springs):
-        yield f"{head} is beyond where the springs on {hinge.name} rest: only momentum gets there"
+        text = "only momentum gets there, or a `rest` beyond it"
+        yield f"{head} is beyond where the springs on {hinge.name} rest: {text}"
     fastest = _acceleration(scene, hinge, abs(push))
     least = np.sqrt(2 * abs(travel) / fastest) if fastest else np.inf
     is_alone = not (scene.velocity.any() or scene.spin.any() or Load.find(scene) or scene.cables)

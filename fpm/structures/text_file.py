@@ -205,7 +205,7 @@ def _number(key: str, node: Node, problems: Problems) -> float | None:
         if not expression.names and not any(expression.dimension({}).powers):
             return expression.value({})
     except ExpressionError as error:
-        allowed = f"{allowed} ({error})" if node.text else allowed
+        allowed = f"{allowed}: {error}" if node.text else allowed
     problems.refuse(node.line, key, node.plain, allowed)
     return None
 

@@ -64,12 +64,13 @@ class InstabilityError(RuntimeError):
                 "nothing is elastic: halve solver.step; or joints of rigid bodies contradict each "
                 "other, by lengths or axes that do not fit"
             )
-        if words is not None and isfinite(balance):
+        is_told = words is not None and isfinite(balance)
+        if is_told:
             text, remedy = words
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         super().__init__(
-            f"unstable at t = {time:.6g} s: {text}"
+            f"{'stopped' if is_told and step <= limit else 'unstable'} at t = {time:.6g} s: {text}"
             f"{f', worst in element {element}' if element != 'none' else ''}; "
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )
@@ -130,10 +131,12 @@ _WORDS = {
     "max": "at_most upper largest", "maximum": "at_most upper largest", "peak": "largest",
     "min": "at_least lower smallest", "minimum": "at_least lower smallest",
     "density": "rho", "poisson": "nu", "modulus": "E", "young": "E", "angle": "opening rest level",
-    "hinge": "revolute", "pin": "revolute", "slider": "prismatic", "slide": "prismatic",
+    "hinge": "revolute", "pin": "revolute", "rotary": "revolute",
+    "linear": "prismatic", "slider": "prismatic", "slide": "prismatic",
     "ball": "spherical", "weld": "fixed", "rigid": "fixed", "cardan": "universal",
     "pipe": "tube", "round": "circle", "box": "rectangle", "lock": "latch", "damping": "damper",
     "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
+    "monte_carlo": "sobol", "lhs": "sobol", "latin_hypercube": "sobol",
     "tol": "relative", "tolerance": "relative", "plusminus": "absolute", "time": "duration",
 }  # fmt: skip
 """Words of other programs and of everyday, and those of this one for the same."""
@@ -160,6 +163,8 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     word = ""
     if unit == "%":
         word = f"{number / 100:.9g}"
+        if with_unit:
+            return f" (did you mean {word}? A share of another value is a product: {word}*k)"
     elif unit not in ("", "s") and match and not with_unit:
         return " (a number alone, in the unit of what it is for)"
     elif match and not with_unit:

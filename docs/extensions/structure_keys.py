@@ -17,7 +17,7 @@ def _section(one: Statement) -> str:
     what = f"`{one.group}`" if one.group else "at the top of the file"
     title = f"{what}, `type: {one.type}`" if one.type else what
     both = any(len(opening.types) == 3 for opening in one.openings.values())
-    slides = one.sliding(["joint", "watch"] if both else [])
+    slides = one.for_slides(["joint", "watch"] if both else [])
     rows = [
         f"| `{name}`{_if(other, name, '`')} | {key.text} | {key.allowed}"
         f"{_if(slid.allowed, key.allowed)} | {_default(key.default)} |\n"

@@ -114,6 +114,8 @@ class Definition(NamedTuple):
         if not isinstance(value, str) or value not in names:
             hint = did_you_mean(value, names) if isinstance(value, str) else ""
             allowed = f"one of {', '.join(names) or '(this scene has none)'}{hint}"
+            if self.kind in ("distance", "position", "velocity") and names == [*self.scene.points]:
+                allowed += ", or a point that the structure has under `record`"
             raise SceneError(f"responses.{self.name}.{key}", value, allowed)
         return value
 

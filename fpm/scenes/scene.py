@@ -349,7 +349,7 @@ class Scene:
         ends. SceneError for times that do not increase, or not as many values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
-            raise SceneError("curve", (times.tolist(), values.tolist()), "increasing times")
+            raise SceneError("times", times.tolist(), "increasing times, one for each value")
         self.curves.append((times, values))
         return len(self.curves) - 1
 

@@ -153,6 +153,8 @@ def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
         if value == 0.0 and not field.zero:
             continue
         unit = element.unit_in(scene, field.unit)
+        if name == "turn" and getattr(element, "by_rate", False):
+            name, unit = "rate", f"{unit}/s"
         if unit.startswith("rad"):
             value, unit = np.degrees(value), unit.replace("rad", "deg")
         name = ON_SLIDES.get(name, name) if slides else name

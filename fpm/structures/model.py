@@ -229,7 +229,7 @@ class FileStatements:
             except SkippedError:
                 continue
         name = table.entries.get("name", Node("structure")).text
-        return Entry(overall, name, "", 0, table.lines, read)
+        return Entry(overall, name, "", 0, table, read)
 
     def _entries(self, sheets: list[Sheet]) -> Iterator[Entry]:
         for group, kinds in GROUPS.items():

@@ -109,8 +109,8 @@ class Names:
     (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", the line
     of each entry by full name; types: of joints by full name, "" if unknown; angles: (joint, 0 or
     1) by name of each angle of a universal joint; uses: names referred to, of numbers in full, of
-    entries as "bars:AB"; absent: (group, name) of entries left out; order: full names of numbers,
-    each after those it depends on."""
+    entries as "bars:AB"; absent: (group, name) of entries left out; bad_names: given ones that
+    nothing may have; order: full names of numbers, each after those it depends on."""
 
     def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
         self.problems, self.files = problems, files
@@ -120,6 +120,7 @@ class Names:
         self.angles: dict[str, tuple[str, int]] = {}
         self.uses: set[str] = set()
         self.absent: set[tuple[str, str]] = set()
+        self.bad_names: set[str] = set()
         self.order: list[str] = []
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
@@ -131,16 +132,20 @@ class Names:
         elif number and is_unit(name):
             hint = "a name that is not a unit"
         elif name in RESERVED_NAMES or iskeyword(name):
-            hint = "a name that is no function and no word of Python's"
+            hint = f"a name that is no function and no word of Python's, such as {name}_"
         else:
             return True
+        self.bad_names.add(name)
         self.problems.say(line, f"{key}: the name {name!r} is not allowed; allowed: {hint}")
         return False
 
     def unknown(self, line: int, key: str, name: str, options: Iterable[str], noun: str) -> None:
         """Note the problem that a name in the file is none of those allowed, with a hint at what
-        may be meant. line: where it stands; key: dotted path of its key; name: as written; options:
-        those allowed; noun: what it should name, as "bar"."""
+        may be meant; nothing of a name that is refused where it is given. line: where it stands;
+        key: dotted path of its key; name: as written; options: those allowed; noun: what it should
+        name, as "bar"."""
+        if name in self.bad_names:
+            return
         unit_names = [full for full in options if full.endswith(f".{name}")]
         group = next((g for g, names in self.groups.items() if g != "parts" and name in names), "")
         hint = did_you_mean(name, options)
@@ -225,6 +230,8 @@ class Place:
         try:
             expression = parse(node.text)
         except ExpressionError as error:
+            if self.names.bad_names.intersection(re.findall(r"\w+", node.text)):
+                raise SkippedError(self.key) from None
             self._say(node, f": {error}")
         full, numbers = {}, self.names.numbers
         for name in sorted(expression.names):

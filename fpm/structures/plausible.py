@@ -8,7 +8,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from fpm import elements
-from fpm.elements import Latch, Load, RigidLatch, Stop, TableSpring, TorsionSpring, kinds_of
+from fpm.elements import (
+    Cable,
+    Drag,
+    Drive,
+    Latch,
+    Load,
+    RigidLatch,
+    Stop,
+    Strut,
+    TableSpring,
+    TorsionSpring,
+    kinds_of,
+)
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.latch import SIDES
@@ -23,6 +35,12 @@ MOST = 6
 
 BLOW = 0.01
 """Share of the kinetic energy stated for the start above which what joints take out is told."""
+
+THINNEST = 1e-3
+"""Density (kg/m3) of the box that has a body's mass and inertia, below which its sizes are odd."""
+
+MAX_REACH = 20.0
+"""Size of that box by the structure's, above which it is odd."""
 
 MAX_RATIO = 1000.0
 """Ratio of lengths of one bar, or of all, above which they are hardly in one unit."""
@@ -39,7 +57,7 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     no support, latches that cannot catch, releases that hold; at most 6, and one on how many more
     there are; [] if all is usual. duration: of the run (s), to tell what comes after its end; None:
     unknown."""
-    sentences = [*_sizes(scene), *_support(scene), *_start(scene)]
+    sentences = [*_sizes(scene), *_boxes(scene), *_support(scene), *_start(scene), *_loose(scene)]
     moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [
         f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
@@ -97,6 +115,51 @@ def _sizes(scene: Scene) -> Iterator[str]:
         yield f"bar {bar1} is {least:.4g} m long, bar {bar2} {most:.4g} m: are both in one unit?"
 
 
+def _boxes(scene: Scene) -> Iterator[str]:
+    """Bodies whose mass and inertia are those of a box that is far too large."""
+    size = extent(scene)
+    for name, particle in scene.bodies.items():
+        mass, inertia = float(scene.mass[particle]), scene.inertia[particle]
+        edges = np.sqrt(np.maximum(6 * (inertia.sum() - 2 * inertia) / mass, 0.0))
+        text = f"body {name} has the inertia of a box of {' x '.join(f'{x:.4g}' for x in edges)} m"
+        if (volume := float(edges.prod())) and mass / volume < THINNEST:
+            yield f"{text}, {mass / volume:.2g} kg/m3: a length in mm has its unit, as 1200 mm"
+        elif edges.max() > MAX_REACH * size > 0:
+            yield f"{text}, where all points lie within {size:.4g} m: is it in these units?"
+
+
+def extent(scene: Scene) -> float:
+    """Return the largest extent (m) of a scene's particles, joints and named points."""
+    beams = [beam for hinge in scene.hinges for beam in hinge.beams]
+    arms = [(beam.particle, beam.arm) for beam in (*beams, *scene.points.values())]
+    points = [scene.position[i] + scene.frame[i] @ arm for i, arm in arms]
+    return float(np.ptp(np.array([*scene.position, *points]), axis=0).max()) if arms else 0.0
+
+
+def _loose(scene: Scene) -> Iterator[str]:
+    """Parts at the end of a joint on which nothing acts, where nothing else moves them."""
+    is_moved = np.any(scene.gravity) or scene.velocity.any() or scene.spin.any()
+    others = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
+    if is_moved or any(others) or scene.opening_rates:
+        return
+    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
+    active_hinges = {
+        hinge for kind in kinds for element in kind.find(scene) for hinge in element.acts_on()
+    }
+    active_joints = {scene.hinges[hinge].joint for hinge in active_hinges | scene.bearings.keys()}
+    rows, names = report.jacobian(scene)
+    for part in range(rows.shape[1] // 6):
+        is_its = rows[:, 6 * part : 6 * part + 6].any(axis=1)
+        owners = [name for name, condition in zip(names, is_its, strict=True) if condition]
+        joint = owners[0].removeprefix("joint ") if owners else ""
+        is_last = len(set(owners)) == 1 and len(owners) < 6 and owners[0].startswith("joint ")
+        if is_last and joint not in active_joints:
+            yield (
+                f"a part hangs at joint {joint} alone, on which nothing acts; mobility "
+                f"{report.mobility(scene).degrees}: is another joint missing, or a spring here?"
+            )
+
+
 def _usual(noun: str, value: float, owner: str) -> Iterator[str]:
     least, most, unit = USUAL[noun]
     if not least <= value <= most:
@@ -118,49 +181,70 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
         side = {"above": 1, "below": -1}[stop.side]
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
+    yield from _drive(scene, latch.hinge, travel, head, duration)
+
+
+def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Iterator[str]:
+    """What keeps the springs on a hinge from moving it by `travel` (rad, m), where `head` is."""
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    actions = [e for kind in kinds for e in kind.find(scene) if latch.hinge in e.acts_on()]
+    actions = [e for kind in kinds for e in kind.find(scene) if number in e.acts_on()]
     springs = [e for e in actions if e.acts_as == "spring"]
     is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in actions)
     if springs and abs(travel) >= 1e-9 and not is_led:
-        yield from _springs(scene, hinge, springs, travel, head, duration)
+        yield from _springs(scene, scene.hinges[number], springs, travel, head, duration)
 
 
 def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Iterator[str]:
     """What keeps a release from letting go: what stops the opening that it watches, or time."""
     head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
-    latches = [*Latch.find(scene), *RigidLatch.find(scene)]
-    if release.time < np.inf and (duration is None or release.time <= duration):
+    is_timed = release.time < np.inf
+    if is_timed and (release.watch < 0 if duration is None else release.time <= duration):
         return
+    end = f"; only its time, {release.time:g} s, lets go" if is_timed else ""
     if release.latch:
+        latches = [*Latch.find(scene), *RigidLatch.find(scene)]
         hinges = [latch.hinge for latch in latches if latch.label(scene) == release.latch]
         if release.hinge in hinges:
-            yield f"{head} watches latch {release.latch} on the joint that it holds"
+            end = end or ", or state a `time`"
+            yield f"{head} watches latch {release.latch} on the joint that it holds{end}"
         return
     if release.watch < 0:
         yield f"{head} lets go at {release.time:g} s: the run ends at {duration:g} s"
         return
     if release.watch == release.hinge:
-        yield f"{head} watches the joint that it holds: only its `time` lets go"
+        end = end or ", or state a `time`"
+        yield f"{head} watches the joint that it holds: watch another one{end}"
         return
-    travel, level = release.level - hinge.opening, opening_text(hinge, release.level)
+    level = opening_text(hinge, release.level)
+    if reason := find_barrier(scene, release.watch, release.level):
+        head += f" waits until {hinge.name} passes {level}, {reason}"
+        yield f"{head}: take a level before that{end}"
+        return
+    travel = release.level - hinge.opening
+    texts = _drive(scene, release.watch, travel, f"the {level} that {head} waits for", duration)
+    yield from (f"{text}{end}" for text in texts)
+
+
+def find_barrier(scene: Scene, number: int, level: float) -> str:
+    """Return which latch or stop keeps a joint from an opening, as "beyond 90 deg, where latch a
+    catches", or "beyond the stop at 90 deg"; "" if none does. number: index of the hinge; level:
+    the opening (rad, on a slide m)."""
+    hinge = scene.hinges[number]
+    travel = level - hinge.opening
     sign = float(np.sign(travel))
-    for latch in latches:
+    for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
         place = sign * (latch.angle - hinge.opening)
-        is_met = latch.hinge == release.watch and place > 0 and SIDES[latch.side] * sign >= 0
+        is_met = latch.hinge == number and place > 0 and SIDES[latch.side] * sign >= 0
         is_met &= not getattr(latch, "one_sided", False)
         if is_met and place - latch.capture_range < abs(travel) - 1e-9:
             edge = opening_text(hinge, latch.angle - sign * latch.capture_range)
-            yield (
-                f"{head} waits until {hinge.name} passes {level}, which latch "
-                f"{latch.label(scene)} catches from {edge} on: take a level before that"
-            )
+            return f"beyond {edge}, where latch {latch.label(scene)} catches"
     for stop in Stop.find(scene):
-        place = {"above": 1, "below": -1}[stop.side] * (stop.angle - hinge.opening)
-        is_met = stop.hinge == release.watch and {"above": 1, "below": -1}[stop.side] == sign
-        if is_met and 0 < place < abs(travel):
-            angle = opening_text(hinge, stop.angle)
-            yield f"{head} waits until {hinge.name} passes {level}, beyond the stop at {angle}"
+        side = {"above": 1, "below": -1}[stop.side]
+        place = side * (stop.angle - hinge.opening)
+        if stop.hinge == number and side == sign and 0 < place < abs(travel):
+            return f"beyond the stop at {opening_text(hinge, stop.angle)}"
+    return ""
 
 
 def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:
@@ -175,14 +259,43 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
         )
         return
     if end_push * travel < 0 and all(isinstance(spring, TorsionSpring) for spring in springs):
-        yield f"{head} is beyond where the springs on {hinge.name} rest: only momentum gets there"
-    least = np.sqrt(2 * abs(travel) * _inertia(scene, hinge) / abs(push)) if push else np.inf
-    is_alone = not (np.any(scene.gravity) or scene.velocity.any() or scene.spin.any())
+        text = "only momentum gets there, or a `rest` beyond it"
+        yield f"{head} is beyond where the springs on {hinge.name} rest: {text}"
+    fastest = _acceleration(scene, hinge, abs(push))
+    least = np.sqrt(2 * abs(travel) / fastest) if fastest else np.inf
+    others = scene.opening_rates or Load.find(scene) or scene.cables or Strut.find(scene)
+    is_alone = not (scene.velocity.any() or scene.spin.any() or others)
     if duration is not None and is_alone and duration < least / 2 < np.inf:
+        weight = " and the weight" if np.any(scene.gravity) else ""
         yield (
             f"{duration:g} s are too short for {head}: from {opening_text(hinge, start)}, the "
-            f"{abs(push):.4g} {unit} of the springs take {least:.2g} s or more"
+            f"{abs(push):.4g} {unit} of the springs{weight} take {least:.2g} s or more; take a "
+            "longer duration"
         )
+
+
+SLOWER = 6.0
+"""Time in which structures open by the least that their springs need, by which the library's do."""
+
+
+def run_duration(scene: Scene) -> float:
+    """Return a time (s) in which what moves a scene has acted, to start from: 6 times the least
+    that springs need to their latches, or to their rest; a swing by weight; the end of curves. 1
+    where there is none of these. The library's structures open within it."""
+    times, gravity = [float(ends[-1]) for ends, _ in scene.curves], np.linalg.norm(scene.gravity)
+    if gravity and scene.hinges:
+        times.append(float(2 * np.pi * np.sqrt(extent(scene) / gravity)))
+    springs = [e for kind in (TorsionSpring, TableSpring) for e in kind.find(scene)]
+    latches = [*Latch.find(scene), *RigidLatch.find(scene)]
+    for number in {spring.hinge for spring in springs}:
+        hinge, acting = scene.hinges[number], [s for s in springs if s.hinge == number]
+        rests = [s.rest if isinstance(s, TorsionSpring) else s.angles[-1] for s in acting]
+        ends = [latch.angle for latch in latches if latch.hinge == number] or rests
+        travel = max(abs(end - hinge.opening) for end in ends)
+        push = abs(sum(_moment(spring, hinge.opening) for spring in acting))
+        fastest = _acceleration(scene, hinge, push) if push else np.inf
+        times.append(SLOWER * float(np.sqrt(2 * travel / fastest)))
+    return max(times, default=0.0) or 1.0
 
 
 def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
@@ -192,21 +305,25 @@ def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
     return spring.stiffness * (spring.rest - opening)
 
 
-def _inertia(scene: Scene, hinge: Hinge) -> float:
-    """Moment of inertia (kg m2) about a hinge, or mass (kg), of its parts against each other."""
+def _acceleration(scene: Scene, hinge: Hinge, moment: float) -> float:
+    """Largest acceleration (rad/s2, m/s2) of a hinge's opening at the start by a moment (N m; N)
+    between its parts and their weight."""
     numbers, first = report.bodies(scene), hinge.beams[0]
     axis = scene.frame[first.particle] @ hinge.axes[0]
     point = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
-    inverse = 0.0
+    gravity, result = float(np.linalg.norm(scene.gravity)), 0.0
     for beam in hinge.beams:
         body = numbers == numbers[beam.particle]
         if scene.fixed[body].all(axis=1).any():
             continue
-        arms = np.cross(axis, scene.position[body] - point)
+        arms = np.linalg.norm(np.cross(axis, scene.position[body] - point), axis=1)
         axes = np.einsum("nij,i->nj", scene.frame[body], axis) ** 2
-        moment = scene.mass[body] @ (arms**2).sum(axis=1) + (axes * scene.inertia[body]).sum()
-        inverse += 1 / float(scene.mass[body].sum() if hinge.slides else moment)
-    return 1 / inverse if inverse else np.inf
+        inertia, lever = float(scene.mass[body].sum()), float(scene.mass[body].sum())
+        if not hinge.slides:
+            inertia = float(scene.mass[body] @ arms**2 + (axes * scene.inertia[body]).sum())
+            lever = float(scene.mass[body] @ arms)
+        result += (moment + lever * gravity) / inertia
+    return result
 
 
 def opening_text(hinge: Hinge, opening: float) -> str:

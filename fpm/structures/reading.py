@@ -17,6 +17,8 @@ from fpm.files.seals import DamagedError, read_bytes
 DEEPEST, MOST = 20, 20_000
 """Tables and lists of a file may be nested so deep, and hold so many values."""
 
+EMPTY = "the file is empty; allowed: a mapping of keys, as in a folder that `new` makes"
+
 LARGEST = 1 << 20
 """Size (bytes) that a text file may have."""
 
@@ -161,8 +163,8 @@ def read(text: str, problems: Problems) -> Node:
     try:
         root = yaml.compose(text, _TextLoader)
     except yaml.MarkedYAMLError as error:
-        mark, reason = why_not_yaml(error)
-        problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {reason}")
+        line, reason = why_not_yaml(error, text)
+        problems.say(line, f"this is not YAML: {reason}")
     except ExcessError as error:
         problems.say(0, str(error))
     except (yaml.YAMLError, RecursionError, ValueError) as error:
@@ -170,7 +172,10 @@ def read(text: str, problems: Problems) -> Node:
     else:
         node = _convert(root, problems, 0) if root else Node("")
         if not node.is_table:
-            problems.say(node.line, "the file is no table; allowed: a mapping of keys")
+            problems.say(
+                node.line,
+                EMPTY if root is None else "the file is no table; allowed: a mapping of keys",
+            )
     problems.stop()
     return node
 
@@ -187,8 +192,25 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 )  # fmt: skip
 
 
-def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Return where a text is not YAML (None: unknown), and why, in words. error: PyYAML's."""
+def why_not_yaml(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
+    """Return the line (from 1; 0: unknown) where `text` is not YAML, and why, in words. error:
+    PyYAML's."""
+    mark, words = _reason(error)
+    lines = ["", *text.splitlines()]
+    line = mark.line + 1 if mark else 0
+    if "colon" in words and line < len(lines):
+        indent = re.match(r"[ -]*", lines[line])[0]
+        numbers = (line - 1, line) if "too many" in words else (line,)
+        for number in numbers:  # a key and its value without a colon between
+            key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])
+            if key and (number < line or "too many" not in words):
+                value = key[2].strip()[:40] + "..." * (len(key[2].strip()) > 40)
+                return number, f"a colon is missing; allowed: `{f'{key[1]}: {value}'.strip()}`"
+    return line, words
+
+
+def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
+    """Where a text is not YAML, and why, by what PyYAML says."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -248,11 +270,18 @@ def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
     return table if table.is_table else Node({})
 
 
+OF_CAMPAIGNS = {"campaign", "scene", "solver", "intervals", "design", "responses", "quantities",
+                "requirements"}  # fmt: skip
+"""Keys by which a campaign's file is known, with which people come here."""
+
+
 def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
     """Note in `problems` each key of the table `node` that is not allowed. key: dotted path of
     `node`, for messages; keys: those allowed."""
     for name in node.entries.keys() - set(keys):
         hint = did_you_mean(name, keys)
+        if not hint and not key and name in OF_CAMPAIGNS:
+            hint = " (it stands in the file of a campaign)"
         problems.no_key(node.lines[name], join_key(key, name), keys, hint)
 
 

@@ -75,7 +75,7 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
     except SkippedError:
         scene = Scene(model.overall.name)
     except SceneError as error:
-        _note(build, model.overall.lines.get(error.key, 0), error.key, error)
+        model.overall.refuse(error, build.problems)
         scene = Scene(model.overall.name)
     if "parts:ground" in model.names.uses:
         ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
@@ -93,10 +93,7 @@ def _build(build: Builder, entry: Entry) -> None:
     except SkippedError:
         return
     except SceneError as error:
-        key = error.key.removeprefix(f"{entry.key}.")
-        name = key.split(".")[0]
-        point = "." if name in entry.statement.keys or name in entry.lines else ", "
-        _note(build, entry.lines.get(name, entry.line), f"{entry.key}{point}{key}", error)
+        entry.refuse(error, build.problems)
         return
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
@@ -118,7 +115,7 @@ def _assemble(build: Builder, model: FileStatements) -> None:
     """Force parts together that do not meet, if the file asks for it."""
     if build.hold is None or build.problems:
         return
-    line = model.overall.lines.get("assemble", 0)
+    line = model.overall.node.lines.get("assemble", 0)
     try:
         assemble(build.scene, [build.scene.hinges[hinge].name for hinge in build.hold(build)])
     except MisfitError as error:
@@ -158,7 +155,7 @@ def _check_rates(build: Builder, model: FileStatements) -> None:
         if abs(actual - rate) > RATE_TOL * largest:
             unit = unit_of(build.scene, hinge, "rad/s")
             allowed = f"{actual:.6g} {unit}, which joints, motors, drives and supports leave of it"
-            build.problems.refuse(entry.lines["rate"], f"{entry.key}.rate", rate, allowed)
+            build.problems.refuse(entry.node.lines["rate"], f"{entry.key}.rate", rate, allowed)
 
 
 def _note(build: Builder, line: int, key: str, error: SceneError) -> None:

@@ -3,8 +3,9 @@
 A statement says which keys it takes, with units and limits, and how it goes into a scene. An
 element's keys follow from its fields. A new joint or action is a function in `statements/`."""
 
+import re
 from collections.abc import Callable, Container, Mapping
-from dataclasses import MISSING, dataclass, fields, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 
 from fpm.elements.fields import Index, Word, specs
 from fpm.elements.kind import ElementType
-from fpm.errors import did_you_mean, likely
+from fpm.errors import SceneError, did_you_mean, likely
 from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
 from fpm.structures.keys import (
@@ -27,7 +28,7 @@ from fpm.structures.keys import (
     ReferenceKey,
 )
 from fpm.structures.names import Place
-from fpm.structures.reading import Node, SkippedError, commas
+from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
 
 SLIDE = "prismatic"
 ON_SLIDES = {"moment": "force", "angle": "position", "turn": "travel", "torque": "force",
@@ -165,15 +166,37 @@ def whole(kind: type[ElementType]) -> Statement:
 @dataclass(frozen=True)
 class Entry:
     """One entry of a structure file. statement: its kind; name: full name; key: dotted path; line:
-    where it stands; lines: of its keys, by key; read: by name of each key that is given (as in
-    `args`), a function of the Builder that returns its value (SI units)."""
+    where it stands; node: as written, table of its keys; read: by name of each key that is given
+    (as in `args`), a function of the Builder that returns its value (SI units); key_names: of keys
+    as a file writes them (`force` on a slide), by their names in `args`."""
 
     statement: Statement
     name: str
     key: str
     line: int
-    lines: dict[str, int]
+    node: Node
     read: dict[str, BuildValue]
+    key_names: Mapping[str, str] = field(default_factory=dict)
+
+    def refuse(self, error: SceneError, problems: Problems) -> None:
+        """Note in the file's `problems` that the entry cannot be built, in the file's own words: a
+        key that is left out as missing, a number with its unit as it is written. error: what its
+        statement raised, whose `key` is one of `args`."""
+        first, _, rest = error.key.removeprefix(f"{self.key}.").partition(".")
+        name = self.key_names.get(first, first)
+        path, value = join_key(self.key, name, rest), show(error.value)
+        if value_node := self.node.entries.get(name):
+            if isinstance(error.value, float) and re.search("[a-zA-Z]", value_node.text):
+                value = f"{value} ({value_node.text!r})"
+            sentence = f"{path}: {value} is not allowed"
+        elif first not in self.statement.keys:
+            sentence = f"{', '.join(filter(None, (self.key, error.key)))}: {value} is not allowed"
+        elif error.value is None:
+            sentence = f"{path}: missing"
+        else:
+            sentence = f"{self.key}: `{name}`, left out, is {value}"
+        line = self.node.lines.get(name, self.line)
+        problems.say(line, f"{sentence}; allowed: {error.allowed}")
 
     def values(self, build: Builder) -> SimpleNamespace:
         """Return the values of all keys in the sample of `build` (SI units, defaults where left
@@ -195,11 +218,19 @@ def read_entry(
             value = node.value if isinstance(node.value, str) else "a list"
             place.problems.refuse(line, place.key, value, "a mapping of keys")
             return None
+        keys = {key for kind in kinds.values() for key in ("type", *kind.for_slides(()))}
+        deep = [name for name in node.entries if name not in keys and len(node.entries) == 1]
+        if deep and keys & node.entries[deep[0]].entries.keys():
+            text = f"its keys stand one level too deep; allowed: directly below {place.key}"
+            place.problems.say(node.lines[deep[0]], f"{place.key}.{deep[0]}: {text}")
+            return None
         statement = kinds.get("") or _statement(kinds, node, place)
-        read = _read_keys(statement, _slides(statement, node, place), node, line, place)
+        slides = _slides(statement, node, place)
+        read = _read_keys(statement, slides, node, line, place)
     except SkippedError:
         return None
-    return Entry(statement, name, place.key, line, node.lines, read)
+    key_names = {name: key for key, (name, _) in statement.for_slides(slides).items()}
+    return Entry(statement, name, place.key, line, node, read, key_names)
 
 
 def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Statement:

@@ -19,6 +19,7 @@ from fpm.structures.expressions import ExpressionError, parse
 from fpm.structures.model import KEYS, TEXTS, FileStatements
 from fpm.structures.names import Names
 from fpm.structures.reading import (
+    OF_CAMPAIGNS,
     Node,
     Problems,
     check_keys,
@@ -34,9 +35,6 @@ NAME = re.compile(r"\w[\w .+()-]{0,63}")
 NAME_RULE = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
 """Names of structures: files are called after them."""
 
-
-OF_CAMPAIGNS = {"campaign", "scene", "solver", "intervals", "design", "responses", "quantities"}
-"""Keys by which a campaign's file is known, with which people come here."""
 
 PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
@@ -207,7 +205,7 @@ def _number(key: str, node: Node, problems: Problems) -> float | None:
         if not expression.names and not any(expression.dimension({}).powers):
             return expression.value({})
     except ExpressionError as error:
-        allowed = f"{allowed} ({error})" if node.text else allowed
+        allowed = f"{allowed}: {error}" if node.text else allowed
     problems.refuse(node.line, key, node.plain, allowed)
     return None
 

@@ -122,8 +122,10 @@ def unit(text: str) -> Unit:
         match = _FACTOR.match(rest)
         if not match:
             word = re.match(r"\s*/?\s*([A-Za-z]*)", rest)[1] or rest.strip()
+            parts = re.findall(_NAME, word) if re.fullmatch(f"(?:{_NAME})+", word) else []
+            hint = f" (did you mean {' '.join(parts)}?)" if parts else did_you_mean(word, NAMES)
             raise UnitError(
-                f"{text!r} is not a unit{did_you_mean(word, NAMES)}; allowed: products and "
+                f"{text!r} is not a unit{hint}; allowed: products and "
                 f"quotients such as N m/rad of {', '.join(NAMES)}"
             )
         slash, name, digits = match.groups()

@@ -3,14 +3,18 @@ message must hold, which a reader can act on at once."""
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import fpm
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
+from deployable.campaign.config.plausible import requirement_warnings
 from fpm import structures
 from fpm.elements import Hinge
 from fpm.errors import InstabilityError
+from fpm.structures.plausible import warnings
 
 STRUCTURE = """\
 name: barrier
@@ -77,7 +81,7 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("rho: 7850", "density: 7850", "line 12: materials.steel.density", "did you mean rho?"),
     ("actions:", "action:", "line 19: action: there is no such key (did you mean actions?)"),
     ("tip: [L, 0, 0]", "tip: [L, 0]", "allowed: three coordinates [x, y, z]"),
-    ("2 mm", "2 m", "sections.tube.thickness: 2 is not allowed; allowed: at most half the diam"),
+    ("2 mm", "2 m", "tube.thickness: 2 ('2 m') is not allowed; allowed: at most half"),
     (", elements: 2", "", "bars.arm.elements: missing; allowed: a whole number from 1 to 1000"),
     ("relative: 0.1}", "relative: 10%}", "line 5: intervals.k.relative", "did you mean 0.1?"),
     ("relative: 0.1}", "relative: 10}", "line 5: intervals.k", "did you mean 0.1, for 10 %?"),
@@ -92,6 +96,23 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("responses:", "response:", "line 8: response: there is no such key (did you mean responses?)"),
     ("barrier.yaml", "barier.yaml", "line 2: scene.file: barier.yaml, the file cannot be read"),
     ("scene: {file: barrier.yaml}", "scene: {name: barrier}", "line 2: scene.name: 'barrier'"),
+    ("file: barrier", "file: a/barrier", "(did you mean barrier.yaml?); allowed: a path from the"),
+    ("  arm: {", "  arm {", "line 16: this is not YAML: a colon is missing; allowed: `arm: {thr"),
+    ("  push: {type: torsion spring, joint: pivot, ", "  push:\n    type spring\n    joint: p\n  {",
+     "line 21: this is not YAML: a colon is missing; allowed: `type: spring`"),
+    ("type: tube, diameter: 40 mm, thickness: 2 mm", "type: rectangle, width: 9 mm, height: 2 mm",
+     "line 16: bars.arm.up: missing; allowed: the direction", "such as z"),
+    ("type: latch, joint: pivot, angle: 90 deg", "type: stop, joint: pivot, stiffness: 9 N m/rad",
+     "line 21: actions.catch.lower: missing; allowed: `lower`, `upper`, or both"),
+    ("  arm: {", "  arm:\n    arm: {", "line 17: bars.arm.arm: its keys stand one level too deep"),
+    ("unit: N m/rad", "unit: Nmm/deg", "did you mean N mm?"),
+    ("stiffness: k", "stiffness: 10%", "a product: 0.1*k"),
+    ("absolute: 0.02", "absolute: 2%", "did you mean relative: 0.02?"),
+    ("duration: 2,", "duration: 31536000,", "allowed: a number from 1e-9 to 1e6 (s)"),
+    ("smolyak", "lhs", "did you mean sobol?"),
+    ("{t: {at", "{psi: {at", "allowed: t, or one of this response such as `{largest: psi}`"),
+    ("design:", "bars: {}\ndesign:", "(it stands in the file of the structure)"),
+    ("parameters:", "solver: {}\nparameters:", "(it stands in the file of a campaign)"),
 ]  # fmt: skip
 
 
@@ -109,6 +130,13 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("name: barrier", "name: barrier\ngravity: [0, 0, -9.81]\nloads:\n  wind: {part: arm, at: tip,"
      " force: [1, 0, 0]}", ""),
     ("duration: 2,", "duration: 0.02,", "0.02 s are too short for latch catch at 90 deg", "6.283"),
+    ("{event: latches, of: catch}", "{crossing: psi, level: 45}", "2578 deg: did you mean"),
+    ("{event: latches, of: catch}", "{crossing: psi, level: 2}", "is beyond 90 deg, where"),
+    ("at_most: 3", "at_least: 5", "5 s, but runs end at 2 s, so that none can meet it"),
+    ("at_most: 3", "at_most: 30", "30 s, but runs end at 2 s, so that all where it happens"),
+    ("instants: 201", "instants: 12", "12 for 2 s are 0.1818 s apart", "take 201 or more"),
+    ("relative: 0.1", "relative: 0", "intervals.k: 3 to 3 has no width", "scene.parameters"),
+    ("absolute: 0.02", "absolute: 20", "intervals.L: -18.8 to 21.2 about 1.2", "the unit m of L"),
 ]  # fmt: skip
 
 
@@ -157,6 +185,68 @@ bodies: {box: {mass: 1, centre: a, box: [1, 1, 1]}}
 """
 
 
+@pytest.mark.parametrize("name", ["arm", "L", "tip", "pivot"])
+def test_a_name_that_nothing_may_have_is_told_once(tmp_path, capsys, name):
+    (tmp_path / "a.yaml").write_text(re.sub(rf"\b{name}\b", "in", STRUCTURE), encoding="utf-8")
+    assert main(["structure", str(tmp_path / "a.yaml"), "--no-picture"]) == 1
+    said = capsys.readouterr().err
+    assert said.count("the name 'in' is not allowed") == said.count("line ") and "in_" in said
+
+
+FOUR_BAR = """\
+points: {a: [0, 0, 0], b: [0, 1, 0], c: [2, 1, 0], d: [2, 0, 0], e: [1, 1, 0], f: [2, 0.5, 0]}
+bodies:
+  crank: {mass: 1, centre: a, box: [0.1, 1, 0.1], points: [b]}
+  coupler: {mass: 1, centre: e, box: [2, 0.1, 0.1], points: [b, c]}
+  rocker: {mass: 1, centre: f, box: [0.1, 1, 0.1], points: [c, d]}
+joints:
+  a: {type: revolute, parts: [ground, crank], at: a, axis: z}
+  b: {type: revolute, parts: [crank, coupler], at: b, axis: z}
+  c: {type: revolute, parts: [coupler, rocker], at: c, axis: z}
+  d: {type: revolute, parts: [ground, rocker], at: d, axis: z}
+actions:
+  push: {type: torsion spring, joint: a, stiffness: 1, rest: 90 deg}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("", "", ""),
+        ("  d: {type: revolute, parts: [ground, rocker], at: d, axis: z}\n", "",
+         "a part hangs at joint c alone, on which nothing acts; mobility 3: is another joint"),
+        ("[2, 0.1, 0.1]", "[2000, 100, 100]", "inertia of a box of 2000 x 100 x 100"),
+        ("[2, 0.1, 0.1]", "[2, 0.1, 100]", "where all points lie within 2 m"),
+    ],
+)  # fmt: skip
+def test_a_joint_left_out_and_boxes_in_mm_are_warned_of(old, new, words):
+    found = warnings(structures.loads(FOUR_BAR.replace(old, new)).build())
+    assert len(found) == bool(words) and words in "".join(found)
+
+
+def test_weight_does_not_hide_that_a_run_is_too_short():
+    structure = structures.loads(STRUCTURE + "gravity: [0, 0, -9.81]\n")
+    assert "6.283 N m of the springs and the weight" in "".join(warnings(structure.build(), 0.02))
+    assert warnings(structure.build(), 2.0) == []
+
+
+def test_a_motor_by_its_rate_is_told_as_one(capsys, tmp_path):
+    drive = "curves: {f: {times: [0, 1 s], values: [1, 1]}}\n" + FOUR_BAR.replace(
+        "torsion spring, joint: a, stiffness: 1, rest: 90 deg", "motor, joint: a, rate: 1, curve: f"
+    ).replace("rate: 1", "rate: 10 rad/s")
+    (tmp_path / "a.yaml").write_text(drive, encoding="utf-8")
+    assert main(["structure", str(tmp_path / "a.yaml"), "--no-picture"]) == 0
+    assert "rate 573 deg/s" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("text", ["", "# nothing yet\n"])
+def test_an_empty_file_is_told_as_one(tmp_path, capsys, text):
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    for command in ("check", "structure"):
+        assert main([command, str(tmp_path / "a.yaml")]) == 1
+        assert "the file is empty; allowed: a mapping" in capsys.readouterr().err
+
+
 def test_what_nothing_holds_is_warned_of_where_it_falls(tmp_path, capsys):
     for text, words in ((FLOATING, "warning       nothing holds it"), (FLOATING[23:], "it floats")):
         (tmp_path / "box.yaml").write_text(text, encoding="utf-8")
@@ -168,7 +258,10 @@ def test_what_nothing_holds_is_warned_of_where_it_falls(tmp_path, capsys):
 
 def test_what_is_shipped_is_meant(request):
     for path in (request.config.rootpath / "config").glob("*.yaml"):
-        assert load_config([path]).experiment.warnings == [], path.stem
+        campaign = load_config([path])
+        assert campaign.experiment.warnings + requirement_warnings(campaign) == [], path.stem
+    for path in (request.config.rootpath / "config/structures").glob("*.yaml"):
+        assert warnings(structures.load(path).build()) == [], path.stem
 
 
 def test_without_a_mistake_nothing_is_told(tmp_path, capsys, monkeypatch):
@@ -242,3 +335,7 @@ def test_a_hinge_that_is_called_hinge_is_named_once(request):
 def test_what_is_unstable_in_no_element_is_told_without_one():
     told = [str(InstabilityError(0.1, name, 1e-3, 2e-3, 0.0, 1.0)) for name in ("none", "arm[1]")]
     assert ["worst in element" in text for text in told] == [False, True]
+    words = ("an element is bent too far", "refine the mesh")
+    assert str(InstabilityError(0.1, "a", 1e-3, 2e-3, 0.0, 1.0, words=words)).startswith(
+        "stopped at"
+    )

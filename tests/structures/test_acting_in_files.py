@@ -250,7 +250,7 @@ OF_MOTORS = [
     ("[60 mm, -30 mm]", "[60 mm, 0]", "radii of loop belt"),
     ("preload: 5 N}", "preload: -5 N}", "actions.belt.preload: -5"),
     ("stiffness: 20 kN/m", "stiffness: 20 kN", "actions.belt.stiffness: "),
-    ("turn: 60 deg, ", "", "actions.drive.turn: None"),
+    ("turn: 60 deg, ", "", "actions.drive.turn: missing"),
     ("turn: 60 deg", "turn: 60", "actions.drive.turn: "),
     ("turn: 60 deg, curve: ramp", "turn: 60 deg", "actions.drive.curve: missing"),
     ("damping: 2 N", "damping: -2 N", "actions.drive.damping: -2"),

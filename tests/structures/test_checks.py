@@ -65,7 +65,7 @@ WRONG = [
     ("3 N m/rad", "3 N", "actions.spring.stiffness: '3 N' is N; allowed: a value in N m/rad >= 0"),
     ("3 N m/rad", "-3", "actions.spring.stiffness: -3 is not allowed"),
     ("joint: root", "joint: rot", "there is no joint 'rot' (did you mean root?)"),
-    ("record:", "bodies: {box: {mass: 1, centre: B}}\nrecord:", "bodies.box.box: None is not"),
+    ("record:", "bodies: {box: {mass: 1, centre: B}}\nrecord:", "bodies.box.box: missing"),
     ("record:", "bodies: {b: {mass: 1, centre: B, inertia: [1, 1, 3]}}\nrecord:",
      "none of them more than the sum of the other two"),
     ("record:", "bodies: {box: {mass: 1, centre: B, box: [1, 0, 0]}}\nrecord:",

@@ -101,7 +101,7 @@ def test_a_folder_of_ones_own_takes_the_file_along(file, tmp_path):
         (f"times: [0], values: [1], {OF_FILE}", "column: 'times, values, file, column' is not"),
         (f"times: [0], {OF_FILE}", "column: 'times, file, column' is not allowed"),
         ("times: [0, 1]", "times: 'times' is not allowed"),
-        ("", "times: None is not allowed"),
+        ("", "times: missing"),
     ],
 )
 def test_keys_that_name_no_curve_are_told_with_line_and_what_is_allowed(file, keys, words):

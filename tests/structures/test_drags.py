@@ -76,7 +76,7 @@ def test_the_stable_step_counts_the_speed_at_the_start():
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
-    [("area: 0.5 m2", "area: -0.5 m2", "area: -0.5 is not allowed; allowed: a value in m2 >= 0"),
+    [("area: 0.5 m2", "area: -0.5 m2", "is not allowed; allowed: a value in m2 >= 0"),
      ("area: 0.5 m2, ", "", "drags.air.area: missing"),
      ("coefficient: 1.2", "coefficient: -1", "allowed: a number >= 0"),
      ("density: 1.2 kg/m3", "density: 1.2 kg", "allowed: a value in kg/m3 >= 0"),

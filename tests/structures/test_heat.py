@@ -126,7 +126,7 @@ def test_a_curvature_needs_the_side_that_is_longer(section, curvature):
     alike = changed(FREE, ("type: rectangle, width: 20 mm, height: 10 mm", section),
                     ("curvature: alpha*across/(10 mm)", f"curvature: {curvature}"))  # fmt: skip
     loads(alike).build()
-    refused(alike, "    up: z\n", "", "bar.up: '(left out)' is not allowed; allowed: the direction")
+    refused(alike, "    up: z\n", "", "bar.up: missing; allowed: the direction")
     straight = (
         ("    up: z\n", ""),
         (f"    curvature: {curvature}\n", "    inertia_scale: 1 + 0*across\n"),

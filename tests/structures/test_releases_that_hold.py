@@ -31,7 +31,11 @@ WAITS = "release on middle waits until root passes 89 deg, "
     [
         (LATCH, "watch: root, level: 89 deg", None),
         (LATCH, "watch: root, level: 95 deg, time: 9 s", None),
-        (LATCH + ", capture_range: 2 deg", "watch: root, level: 89 deg", WAITS + "which latch"),
+        (
+            LATCH + ", capture_range: 2 deg",
+            "watch: root, level: 89 deg",
+            WAITS + "beyond 88 deg",
+        ),
         (LATCH.replace("below", "above"), "watch: root, level: 95 deg", None),
         (STOP, "watch: root, level: 89 deg", WAITS + "beyond the stop at 60 deg"),
         (STOP, "watch: root, level: -89 deg", None),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from deployable.campaign import program_data
-from deployable.campaign.cli.new import CAMPAIGN, list_starts, make_folder
+from deployable.campaign.cli.new import CAMPAIGN, campaign_of, list_starts, make_folder
 from deployable.campaign.config.check import load_config
 from deployable.campaign.errors import CampaignError
 
@@ -78,6 +79,14 @@ def test_a_structure_with_latches_starts_with_the_question_whether_they_catch(tm
         "t_tube1_latch": ("latch tube1.latch",),
     }
     assert set(made.requirements["latches"]) == set(numbers)
+
+
+@pytest.mark.parametrize("name", ["latch", "boom", "telescope", "wing"])
+def test_a_first_campaign_takes_as_long_as_a_shipped_one_and_not_ten_times_that(name):
+    shipped_duration = load_config([program_data.list_campaigns()[name]]).experiment.solver.duration
+    text = campaign_of(program_data.list_structures()[name], f"{name}.yaml")
+    duration = float(re.search(r"duration: (\S+)", text)[1])
+    assert shipped_duration / 1.5 <= duration <= 10 * shipped_duration
 
 
 @pytest.mark.parametrize("start", ["nothing", "config/small.yaml", "no.yaml"])

@@ -8,8 +8,8 @@
     limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share,
                    share_uncertainty, runs}]: margin at the worst place, and the estimated error,
                    of mesh and step too if known; met and what follows of this limit alone
-    together       {met, share, share_uncertainty, runs, failures, max_interval_scale, fails, whole}:
-                   of all; failures: runs that break a limit, null where not all are judged;
+    together       {met, share, share_uncertainty, runs, failures, max_interval_scale, fails,
+                   whole}: of all; failures: runs that break a limit, null where not all are judged;
                    `fails` is the nearest place at which one fails: {requirement, quantity, kind,
                    level, units, at, simulated}; whole: whether errors have those of step and mesh
     halved         (in together) {name: {share, share_uncertainty}}: if the interval of one

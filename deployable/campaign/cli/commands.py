@@ -14,6 +14,7 @@ from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
+from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
@@ -133,7 +134,7 @@ def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
     """Print what is to be known of a campaign, or of one of its cases, before it runs."""
     progress = describe_stored_runs(campaign, Folder(results / campaign.name))
     print(f"{prefix}{campaign.name}, {estimate(campaign)}{progress and '; '}{progress}")
-    for text in campaign.experiment.warnings:
+    for text in campaign.experiment.warnings + requirement_warnings(campaign):
         print(f"{prefix}warning: {text}")
     for text in doubt_texts(campaign.experiment.doubts):
         print(f"{prefix}{text}")
@@ -183,7 +184,8 @@ def _structure(options: argparse.Namespace) -> int:
     try:
         structure = scene_type(name, name if Path(name).suffix else "")
     except fpm.SceneError as error:
-        print(error, file=sys.stderr)
+        text = f"structure {name!r} is not known; allowed: a file, or {error.allowed}"
+        print(text if error.key == "scene.name" else error, file=sys.stderr)
         return 1
     if name.endswith(".py"):
         print(f"{name} is a program, which was run")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 from pathlib import Path
@@ -15,6 +16,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 from deployable.campaign.folder import CAMPAIGN
 from fpm.files.outcome import eventful
+from fpm.structures.plausible import run_duration
 
 SNAKEFILE = f'''\
 # The campaign of this folder: snakemake -c2
@@ -88,8 +90,9 @@ def campaign_of(path: Path, name: str) -> str:
     """Return the YAML text of a first campaign for the structure in the file `path`; no file is
     written. name: of that file in the text. The first real parameter with a value other than 0 gets
     an interval of 1 % about it; the speeds of all points and the openings of all hinges are
-    recorded for a second; quantities ask when its latches catch, requirements whether all do.
-    Raises `CampaignError` if the structure cannot be read, or has no such parameter."""
+    recorded for as long as it may take to open (`plausible.run_duration`); quantities ask when its
+    latches catch, requirements whether all do. Raises `CampaignError` if the structure cannot be
+    read, or has no such parameter."""
     try:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:
@@ -115,7 +118,8 @@ def campaign_of(path: Path, name: str) -> str:
             *table,
             "",
             "solver:",
-            "  duration: 1.0 # s",
+            f"  duration: {_round_up(run_duration(scene.sample)):g} # s, by what moves it at the "
+            "start; longer if it still opens",
             "  instants: 501",
             "",
             "# What is not known exactly; `absolute`, or `lower` and `upper`, are allowed too.",
@@ -130,6 +134,12 @@ def campaign_of(path: Path, name: str) -> str:
             "",
         ]
     )
+
+
+def _round_up(seconds: float) -> float:
+    """The next of 1, 1.5, 2, 3, 5, 7.5, 10 times a power of ten."""
+    power = 10 ** math.floor(math.log10(seconds))
+    return next(n for n in (1, 1.5, 2, 3, 5, 7.5, 10) if seconds <= n * power * 1.000001) * power
 
 
 def _name(text: str) -> str:

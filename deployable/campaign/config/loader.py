@@ -16,6 +16,7 @@ from deployable.campaign.errors import ConfigError
 from fpm.errors import did_you_mean
 from fpm.structures.reading import (
     DEEPEST,
+    EMPTY,
     LARGEST,
     MOST,
     ExcessError,
@@ -124,8 +125,8 @@ def read(text: str, source: str) -> Text:
     if loader.problems:
         raise ConfigError(source, loader.problems)
     if not isinstance(data, dict):
-        content = "nothing" if data is None else type(data).__name__
-        raise ConfigError(source, [f"the file holds {content}; allowed: a mapping of keys"])
+        content = f"the file holds {type(data).__name__}; allowed: a mapping of keys"
+        raise ConfigError(source, [EMPTY if data is None else content])
     return Text(data, dict(_lines(root)))
 
 
@@ -152,8 +153,8 @@ def _reading_error(error: Exception, text: str) -> str:
         return f"a value cannot be read: {str(error).splitlines()[0]}"
     if not isinstance(error, yaml.MarkedYAMLError):
         return f"this is not YAML: {error}"
-    mark, reason = why_not_yaml(error)
-    place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+    line, reason = why_not_yaml(error, text)
+    place = f"line {line}: " if line else ""
     return f"{place}this is not YAML: {reason}"
 
 

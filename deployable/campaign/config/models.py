@@ -257,7 +257,8 @@ Goals = Annotated[
 @dataclass(frozen=True)
 class ChooseSection(ConfigSection):
     """The nominal values that are best in the worst case: over choices and the box about each,
-    surrogates of quantities tell which keeps all requirements and has the best goal."""
+    surrogates of quantities tell which keeps all requirements and has the best goal, and its worst
+    case is simulated."""
 
     parameters: Annotated[
         dict[str, Annotated[tuple[float, float], Rule(
@@ -301,8 +302,8 @@ class CaseSection(ConfigSection):
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
         dict[str, Annotated[IntervalSpec, Rule(
-            "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
-            "`nominal`")]],
+            "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: 1, upper: 3}`, "
+            "perhaps with `nominal`")]],
         Rule("a mapping from parameter names to intervals", most=60),
     ] = field(default_factory=dict)  # fmt: skip
     """Intervals that stand in the place of the campaign's, or are further ones, as there."""
@@ -430,8 +431,8 @@ class Config(ConfigSection):
     solver: Solver = Solver()
     intervals: Annotated[
         dict[str, Annotated[IntervalSpec, Rule(
-            "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
-            "`nominal`")]],
+            "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: 1, upper: 3}`, "
+            "perhaps with `nominal`")]],
         Rule("a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
     ]  # fmt: skip
     """The uncertain parameters, by the scene's parameter names."""

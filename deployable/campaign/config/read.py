@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_of
 from deployable.campaign.config.models import Config
-from fpm.errors import did_you_mean, hint_new, likely, number_hint
+from fpm.errors import did_you_mean, likely, number_hint
+from fpm.structures.model import KEYS
 from fpm.structures.reading import commas
 
 
@@ -95,7 +96,12 @@ def _fault(raw: Any, error: Mapping) -> Fault:
             reason = "missing"
         else:
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            hint = hint if "number" in allowed else hint_new(value, re.findall(r"`(\w+)`", allowed))
+            if "number" not in allowed:
+                is_word = isinstance(value, str) and value[:1].isalpha()
+                hint = did_you_mean(value, re.findall(r"`(\w+)`", allowed)) if is_word else ""
+            elif path[-1:] == ["absolute"] and hint and "%" in value:
+                hint = hint.replace("mean ", "mean relative: ")
+            allowed += f" ({keys[-1].key.unit})" if keys[-1].key.unit else ""
             reason = f"{show(value)} is not allowed{hint}"
         text = f"{key}: {reason}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)
@@ -118,6 +124,10 @@ def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
 def _no_key(path: list[str], name: str, section: ConfigKey) -> str:
     """That a key is not known, with the likely one."""
     hint = did_you_mean(name, section.children)
+    if not hint and path and name in Config.__dataclass_fields__:
+        hint = " (it stands at the top of the file)"
+    elif not hint and not path and name in KEYS:
+        hint = " (it stands in the file of the structure)"
     key = ".".join([*path, name])
     return (
         f"{key}: there is no such key{hint}; allowed: {commas(section.children, 6 if hint else 99)}"

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,7 +38,7 @@ from deployable.campaign.config.sections import (
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import number_hint
+from fpm.errors import did_you_mean, number_hint
 from fpm.files.outcome import eventful
 from fpm.reading.margins import OPTIONAL, find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
@@ -245,7 +247,13 @@ def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
 def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
     """A scene's error as sentences: all that is wrong with a file, or the one of a known scene."""
     if problems := getattr(error, "problems", None):
-        return [f"{key}: {error.source}, {problem}" for problem in problems]
+        allowed = ""
+        if not Path(error.source).exists():
+            folder = next(p for p in Path(error.source).absolute().parents if p.is_dir())
+            names = [os.path.relpath(path) for path in sorted(folder.glob("*.yaml"))]
+            hint = did_you_mean(error.source, names)
+            allowed = f"{hint}; allowed: a path from the folder of the campaign's file"
+        return [f"{key}: {error.source}, {problem}{allowed}" for problem in problems]
     return [f"{key}: {text}" if text else _sentence(error.key, error)]
 
 
@@ -302,8 +310,10 @@ def answer_problems(campaign: Campaign) -> list[str]:
     for name, limits in campaign.requirements.items():
         for quantity in limits:
             if quantity not in quantities:
-                key = f"requirements.{name}.{quantity}"
-                problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
+                text = unknown(quantity, "quantity", quantities)
+                if quantity in campaign.experiment.responses:
+                    text += f", or one of this response such as `{{largest: {quantity}}}`"
+                problems.append(f"requirements.{name}.{quantity}: {text}")
     if campaign.choose.parameters:
         problems += _choose_problems(campaign.experiment, campaign.choose)
     return problems

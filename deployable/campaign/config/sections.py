@@ -35,9 +35,11 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
+from deployable.campaign.config.plausible import experiment_warnings
 from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import digest_code
 from fpm import SceneError, structures
+from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
@@ -58,7 +60,9 @@ def scene_type(name: str, file: str = "") -> Any:
     (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
     if not file:
         if name not in (files := program_data.list_structures()):
-            raise SceneError("scene.name", name, f"one of {', '.join(files)}")
+            hint = f", or {name}.yaml as a file" if Path(f"{name}.yaml").is_file() else ""
+            hint = hint or did_you_mean(name, files)
+            raise SceneError("scene.name", name, f"one of {', '.join(files)}{hint}")
         file = str(files[name])
     else:
         trust(file)
@@ -262,10 +266,11 @@ class Experiment:
 
     @property
     def warnings(self) -> list[str]:
-        """Texts on likely mistakes in the nominal structure; raises `fpm.SceneError`."""
+        """Texts on likely mistakes in the nominal structure, intervals, instants and levels; raises
+        `fpm.SceneError`."""
         from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
 
-        return warnings(self.nominal_scene, self.solver.duration)
+        return warnings(self.nominal_scene, self.solver.duration) + experiment_warnings(self)
 
     @cached_property
     def box(self) -> Any:

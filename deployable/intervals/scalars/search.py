@@ -56,7 +56,8 @@ def estimate_bounds(
     """Estimate the lower and the upper bound of a quantity from its surrogate and values (N) of
     runs at `points` (N, k) in [-1, 1]^k, NaN where a run has none: two estimates; an empty tuple
     where no run has a value. mispredictions: for the lower and the upper bound, by how much the
-    last run at that end of the surrogate differed from it; 0 without such a run, else infinite."""
+    last run at that end of the surrogate differed from it; 0 without such a run, infinite if that
+    run has no value."""
     if surrogate.fit is None:
         return ()
     surrogate_range = surrogate.range()

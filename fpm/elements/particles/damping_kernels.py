@@ -19,7 +19,7 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 class DampingState(NamedTuple):
     """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): total, 1/s; free
     (f,): indices of particles that no other element type moves; joint_particles (j,): of those that
-    joints or supports move, not held in all ways; account: of the loss, in World.accounts."""
+    joints or supports move, not held in all ways; account: index of the loss in World.accounts."""
 
     rate: np.ndarray
     free: np.ndarray

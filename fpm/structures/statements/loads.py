@@ -47,6 +47,8 @@ def curve(build, args):
         allowed = "`times` and `values`, or `file` and `column`"
         build.refuse(keys[-1] if keys else "times", ", ".join(keys) or None, allowed)
     if args.file is None:
+        if len(args.times) != len(args.values):
+            build.refuse("values", args.values, f"{len(args.times)} numbers, one for each time")
         return build.scene.add_curve(args.times, args.values)
     if args.column not in args.file.columns:
         build.refuse("column", args.column, f"a column of the file, {commas(args.file.columns)}")

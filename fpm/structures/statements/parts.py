@@ -157,11 +157,9 @@ def _height_axis(build, args, directions) -> np.ndarray:
             build.refuse("up", args.up.tolist(), "a direction that is not the bar's own")
         return args.up
     if args.section.Iy != args.section.Iz:
-        build.refuse("up", None, "the direction in which the section's height points")
+        build.refuse("up", None, "the direction in which the section's height points, such as z")
     if args.curvature is not None:
-        build.refuse(
-            "up", "(left out)", "the direction of the side that is the longer by `curvature`"
-        )
+        build.refuse("up", None, "the direction of the side that is the longer by `curvature`")
     cosines = [max(abs(direction[k]) for direction in directions) for k in (2, 0, 1)]
     return np.eye(3)[(2, 0, 1)[int(np.argmin(cosines))]]
 

@@ -1,0 +1,116 @@
+"""What a campaign states that is allowed, but hardly meant: each told with its number and a remedy.
+
+What its structure has of the kind is told by `fpm.structures.plausible`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from fpm.elements import kinds_of
+
+FEWEST = 20
+"""Number of recorded instants below which curves are hardly resolved."""
+
+WIDEST = 10.0
+"""Half width of an interval by its nominal value above which the unit is hardly meant."""
+
+LONGEST = 2.0
+"""Time that a requirement allows, by the duration of the runs, above which it says nothing."""
+
+LARGEST = 100.0
+"""Length that a requirement states, by the structure's extent, above which the same holds."""
+
+
+def experiment_warnings(experiment: Any) -> list[str]:
+    """Return sentences on intervals, instants and levels of an `Experiment` that are hardly meant;
+    [] if there is none."""
+    return [*_interval_texts(experiment), *_instant_texts(experiment), *_level_texts(experiment)]
+
+
+def requirement_warnings(campaign: Any) -> list[str]:
+    """Return sentences on limits of a `Campaign` that no run can break, or meet, for its duration,
+    or that are in another unit; [] if there is none."""
+    from fpm.structures.plausible import extent
+
+    experiment, texts = campaign.experiment, []
+    duration, size = experiment.solver.duration, extent(experiment.nominal_scene)
+    quantities = {quantity.name: quantity for quantity in experiment.quantity_list}
+    limits = [
+        (f"requirements.{name}.{quantity}.{end}", end, quantities[quantity], limit)
+        for name, section in campaign.requirements.items()
+        for quantity, ends in section.items()
+        for end, limit in ends.items()
+        if end in ("at_least", "at_most")
+    ]
+    for key, end, quantity, limit in limits:
+        if quantity.is_time and limit > duration * (1 if end == "at_least" else LONGEST):
+            verdict = "none can meet it" if end == "at_least" else "all where it happens meet it"
+            texts.append(f"{key}: {limit:g} s, but runs end at {duration:g} s, so that {verdict}: "
+                         "take a longer solver.duration, or another limit")  # fmt: skip
+        elif quantity.unit == "m" and abs(limit) > LARGEST * size > 0:
+            texts.append(f"{key}: {limit:g} m, but the structure's extent is {size:.4g} m: did you "
+                         f"mean {limit / 1000:g}, for {limit:g} mm?")  # fmt: skip
+        elif quantity.unit == "rad":
+            texts += _turn_texts(key, limit, experiment)
+    return texts
+
+
+def _interval_texts(experiment: Any) -> Iterator[str]:
+    """Intervals without width, or much wider than their nominal values."""
+    for name, interval in experiment.intervals.items():
+        lower, nominal, upper = interval.lower, interval.nominal, interval.upper
+        unit = experiment.scene_type.parameters[name].unit
+        if lower == upper:
+            yield (
+                f"intervals.{name}: {lower:g} to {upper:g} has no width, so that nothing of it is "
+                f"uncertain: state one, or put {name}: {lower:g} under scene.parameters"
+            )
+        elif unit not in ("degree", "rad") and upper - lower > 2 * WIDEST * abs(nominal) > 0:
+            yield (
+                f"intervals.{name}: {lower:g} to {upper:g} about {nominal:g}: all are in the unit "
+                f"{unit} of {name}; did you mean another width?"
+            )
+
+
+def _instant_texts(experiment: Any) -> Iterator[str]:
+    """Too few instants for any curve."""
+    count, duration = experiment.solver.instants, experiment.solver.duration
+    if count < FEWEST:
+        yield (
+            f"solver.instants: {count} for {duration:g} s are {duration / (count - 1):.4g} s "
+            "apart, and peaks between them are not seen: take 201 or more"
+        )
+
+
+def _level_texts(experiment: Any) -> Iterator[str]:
+    """Levels of openings that are in degrees, or that a latch or stop keeps them from."""
+    from fpm.structures.plausible import find_barrier, opening_text
+
+    scene = experiment.nominal_scene
+    numbers = {hinge.name: number for number, hinge in enumerate(scene.hinges)}
+    for quantity in experiment.quantity_list:
+        if quantity.kind != "crossing" or quantity.response.kind != "opening":
+            continue
+        key, level = f"quantities.{quantity.name}.level", quantity.level
+        number = numbers[quantity.response.subjects[0]]
+        start = scene.hinges[number].opening
+        texts = list(_turn_texts(key, level, experiment))
+        reason = find_barrier(scene, number, start + 0.9 * (level - start))  # some give way
+        if reason and not texts:
+            text = opening_text(scene.hinges[number], level)
+            texts = [f"{key}: {level:g}, {text}, is {reason}: take a level before that"]
+        yield from texts
+
+
+def _turn_texts(key: str, angle: float, experiment: Any) -> Iterator[str]:
+    """An angle of more than a turn where nothing drives it on."""
+    scene = experiment.nominal_scene
+    is_motor = any(kind.acts_as == "motor" for kind in kinds_of([scene]))
+    if abs(angle) > 2 * np.pi and not (is_motor or scene.spin.any() or scene.drives):
+        yield (
+            f"{key}: {angle:g} rad are {np.degrees(angle):.4g} deg: did you mean "
+            f"{np.radians(angle):.4g}, for {angle:g} deg?"
+        )

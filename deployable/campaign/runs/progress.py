@@ -51,8 +51,8 @@ class MessagePrinter:
         the earliest, and then after pauses (`PAUSE`). last: whether to end the line, in any file;
         an empty text clears it on terminals."""
         with self.lock:
-            now = time.monotonic()
-            is_due = last or now >= self.log_time
+            clock_time = time.monotonic()
+            is_due = last or clock_time >= self.log_time
             for file in self.files:
                 if is_terminal(file):
                     width = shutil.get_terminal_size().columns - 1
@@ -62,7 +62,7 @@ class MessagePrinter:
             self.is_open = bool(text) and not last
             if text and is_due:
                 self.shown_text = text
-                self.log_time = now + max(PAUSE, (now - self.message_time) / 10)
+                self.log_time = clock_time + max(PAUSE, (clock_time - self.message_time) / 10)
 
     @staticmethod
     def _print(text: str, file: TextIO | Notify) -> None:
@@ -136,8 +136,8 @@ class Progress:
         new_count = count - self.start_count
         text = f"{self.campaign}: {count} of {self.total} runs done"
         if count < self.total and new_count > 0:
-            left = seconds / new_count * (self.total - count)
-            text += f", about {duration_text(left)} left"
+            rest = seconds / new_count * (self.total - count)
+            text += f", about {duration_text(rest)} left"
         return text
 
 

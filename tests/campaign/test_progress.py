@@ -18,6 +18,7 @@ from deployable.campaign.runs.progress import MessagePrinter, Progress, report_s
 from deployable.campaign.stopping import STEPS
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
+from fpm.reading.variables import VARIABLES
 from fpm.scenes.effort import compile_seconds
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -170,7 +171,7 @@ def test_the_time_told_grows_with_runs_and_steps(raw):
 
 @pytest.mark.parametrize("there", [True, False])
 def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, monkeypatch, there):
-    monkeypatch.setattr("fpm.is_compiled", lambda scene: there)
+    monkeypatch.setattr("fpm.is_compiled", lambda *rest: there)
     found = estimate(campaign.check_config(raw))
     assert (found.compiling == 0) == there
     assert ("of it to compile, once" in str(found)) != there
@@ -181,8 +182,14 @@ def test_a_time_loop_is_known_to_be_compiled_once_it_is(monkeypatch, tmp_path):
     scene = structures.load(CONFIG / "structures/panel.yaml").build()
     fpm.warm_up(scene)
     assert fpm.is_compiled(scene)
-    monkeypatch.setattr("fpm.kernels.compiled.cache_folder", lambda kinds: tmp_path)
+    sets = []
+    monkeypatch.setattr(
+        "fpm.kernels.compiled.cache_folder", lambda kinds: sets.append(kinds) or tmp_path
+    )
+    label = VARIABLES["constraint_moment"].labels(scene)[0]
+    assert not fpm.is_compiled(scene, [("constraint_moment", label)])  # has a probe beside
     assert not fpm.is_compiled(scene)
+    assert len(sets[0]) == len(sets[1]) + 1
 
 
 def test_progress_is_told_while_something_compiles(monkeypatch, ticks):

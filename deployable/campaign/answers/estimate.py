@@ -23,8 +23,9 @@ from deployable.campaign.plan.plan import choose_step, make_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
+from fpm.elements import Contact, RigidLatch, RigidRelease
 from fpm.reading.margins import read_label, travel_of
-from fpm.reading.variables import words
+from fpm.reading.variables import VARIABLES, words
 from fpm.scenes import effort
 
 Passes = list[tuple[int, float]]
@@ -33,8 +34,10 @@ Passes = list[tuple[int, float]]
 START, PLAN, BOUNDS, ANSWERS, FIGURES, PAGE = 1.5, 0.2, 0.8, 0.4, 1.0, 1.5
 """Seconds to start, with the config, and of each stage, whatever is answer_time for."""
 
-FIT, DRAWING = 0.2, 0.5
-"""Seconds to bound a response, and to draw it."""
+FIT, SUBDIVISION, JUMP, SPLINE, DRAWING = 1e-4, 5e-4, 1.5e-3, 3e-5, 0.5
+"""Seconds to bound a polynomial at an instant of a response: over up to two intervals; over more,
+where the box is subdivided; where velocities jump, more often. Of a spline, for each run; and to
+draw a response."""
 
 QUANTITY, RANGE = 0.6, 0.3
 """Seconds to bound a quantity, and to draw it or show it on the page."""
@@ -62,9 +65,12 @@ TEST_RUNS, TEST = 120, 20.0
 """Runs for a test with measured curves, and seconds to search what it leaves; refuting takes up to
 four times as many."""
 
-ITERATIONS, SURFACE = 3, 8
-"""Rounds of further runs that a choice takes as a rule, where so many are allowed, and runs in each
-about the limit-state surface of a limit: what is to be chosen has some in its box."""
+ITERATIONS, SURFACE = 6, 8
+"""Rounds of further runs where quantities jump or cease within the box, as where contacts close or
+something is to be chosen, and runs in each about such a surface; else there is one round."""
+
+STRESS = 2e-5
+"""Seconds to read the stress of a bar at an instant of a run."""
 
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
 _SHARE_CURVES = 4  # of a response in the file of a share of a scan
@@ -121,7 +127,9 @@ def estimate(
         name: times for name, times in stage_times.items() if stages is None or name in stages
     }
     scene = experiment.nominal_scene
-    is_compiled = stage_times.keys() <= {"plan", "figures"} or fpm.is_compiled(scene)
+    is_compiled = stage_times.keys() <= {"plan", "figures"} or fpm.is_compiled(
+        scene, experiment.record
+    )
     compiling = 0.0 if is_compiled else effort.compile_seconds(scene)
     seconds, integrating = np.sum([(START + compiling, 0.0), *stage_times.values()], axis=0)
     longest = ceiling = None
@@ -141,12 +149,16 @@ def estimate(
 
 class _BatchCost:
     """What runs of a campaign cost, as seconds: `batch`, of a core for eight side by side; `sweep`,
-    for the travels of a run's margins."""
+    for the travels of a run's margins; `reading`, for the stress of a run."""
 
     def __init__(self, campaign: Campaign):
         experiment = campaign.experiment
         self.batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
         self.sweep = _sweep_seconds(experiment)
+        bars = VARIABLES["stress"].labels(experiment.nominal_scene)[1:]  # beside all together
+        labels = [label for variable, label in experiment.record if variable == "stress"]
+        count = sum(len(bars) if label not in bars else 1 for label in labels)
+        self.reading = STRESS * experiment.solver.instants * count
 
     def sum_passes(self, passes: Passes) -> np.ndarray:
         """Wall-clock and core time (s) of passes that wait for each other, each a number of runs
@@ -157,7 +169,7 @@ class _BatchCost:
             batches = math.ceil(count / LANES)
             times += self.batch * factor * np.array([-(-batches // cores()), batches])
             times += (count + 1) * self.sweep  # one while kernels are loaded
-            times += count * np.array([WRITING, 0.0])
+            times += count * (self.reading + np.array([WRITING, 0.0]))
         return times
 
 
@@ -175,7 +187,10 @@ def _stage_seconds(campaign: Campaign, cost: _BatchCost, missing: int) -> dict[s
         further = []
     answer_time = QUANTITY * quantities + LIMIT * limits + CHOICE * goals * (goals + limits)
     answer_time += TEST * len(campaign.measured) + SHEETS * margins * cost.sweep
-    bounds, motion = BOUNDS + FIT * responses, MOVING * cost.batch + moving * cost.sweep
+    bounds, motion = (
+        BOUNDS + _fit_seconds(campaign),
+        MOVING * cost.batch + moving * (cost.sweep + cost.reading),
+    )
     times = {
         "plan": (PLAN, 0.0),
         "simulate": cost.sum_passes([(missing, 1.0)]),
@@ -192,6 +207,20 @@ def _stage_seconds(campaign: Campaign, cost: _BatchCost, missing: int) -> dict[s
 
 def _count_limits(campaign: Campaign) -> int:
     return len(list_limits(campaign.requirements, list(campaign.experiment.quantities)))
+
+
+def _fit_seconds(campaign: Campaign) -> float:
+    """Time (s) to bound all responses at all instants."""
+    experiment = campaign.experiment
+    scene, curve_values = experiment.nominal_scene, len(experiment.responses)
+    curve_values *= experiment.solver.instants
+    if experiment.is_adaptive or campaign.bounds.model == "spline":
+        runs = _first_runs(experiment) if experiment.is_adaptive else count_runs(experiment)
+        return SPLINE * curve_values * runs
+    if experiment.design.order is None or experiment.box.free.sum() <= 2:
+        return FIT * curve_values
+    jumps = RigidLatch.find(scene) or RigidRelease.find(scene)
+    return (JUMP if jumps else SUBDIVISION) * curve_values
 
 
 def _sweep_seconds(experiment: Experiment) -> float:
@@ -212,10 +241,15 @@ def _sweep_seconds(experiment: Experiment) -> float:
     return min(times) * POSITIONS / COARSE_POSITIONS
 
 
+def _first_runs(experiment: Experiment) -> int:
+    """Runs of the first round of an `accuracy`."""
+    return LANES * max(1, int(experiment.box.free.sum()))
+
+
 def _rounds(experiment: Experiment, number: int) -> Passes:
     """Runs of an `accuracy` that ends after a number of rounds, each with twice the runs of the one
     before and a check of mesh and step; of all after the first half of them the mesh is finer."""
-    first = LANES * max(1, int(experiment.box.free.sum()))
+    first = _first_runs(experiment)
     passes: Passes = []
     for i in range(number):
         factor = 4.0 if i > number / 2 else 1.0
@@ -236,15 +270,17 @@ def _sum(parts: list[Estimate]) -> Estimate:
 def _further(campaign: Campaign) -> dict[str, Passes]:
     """By what takes further runs, for each round their number and time over a planned one's."""
     experiment, verify = campaign.experiment, campaign.verify
-    bounds, limits = 2 * len(experiment.quantities), _count_limits(campaign)
+    bounds = 2 * len(experiment.quantities)
     iterations = min(ITERATIONS, verify.max_iterations)
     refinement: dict[str, Passes] = {}
-    if bounds:
+    has_surface = campaign.choose.parameters or Contact.find(experiment.nominal_scene)
+    if bounds and has_surface:
+        refinement["quantities"] = [(bounds + SURFACE, 1.0)] * iterations
+    elif bounds:
         refinement["quantities"] = [(bounds, 1.0)] * min(1, iterations)
     if campaign.measured:
         refinement["measured curves"] = [(TEST_RUNS, 1.0)] * len(campaign.measured)
     if campaign.choose.parameters:
-        refinement["quantities"] = [(bounds + SURFACE * limits, 1.0)] * iterations
         points = design_points(widen_intervals(experiment, campaign.choose), campaign.choose)
         refinement["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * iterations]
     if verify.discretization:

@@ -118,16 +118,15 @@ def _check(options: argparse.Namespace) -> int:
     for path in options.files:
         try:
             campaign = load_config([path])
-            takes = campaign.cases and estimate(campaign)
-        except CampaignError as error:
-            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
-            status = 1
-        else:
             if campaign.cases:
-                print(f"{path}: {campaign.name}, {len(campaign.cases)} cases, {takes}")
+                count = f"{len(campaign.cases)} cases"
+                print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
                 _print_variant(f"{path}: {case}", variant, folder)
+        except CampaignError as error:
+            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
+            status = 1
     return status
 
 

@@ -61,7 +61,7 @@ FEW_ROUNDS, MANY_ROUNDS = 2, 5
 WRITING = 5e-3
 """Seconds for a run's scene and file."""
 
-TEST_RUNS, TEST = 120, 20.0
+TEST_RUNS, TEST = 120, 26.0
 """Runs for a test with measured curves, and seconds to search what it leaves; refuting takes up to
 four times as many."""
 

@@ -7,11 +7,17 @@ import atexit
 import os
 import signal
 import sys
+from collections.abc import Callable
+from contextlib import suppress
 from typing import NoReturn
 
 EXIT_CODE = 130
 """Exit status after Ctrl-C."""
-_WORDS = "stopped; finished runs are kept, the same command goes on from there\n"
+
+STEPS: list[Callable[[], str]] = []
+"""What this process does, the innermost step last: functions that return it in words."""
+
+_OWNER = os.getpid()  # the others that it forks say nothing
 
 
 def end_on_ctrl_c() -> None:
@@ -35,5 +41,12 @@ def _raises() -> bool:
 
 
 def _end(*rest: object) -> None:
-    os.write(2, _WORDS.encode())  # whatever is in the midst of printing
+    text = ""
+    with suppress(Exception):  # a step that has just ended
+        text = f" at: {STEPS[-1]()}"
+    # By no file of Python, which may be in the midst of printing.
+    end = "what is finished is kept, the same command goes on from there"
+    start = "\n" if os.isatty(2) and text else ""  # below the line that moves
+    if os.getpid() == _OWNER:
+        os.write(2, f"{start}stopped{text}; {end}\n".encode())
     os._exit(EXIT_CODE)

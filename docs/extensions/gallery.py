@@ -57,14 +57,18 @@ def picture(arguments: list[str], structure: str, name: str, folder: Path, moves
     return path.name
 
 
-def page(folder: Path, moves: bool) -> str:
-    """The gallery as Markdown."""
+def page(folder: Path, moves: bool, follow=dict.items) -> str:
+    """The gallery as Markdown: thumbnails, then each structure. follow: function that iterates over
+    the structures, pairs of name and file, and may tell how far that is."""
     from deployable.campaign.config.sections import scene_type
 
-    known, lines = campaigns(), []
-    for name, structure in structures().items():
+    known, lines, thumbnails = campaigns(), [], []
+    for name, structure in follow(structures()):
         found = scene_type("", str(ROOT / structure))
         campaign = known.get(structure) or known.get(name)
+        still = picture([], structure, name, folder, moves=False)
+        anchor = name.replace(" ", "-").lower()
+        thumbnails.append(f"[![{found.description}](made/{still}) {name}](#{anchor})")
         arguments = command(structure, campaign)
         image = picture(arguments, structure, name, folder, moves)
         lines += [
@@ -81,14 +85,24 @@ def page(folder: Path, moves: bool) -> str:
                 f"[What is modelled, and against what it was checked](library/{told.name})",
                 "",
             ]
-    return "\n".join(lines)
+    return "\n".join(["```{container} thumbnails", *thumbnails, "```", "", *lines])
 
 
 def make(app):
-    """Make pictures and page before the sources are read."""
-    folder = Path(app.srcdir) / "made"
+    """Make pictures and page before the sources are read, and tell which structure's are made."""
+    from sphinx.util.display import status_iterator
+
+    folder, moves = Path(app.srcdir) / "made", bool(int(app.config.gallery_moves))
     folder.mkdir(exist_ok=True)
-    text = page(folder, bool(int(app.config.gallery_moves)))
+    work = "simulating structures, which compiles each set of kinds once, for minutes in all"
+    summary = f"gallery, {work if moves else 'drawing structures'}: "
+
+    def follow(found: dict[str, str]):
+        return status_iterator(
+            found.items(), summary, length=len(found), stringify_func=lambda item: item[0]
+        )
+
+    text = page(folder, moves, follow)
     target = folder / "gallery.md"
     if not target.exists() or target.read_text(encoding="utf-8") != text:
         target.write_text(text, encoding="utf-8")

@@ -139,13 +139,15 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     return batch, parts, world, record
 
 
-def is_compiled(scene: Scene) -> bool:
-    """Return whether the compiled time loop (float64) for a scene's element types is on disk."""
+def is_compiled(scene: Scene, record: Sequence[Column] = ()) -> bool:
+    """Return whether the compiled time loop (float64) for a scene's element types is on disk.
+    record: columns (variable, label) of the run, which may take a type of their own."""
     from fpm.kernels.compiled_loop import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 
     dtype = np.dtype(np.float64)
-    batch = pack.pack([consistent_scene(scene)], lanes_of(dtype), dtype, 2)
+    scene = consistent_scene(add_probe(scene, record))
+    batch = pack.pack([scene], lanes_of(dtype), dtype, 2)
     return (cache_folder(tuple(map(type, batch.parts()))) / DIGESTS).exists()
 
 

@@ -95,7 +95,7 @@ def test_ctrl_c_is_one_line(tmp_path):
     os.killpg(process.pid, signal.SIGINT)
     told, _ = process.communicate()
     assert process.returncode == 130
-    assert "stopped; finished runs are kept" in told
+    assert "what is finished is kept, the same command goes on" in told
     assert "Traceback" not in first + told
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from deployable import campaign
-from deployable.campaign.answers.estimate import describe_stored_runs
+from deployable.campaign.answers.estimate import describe_work
 from deployable.campaign.folder import Folder
 from fpm.files.trajectory import read_curves
 from fpm.kernels import sources
@@ -23,6 +23,11 @@ def recorded(*runs):
     return {column for curves in runs for column in curves.columns if column[0] in VARIABLES}
 
 
+def list_stages(is_incomplete: bool) -> list[str]:
+    """The stages to be done where all results are there, but not all runs perhaps."""
+    return ["simulate"] if is_incomplete else []
+
+
 def run(raw, folder, **responses):
     """Run a campaign with further responses; what it told."""
     config, told = copy.deepcopy(raw), []
@@ -35,20 +40,20 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     folder = Folder(tmp_path / "test")
     config, told = run(raw, tmp_path)
     assert "simulated again" not in told
-    assert describe_stored_runs(config, folder) == "5 of them are there"
+    assert describe_work(config, folder, list_stages).startswith("nothing to be done")
     files = sorted(folder.runs("trajectories").glob("*.nc"))
     plain = {path: read_curves(path) for path in files}
     assert not recorded(*plain.values())
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
-    said = describe_stored_runs(asking, folder)
-    assert said.startswith(
-        "0 of them are there; 5 more lack stress of all as this version reads it and"
+    said = describe_work(asking, folder, list_stages)
+    assert said.endswith(
+        "; 0 of them are there, others lack stress of all as this version reads it"
     )
-    assert "simulated again, all in all about" in said
+    assert said.startswith("at most 6 runs, about ")
     _, told = run(raw, tmp_path, **STRESS)
     assert "lack stress of all as this version reads it; they are simulated again" in told
-    assert describe_stored_runs(asking, folder) == "5 of them are there"
+    assert describe_work(asking, folder, list_stages).startswith("nothing to be done")
 
     _, told = run(raw, tmp_path, **SPIN)
     assert "lack angular velocity of B x, B y, B z as" in told
@@ -84,10 +89,8 @@ def test_with_responses_only_they_are_there_too(raw, tmp_path):
     raw["jobs"] = {"group": 2, "keep": "responses"}
     bounds = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     assert bounds["response_units"].sel(response="stress") == "Pa"
-    assert (
-        describe_stored_runs(campaign.check_config(raw), Folder(tmp_path / "test"))
-        == "5 of them are there"
-    )
+    said = describe_work(campaign.check_config(raw), Folder(tmp_path / "test"), list_stages)
+    assert said.startswith("nothing to be done")
 
 
 def test_memory_counts_what_responses_ask(raw):

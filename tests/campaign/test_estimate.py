@@ -94,3 +94,36 @@ def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
     finer = estimate(campaign.check_config(raw))
     assert finer.core_time == pytest.approx(12 * usual.core_time)  # 1, 2 + 4 and 4 + 1
     assert finer.runs == usual.runs
+
+
+def test_margins_cost_their_travels_and_a_cache_saves_compiling(monkeypatch):
+    """A travel takes longer than the integration of a run here."""
+    from deployable.campaign.answers import estimate as module
+
+    whole = estimate(loaded("review"))
+    monkeypatch.setattr(module, "_sweep_seconds", lambda experiment: 0.0)
+    monkeypatch.setattr("fpm.is_compiled", lambda *rest: True)
+    plain = estimate(loaded("review"))
+    assert whole.integrating > 20 * plain.integrating and plain.compiling == 0.0
+    assert whole.seconds > 3 * plain.seconds
+
+
+def test_an_accuracy_has_a_likely_range_below_its_ceiling():
+    found = estimate(loaded("aim"))
+    assert 5 < found.seconds < found.longest < found.ceiling / 2
+    assert "likely" in str(found) and "at most 30 min" in str(found)
+
+
+def test_a_campaign_that_is_finished_has_nothing_to_be_done_or_what_is_left(raw, tmp_path):
+    from deployable import campaign
+    from deployable.campaign.cli.commands import _describe_work
+
+    config = campaign.check_config(raw)
+    assert "of them" not in _describe_work(config, tmp_path)
+    campaign.run(config, tmp_path, figures=False, notify=str)
+    assert "nothing to be done" in _describe_work(config, tmp_path, figures=False)
+    left = _describe_work(config, tmp_path)
+    assert "about" in left and "of them are there" in left
+    assert estimate(config, ["figures", "page"], 0.0).seconds < estimate(config).seconds
+    next((tmp_path / "test/trajectories").glob("*.nc")).unlink()
+    assert "; 4 of them are there" in _describe_work(config, tmp_path, figures=False)

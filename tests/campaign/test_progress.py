@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _round, estimate
-from deployable.campaign.runs.progress import MessagePrinter, Progress, warm_up
+from deployable.campaign.runs.progress import MessagePrinter, Progress, report_seconds, warm_up
+from deployable.campaign.stopping import STEPS
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
+from fpm.reading.variables import VARIABLES
 from fpm.scenes.effort import compile_seconds
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -24,20 +29,26 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_on_a_terminal_progress_is_one_line_that_moves():
+@pytest.fixture
+def now(monkeypatch):
+    """The time (s), in a list so that it can be changed."""
+    now = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    return now
+
+
+def test_on_a_terminal_progress_is_one_line_that_moves_and_in_a_log_there_is_news(now):
     terminal, file = Terminal(), io.StringIO()
     notify = MessagePrinter(terminal, file)
     notify("plan")
-    for state in ("1 of 3", "2 of 3", "3 of 3"):
+    for state in ("1 of 3", "2 of 3"):
+        now[0] += 3.0
         notify.move(state)
     notify.move("3 of 3", last=True)
     notify("bounds")
     clear = "\r\x1b[2K"
-    assert (
-        terminal.getvalue()
-        == f"plan\n{clear}1 of 3{clear}2 of 3{clear}3 of 3{clear}3 of 3\nbounds\n"
-    )
-    assert file.getvalue() == "plan\n1 of 3\n2 of 3\n3 of 3\nbounds\n"
+    assert terminal.getvalue() == f"plan\n{clear}1 of 3{clear}2 of 3{clear}3 of 3\nbounds\n"
+    assert file.getvalue() == "plan\n2 of 3\n3 of 3\nbounds\n"
 
 
 def test_a_message_goes_below_a_line_that_has_not_ended():
@@ -48,39 +59,92 @@ def test_a_message_goes_below_a_line_that_has_not_ended():
     assert terminal.getvalue().endswith("1 of 3\ncompiling\n")
 
 
-@pytest.fixture
-def now(monkeypatch):
-    """The time (s), in a list so that it can be changed."""
-    now = [100.0]
-    monkeypatch.setattr("time.monotonic", lambda: now[0])
-    return now
+def test_a_line_that_moves_is_no_wider_than_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "10")
+    terminal = Terminal()
+    MessagePrinter(terminal).move("x" * 50)
+    assert terminal.getvalue().endswith("K" + "x" * 9)
 
 
-def test_the_line_tells_how_long_it_will_take(now):
-    done, terminal = [10], Terminal()
-    progress = Progress("mast", 110, lambda: done[0], MessagePrinter(terminal))
-    now[0], done[0] = 120.0, 30  # one a second
-    progress.report(last=False)
-    assert terminal.getvalue().endswith("mast: 30 of 110 runs done, about 1 min 20 s left")
-    now[0] += 0.5
-    progress.report(last=False)
-    assert terminal.getvalue().count("done") == 1
+@pytest.mark.parametrize("hours", [0.05, 10.0])
+def test_a_log_is_silent_for_20_s_at_most_or_a_tenth_of_the_time(now, hours):
+    told = []
+    notify, start = MessagePrinter(lambda text: told.append(now[0] - start)), now[0]
+    while now[0] < start + 3600 * hours:
+        notify.move(f"{now[0]}")
+        now[0] += 1.0
+    pauses = np.diff(told)
+    assert told[0] == 5.0 and (pauses >= 20.0).all() and len(told) < 100
+    assert (pauses <= np.maximum(20.0, np.array(told[:-1]) / 10 + 1.0)).all()
+
+
+def test_the_line_tells_how_many_runs_are_done_and_how_long_it_will_take():
+    done = [10]
+    progress = Progress("mast", 110, lambda: done[0])
+    done[0] = 30
+    assert progress.describe(20.0) == "mast: 30 of 110 runs done, about 1 min 20 s left"
     done[0] = 110
-    progress.report()
-    assert terminal.getvalue().endswith("mast: 110 of 110 runs done\n")
+    assert progress.describe(100.0) == "mast: 110 of 110 runs done"
 
 
-def test_a_job_counts_what_all_have_done_since_it_began(now):
-    done, told = [0], []
-    first = Progress("mast", 100, lambda: done[0], told.append)
-    now[0], done[0] = 150.0, 50  # one a second
-    second = Progress("mast", 100, lambda: done[0], told.append)
-    second.report(last=False)
-    assert told == ["mast: 50 of 100 runs done"]
-    now[0], done[0] = 160.0, 60
-    first.report(last=False)
-    second.report(last=False)
-    assert told[1:] == ["mast: 60 of 100 runs done, about 40 s left"] * 2
+@pytest.fixture
+def ticks(monkeypatch):
+    """Looks at a step come at once, so does what a log is told."""
+    monkeypatch.setattr("deployable.campaign.runs.progress.TICK", 0.01)
+    monkeypatch.setattr("deployable.campaign.runs.progress.FIRST", 0.0)
+
+
+def test_of_steps_within_steps_the_innermost_is_told_and_its_line_goes(ticks):
+    terminal = Terminal()
+    notify = MessagePrinter(terminal)
+    with report_seconds("bounds", notify), report_seconds("compiling", notify):
+        time.sleep(0.1)
+    assert "compiling, 0 s" in terminal.getvalue() and "bounds" not in terminal.getvalue()
+    assert terminal.getvalue().endswith("\x1b[2K") and not STEPS
+
+
+@pytest.mark.parametrize("stage", ["bounds", "answers", "figures", "page", "plan"])
+def test_a_stage_says_what_it_does_while_it_works(raw, tmp_path, monkeypatch, ticks, stage):
+    """Of each a step takes long here."""
+    slow = {
+        "plan": "stages.plan.make_plan",
+        "bounds": "stages.bounds.analyse",
+        "answers": "stages.answers.summarise",
+        "figures": "stages.figures.draw_envelopes",
+        "page": "stages.page.make_motions",
+    }[stage]
+
+    class Reached(Exception): ...
+
+    def wait(*rest):
+        time.sleep(0.1)
+        raise Reached
+
+    told = []
+    monkeypatch.setattr(f"deployable.campaign.{slow}", wait)
+    with pytest.raises(Reached):
+        campaign.run(raw, tmp_path, notify=told.append)
+    assert told[-1].startswith(f"{raw['campaign']}: ") and told[-1].endswith(" s")
+
+
+def test_ctrl_c_says_what_is_there_and_how_to_go_on():
+    code = """if True:
+        import os, signal, sys, time
+        from deployable.campaign.runs.progress import Progress, report_step
+        from deployable.campaign.stopping import end_on_ctrl_c
+        end_on_ctrl_c()
+        with report_step(Progress("mast", 9, lambda: 4).describe, print):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(60)
+    """
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert ended.returncode == 130
+    assert ended.stderr == (
+        "stopped at: mast: 4 of 9 runs done; what is finished is kept, the same command goes on "
+        "from there\n"
+    )
 
 
 @pytest.mark.slow
@@ -107,7 +171,7 @@ def test_the_time_told_grows_with_runs_and_steps(raw):
 
 @pytest.mark.parametrize("there", [True, False])
 def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, monkeypatch, there):
-    monkeypatch.setattr("fpm.is_compiled", lambda scene: there)
+    monkeypatch.setattr("fpm.is_compiled", lambda *rest: there)
     found = estimate(campaign.check_config(raw))
     assert (found.compile_time == 0) == there
     assert ("of it to compile, once" in str(found)) != there
@@ -118,13 +182,18 @@ def test_a_time_loop_is_known_to_be_compiled_once_it_is(monkeypatch, tmp_path):
     scene = structures.load(CONFIG / "structures/panel.yaml").build()
     fpm.warm_up(scene)
     assert fpm.is_compiled(scene)
-    monkeypatch.setattr("fpm.kernels.compiled_loop.cache_folder", lambda kinds: tmp_path)
+    sets = []
+    monkeypatch.setattr(
+        "fpm.kernels.compiled_loop.cache_folder", lambda kinds: sets.append(kinds) or tmp_path
+    )
+    label = VARIABLES["constraint_moment"].labels(scene)[0]
+    assert not fpm.is_compiled(scene, [("constraint_moment", label)])  # has a probe beside
     assert not fpm.is_compiled(scene)
+    assert len(sets[0]) == len(sets[1]) + 1
 
 
-def test_progress_is_told_while_something_compiles(monkeypatch):
-    monkeypatch.setattr("fpm.warm_up", lambda scene, record: time.sleep(0.05))
-    monkeypatch.setattr("deployable.campaign.runs.progress.PAUSE", 0.02)
+def test_progress_is_told_while_something_compiles(monkeypatch, ticks):
+    monkeypatch.setattr("fpm.warm_up", lambda scene, record: time.sleep(0.1))
     told = []
     warm_up(scene := structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
     some = f"{compile_seconds(scene):.0f}"

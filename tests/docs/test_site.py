@@ -34,7 +34,8 @@ def test_the_gallery_shows_every_structure_of_the_library(tmp_path):
     for path in (ROOT / "config/structures").glob("*.yaml"):
         assert f"`config/structures/{path.name}`" in text
     pictures = re.findall(r"\(made/([^)]+)\)", text)
-    assert len(pictures) == len(list((ROOT / "config/structures").glob("*.yaml")))
+    count = len(list((ROOT / "config/structures").glob("*.yaml")))
+    assert len(pictures) == 2 * count and text.count("](#") == count  # thumbnails, and pictures
     assert all((tmp_path / name).stat().st_size > 1000 for name in pictures)
 
 

@@ -4,40 +4,73 @@ from __future__ import annotations
 
 import math
 import os
+import time
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from itertools import chain
+
+import numpy as np
 
 import fpm
 from deployable.campaign.answers.choice import design_points, widen_intervals
 from deployable.campaign.answers.discretization import MAX_POINTS
+from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.config.disk import bytes_of_run
-from deployable.campaign.config.sections import Campaign, count_runs
+from deployable.campaign.config.sections import Campaign, Experiment, count_runs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step, make_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
-from fpm.reading.variables import words
+from fpm.elements import Contact, RigidLatch, RigidRelease
+from fpm.reading.margins import read_label, travel_of
+from fpm.reading.variables import VARIABLES, words
 from fpm.scenes import effort
 
-START, RESPONSE, QUANTITY = 4.0, 1.0, 0.6
-"""Seconds to start and write the page, to bound and draw a response, and a quantity."""
+Passes = list[tuple[int, float]]
+"""Numbers of runs, and the cost of one over a planned one's."""
 
-REQUIREMENTS, CHOICE = 2.0, 7.0
-"""Seconds to find what of the box meets requirements, and the best choice, by surrogate."""
+START, PLAN, BOUNDS, ANSWERS, FIGURES, PAGE = 1.5, 0.2, 0.8, 0.4, 1.0, 1.5
+"""Seconds to start, with the config, and of each stage, whatever is answer_time for."""
+
+FIT, SUBDIVISION, JUMP, SPLINE, DRAWING = 1e-4, 5e-4, 1.5e-3, 3e-5, 0.5
+"""Seconds to bound a polynomial at an instant of a response: over up to two intervals; over more,
+where the box is subdivided; where velocities jump, more often. Of a spline, for each run; and to
+draw a response."""
+
+QUANTITY, RANGE = 0.6, 0.3
+"""Seconds to bound a quantity, and to draw it or show it on the page."""
+
+LIMIT, CHOICE = 2.2, 3.0
+"""Seconds to find what of the box keeps a limit, and where it decides; to find the best choice by
+one goal, for each goal and limit whose worst case it takes."""
 
 MOTIONS = 3
 """Batches of runs that are made again for the page, on which they move."""
 
+POSITIONS, COARSE_POSITIONS = 60, 5
+"""Positions of a travel of margins, as a rule, and of one by which its time is measured."""
+
+SHEETS = 2
+"""Travels for the review sheet of a margin: the worst and the nominal one."""
+
+FEW_ROUNDS, MANY_ROUNDS = 2, 5
+"""Rounds of an `accuracy` that is met soon, and of one that takes many."""
+
 WRITE = 5e-3
 """Seconds for a run's scene and file."""
 
-TEST_RUNS, TEST = 120, 20.0
+TEST_RUNS, TEST = 120, 26.0
 """Runs for a test with measured curves, and seconds to search what it leaves; refuting takes up to
 four times as many."""
 
-ITERATIONS = 2
-"""Rounds of further runs that quantities take as a rule, where so many are allowed."""
+ITERATIONS, SURFACE = 6, 8
+"""Rounds of further runs where quantities jump or cease within the box, as where contacts close or
+something is to be chosen, and runs in each about such a surface; else there is one round."""
+
+STRESS = 2e-5
+"""Seconds to read the stress of a bar at an instant of a run."""
 
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
 _SHARE_CURVES = 4  # of a response in the file of a share of a scan
@@ -47,84 +80,204 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 class Estimate:
     """What one call of `run` for a campaign takes, estimated before; `str()` is a sentence for
     users. runs: largest possible number of planned runs, further ones at bounds and limit-state
-    surfaces not counted; seconds: wall-clock time on all cores, `compile_time` (s) of it to compile
-    kernels; core_time: core time (s) of all runs; bytes: on disk; is_budget: whether seconds are
-    a limit set by the config, mostly far more than will be used; answers: what adds further runs,
-    in words, such as "quantities"."""
+    surfaces not counted; seconds: likely wall-clock time on all cores, `compile_time` (s) of it to
+    compile kernels; core_time: core time (s) of all runs; bytes: on disk; answers: what adds
+    further runs, in words, such as "quantities"; longest: of an `accuracy` the largest likely
+    wall-clock time (s), where `seconds` is the smallest, and ceiling: that of its whole budget;
+    both None for others."""
 
     runs: int
     seconds: float
     core_time: float
     bytes: float
     compile_time: float = 0.0
-    is_budget: bool = False
     answers: str = ""
+    longest: float | None = None
+    ceiling: float | None = None
 
     def __str__(self) -> str:
-        bound = "at most" if self.is_budget else "about"
+        time = f"about {_duration(self.seconds)}"
+        if self.longest is not None:
+            time = f"likely {_duration(self.seconds)} to {_duration(self.longest)}, "
+            time += f"at most {_duration(self.ceiling)},"
         further = f" and further ones for {self.answers}" if self.answers else ""
-        first = f" ({duration_text(_round(self.compile_time))} of it to compile, once)"
+        first = _duration(self.compile_time)
         return (
-            f"at most {self.runs} runs{further}, {bound} {duration_text(_round(self.seconds))} "
-            f"on {count_cores()} cores{first if self.compile_time else ''}, "
+            f"at most {self.runs} runs{further}, {time} on {count_cores()} cores"
+            f"{f' ({first} of it to compile, once)' if self.compile_time else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
 
 
-def estimate(campaign: Campaign) -> Estimate:
+def estimate(
+    campaign: Campaign, stages: Collection[str] | None = None, missing: float = 1.0
+) -> Estimate:
     """Estimate runs, time and disk of one call of `run` for a campaign, with its page. The time is
     accurate to a factor of 1.5, or of about two where simulating takes most of it
-    (`fpm.scenes.effort`). With cases it is of all of them, one after another."""
+    (`fpm.scenes.effort`). With cases it is of all of them, one after another. stages: names of
+    those that are to be done, None for all; missing: fraction of the planned runs that are not
+    stored."""
     if campaign.cases:
-        return _sum([estimate(case) for case in campaign.case_campaigns.values()])
+        return _sum([estimate(case, stages, missing) for case in campaign.case_campaigns.values()])
     experiment, solver = campaign.experiment, campaign.experiment.solver
-    runs = count_runs(experiment)
-    batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
-    refinement = {} if experiment.is_adaptive else _refinement_passes(campaign)
-    passes = [(runs, 1.0), *(p for iterations in refinement.values() for p in iterations)]
-    batches = [(math.ceil(count / LANES), factor) for count, factor in passes if count]
-    core_time = batch * sum(number * factor for number, factor in batches)
-    # A batch is one core's; rounds wait for each other.
-    run_time = batch * sum(math.ceil(number / count_cores()) * factor for number, factor in batches)
-    write_time = WRITE * sum(count for count, _ in passes) / count_cores()
+    runs, responses = count_runs(experiment), len(experiment.responses)
+    cost = _BatchCost(campaign)
+    stage_times = _stage_seconds(campaign, cost, math.ceil(missing * runs))
+    stage_times = {
+        name: times for name, times in stage_times.items() if stages is None or name in stages
+    }
     scene = experiment.nominal_scene
-    compile_time = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
-    overhead = START + compile_time + MOTIONS * batch
-    overhead += RESPONSE * len(experiment.responses) + QUANTITY * len(experiment.quantities)
-    overhead += REQUIREMENTS * bool(campaign.requirements) + CHOICE * bool(
-        campaign.choose.parameters
+    is_compiled = stage_times.keys() <= {"plan", "figures"} or fpm.is_compiled(
+        scene, experiment.record
     )
-    seconds = run_time + write_time + overhead + TEST * len(campaign.measured)
-    if experiment.is_adaptive:  # meshes and steps become finer
-        core_time = 60 * experiment.accuracy.max_core_minutes
-        seconds = core_time / count_cores() + overhead
-    curves = _BOUNDS_CURVES * len(experiment.responses)
+    compile_time = 0.0 if is_compiled else effort.compile_seconds(scene)
+    seconds, core_time = np.sum([(START + compile_time, 0.0), *stage_times.values()], axis=0)
+    longest = ceiling = None
+    if "rounds" in stage_times:
+        rest, budget = seconds - stage_times["rounds"][0], 60 * experiment.accuracy.max_core_minutes
+        ceiling = rest + budget / count_cores()
+        longest = min(ceiling, rest + cost.sum_passes(_rounds(experiment, MANY_ROUNDS))[0])
+    curves = _BOUNDS_CURVES * responses
     if campaign.jobs.keep == "extremes":
-        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
+        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * responses
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
-    answers = " and ".join(refinement)
+    answers = "" if experiment.is_adaptive else " and ".join(_refinement_passes(campaign))
     return Estimate(
-        runs, seconds, core_time, float(size), compile_time, experiment.is_adaptive, answers
+        runs, float(seconds), float(core_time), float(size), compile_time, answers, longest, ceiling
     )
+
+
+class _BatchCost:
+    """What runs of a campaign cost, as seconds: `batch`, of a core for eight side by side; `sweep`,
+    for the travels of a run's margins; `read_time`, for the stress of a run."""
+
+    def __init__(self, campaign: Campaign):
+        experiment = campaign.experiment
+        self.batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
+        self.sweep = _sweep_seconds(experiment)
+        bars = VARIABLES["stress"].labels(experiment.nominal_scene)[1:]  # beside all together
+        labels = [label for variable, label in experiment.record if variable == "stress"]
+        count = sum(len(bars) if label not in bars else 1 for label in labels)
+        self.read_time = STRESS * experiment.solver.instants * count
+
+    def sum_passes(self, passes: Passes) -> np.ndarray:
+        """Wall-clock and core time (s) of passes that wait for each other, each a number of runs
+        and the cost of one over a planned one's. A batch is one core's; travels and files are made
+        one after another."""
+        times = np.zeros(2)
+        for count, factor in passes:
+            batches = math.ceil(count / LANES)
+            times += self.batch * factor * np.array([-(-batches // count_cores()), batches])
+            times += (count + 1) * self.sweep  # one while kernels are loaded
+            times += count * (self.read_time + np.array([WRITE, 0.0]))
+        return times
+
+
+def _stage_seconds(campaign: Campaign, cost: _BatchCost, missing: int) -> dict[str, np.ndarray]:
+    """Wall-clock and core time (s) of each stage. missing: planned runs to be simulated."""
+    experiment = campaign.experiment
+    responses, quantities = len(experiment.responses), len(experiment.quantities)
+    margins = sum(item.kind == "margin" for item in experiment.response_list)
+    repeat_count, goals = min(MOTIONS * LANES, 2 * quantities), len(campaign.choose.goals)
+    limits, refinement_passes = (
+        _count_limits(campaign),
+        list(chain.from_iterable(_refinement_passes(campaign).values())),
+    )
+    if experiment.is_adaptive:
+        refinement_passes = []
+    answer_time = QUANTITY * quantities + LIMIT * limits + CHOICE * goals * (goals + limits)
+    answer_time += TEST * len(campaign.measured) + SHEETS * margins * cost.sweep
+    bounds, motion = (
+        BOUNDS + _fit_seconds(campaign),
+        MOTIONS * cost.batch + repeat_count * (cost.sweep + cost.read_time),
+    )
+    times = {
+        "plan": (PLAN, 0.0),
+        "simulate": cost.sum_passes([(missing, 1.0)]),
+        "rounds": FEW_ROUNDS * np.array([bounds, 0.0])
+        + cost.sum_passes(_rounds(experiment, FEW_ROUNDS)),
+        "bounds": (bounds, 0.0),
+        "answers": np.array([ANSWERS + answer_time, 0.0]) + cost.sum_passes(refinement_passes),
+        "figures": (FIGURES + DRAWING * responses + RANGE * quantities, 0.0),
+        "page": (PAGE + RANGE * (responses + quantities) + motion, 0.0),
+    }
+    left_out = {"plan", "simulate", "bounds"} if experiment.is_adaptive else {"rounds"}
+    return {name: np.array(pair) for name, pair in times.items() if name not in left_out}
+
+
+def _count_limits(campaign: Campaign) -> int:
+    return len(list_limits(campaign.requirements, list(campaign.experiment.quantities)))
+
+
+def _fit_seconds(campaign: Campaign) -> float:
+    """Time (s) to bound all responses at all instants."""
+    experiment = campaign.experiment
+    scene, curve_values = experiment.nominal_scene, len(experiment.responses)
+    curve_values *= experiment.solver.instants
+    if experiment.is_adaptive or campaign.bounds.model == "spline":
+        runs = _first_runs(experiment) if experiment.is_adaptive else count_runs(experiment)
+        return SPLINE * curve_values * runs
+    if experiment.design.order is None or experiment.box.free.sum() <= 2:
+        return FIT * curve_values
+    jumps = RigidLatch.find(scene) or RigidRelease.find(scene)
+    return (JUMP if jumps else SUBDIVISION) * curve_values
+
+
+def _sweep_seconds(experiment: Experiment) -> float:
+    """Time (s) of a run's travels, by some positions of each at the nominal values."""
+    paths = {
+        read_label(item.columns[0][1])[0]
+        for item in experiment.response_list
+        if item.kind == "margin"
+    }
+    if not paths:
+        return 0.0
+    times = []
+    for _ in range(2):  # the first one takes longer
+        start = time.thread_time()
+        for path in paths:
+            travel_of(experiment.nominal_scene, path, COARSE_POSITIONS)
+        times.append(time.thread_time() - start)
+    return min(times) * POSITIONS / COARSE_POSITIONS
+
+
+def _first_runs(experiment: Experiment) -> int:
+    """Runs of the first round of an `accuracy`."""
+    return LANES * max(1, int(experiment.box.free.sum()))
+
+
+def _rounds(experiment: Experiment, number: int) -> Passes:
+    """Runs of an `accuracy` that ends after a number of rounds, each with twice the runs of the one
+    before and a check of mesh and step; of all after the first half of them the mesh is finer."""
+    first = _first_runs(experiment)
+    passes: Passes = []
+    for i in range(number):
+        factor = 4.0 if i > number / 2 else 1.0
+        runs = min(first * 2**i, experiment.accuracy.max_runs)
+        passes += [(runs, factor), (LANES, 2.0 * factor), (LANES, 4.0 * factor)]
+    return passes
 
 
 def _sum(parts: list[Estimate]) -> Estimate:
     """What campaigns take one after another; kernels are compiled once."""
-    keys = ("runs", "seconds", "integrating", "bytes")
+    keys = ("runs", "seconds", "core_time", "bytes")
     totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
     compile_time = max(part.compile_time for part in parts)
     totals["seconds"] += compile_time - sum(part.compile_time for part in parts)
     return replace(parts[0], **totals, compile_time=compile_time)
 
 
-def _refinement_passes(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
+def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     """By what takes further runs, for each round their number and time over a planned one's."""
     experiment, verify = campaign.experiment, campaign.verify
     bounds = 2 * len(experiment.quantities)
     iterations = min(ITERATIONS, verify.max_iterations)
-    refinement: dict[str, list[tuple[int, float]]] = {}
-    if bounds:
-        refinement["quantities"] = [(bounds, 1.0)] * iterations
+    refinement: dict[str, Passes] = {}
+    has_surface = campaign.choose.parameters or Contact.find(experiment.nominal_scene)
+    if bounds and has_surface:
+        refinement["quantities"] = [(bounds + SURFACE, 1.0)] * iterations
+    elif bounds:
+        refinement["quantities"] = [(bounds, 1.0)] * min(1, iterations)
     if campaign.measured:
         refinement["measured curves"] = [(TEST_RUNS, 1.0)] * len(campaign.measured)
     if campaign.choose.parameters:
@@ -142,33 +295,44 @@ def _refinement_passes(campaign: Campaign) -> dict[str, list[tuple[int, float]]]
     return refinement
 
 
-def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
-    """Return a text for users on how many runs of a campaign are stored in its folder of results,
-    and why others must be made again; "" where none is stored, and with an `accuracy`."""
+def count_missing_runs(campaign: Campaign, folder: Folder) -> tuple[int, int, set[str]]:
+    """Return how many runs of a campaign are not stored in its folder of results, how many there
+    are in all, and variables that stored ones lack as this version reads them."""
     keep = campaign.jobs.keep
-    if campaign.experiment.is_adaptive or not folder.runs(keep).is_dir():
-        return ""
     plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
     groups = store.groups(plan.unique_runs(), campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
-    total, reruns = sum(map(len, groups)), len(store.absences)
-    if missing - reruns == total:
-        return ""
-    text = f"{total - missing} of them are there"
-    if reruns:
-        names = words(sorted(set().union(*store.absences.values())))
-        seconds = _round(estimate(campaign).seconds * missing / total)
-        text += (
-            f"; {reruns} more lack {names} as this version reads it and are simulated again, all "
-            f"in all about {duration_text(seconds)}"
-        )
-    return text
+    return missing, sum(map(len, groups)), set().union(*store.absences.values())
+
+
+def describe_work(
+    campaign: Campaign, folder: Folder, find_stages: Callable[[bool], Collection[str]]
+) -> str:
+    """Return a text for users on what one call of `run` for a campaign takes: all, or what is left
+    where some is there. folder: of its results; find_stages: function that returns the names of the
+    stages that are to be done, called with whether runs are to be simulated."""
+    notes, share = "", 1.0
+    if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
+        missing, total, lacks = count_missing_runs(campaign, folder)
+        share = missing / total
+        if lacks or missing < total:
+            notes = f"; {total - missing} of them are there"
+        if lacks:
+            notes += f", others lack {words(sorted(lacks))} as this version reads it"
+    stages = find_stages(not campaign.experiment.is_adaptive and share > 0)
+    if not stages:
+        return f"nothing to be done: the results are in {folder.path}"
+    return f"{estimate(campaign, stages, share)}{notes}"
 
 
 def count_cores() -> int:
-    """Return the number of processor cores of this machine, 1 if it is unknown."""
+    """Return the number of processor count_cores of this machine, 1 if it is unknown."""
     return os.cpu_count() or 1
+
+
+def _duration(seconds: float) -> str:
+    return duration_text(_round(seconds))
 
 
 def _round(seconds: float) -> float:

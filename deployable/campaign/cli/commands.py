@@ -6,10 +6,12 @@ import argparse
 import math
 import sys
 from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import fpm
-from deployable.campaign.answers.estimate import describe_stored_runs, estimate
+from deployable.campaign.answers.estimate import describe_work, estimate
 from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
@@ -23,7 +25,7 @@ from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
-from deployable.campaign.stages.workflow import run
+from deployable.campaign.stages.workflow import Workflow, run
 
 UNMET = 3
 """Exit status of `run --require` where not all of the box meets all requirements."""
@@ -117,23 +119,21 @@ def _check(options: argparse.Namespace) -> int:
     for path in options.files:
         try:
             campaign = load_config([path])
-            takes = estimate(campaign)
-        except CampaignError as error:
-            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
-            status = 1
-        else:
             if campaign.cases:
-                print(f"{path}: {campaign.name}, {len(campaign.cases)} cases, {takes}")
+                count = f"{len(campaign.cases)} cases"
+                print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
                 _print_variant(f"{path}: {case}", variant, folder)
+        except CampaignError as error:
+            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
+            status = 1
     return status
 
 
 def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
     """Print what is to be known of a campaign, or of one of its cases, before it runs."""
-    progress = describe_stored_runs(campaign, Folder(results / campaign.name))
-    print(f"{prefix}{campaign.name}, {estimate(campaign)}{progress and '; '}{progress}")
+    print(f"{prefix}{_describe_work(campaign, results)}")
     for text in campaign.experiment.warnings + requirement_warnings(campaign):
         print(f"{prefix}warning: {text}")
     for text in doubt_texts(campaign.experiment.doubts):
@@ -142,12 +142,25 @@ def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
         print(f"{prefix}{campaign.experiment.scene.file} is a program, which was run")
 
 
+def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
+    """What a run of a campaign, or of one of its cases, takes from what is there."""
+    workflow = Workflow(campaign, results)
+    find_stages = partial(workflow.list_stages, figures=figures)
+    work = describe_work(campaign, workflow.folder, find_stages)
+    return f"{campaign.name}, {work}"
+
+
 def _run(options: argparse.Namespace) -> int:
     """Run a whole campaign."""
     try:
         campaign = load_config([options.file])
         if options.require and not any(variant.requirements for _, variant in variants(campaign)):
             raise CampaignError(f"{options.file} has no requirements; --require needs some")
+        folder = Path(options.results, campaign.name * bool(campaign.cases))
+        for prefix, variant in variants(campaign):
+            with suppress(OSError):  # which running tells better
+                text = _describe_work(variant, folder, not options.no_figures)
+                print(f"{prefix}{text}", file=sys.stderr)
         run(campaign, options.results, not options.no_figures)
         if options.require and not _are_met(campaign, Folder(Path(options.results, campaign.name))):
             return UNMET

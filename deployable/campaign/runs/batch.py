@@ -30,7 +30,13 @@ from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
-from deployable.campaign.runs.progress import Notify, Progress, warm_up
+from deployable.campaign.runs.progress import (
+    MessagePrinter,
+    Notify,
+    Progress,
+    report_step,
+    warm_up,
+)
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary
@@ -82,15 +88,16 @@ def run_batch(
         scene = plan.experiment.build(plan.name_values(work[0][1][0]))
         warm_up(scene, notify, plan.experiment.record)
         total = sum(map(len, groups))
-        progress = Progress(plan.experiment.name, total, store.counter(groups), notify)
+        progress = Progress(plan.experiment.name, total, store.counter(groups))
         loop_start = clocks()
-        simulation.after_group = lambda: progress.report(last=False)
         lots = [work] if processes == 1 else [[item] for item in work]
-        simulate_lot = partial(_simulate_groups, simulation, store, processes)
-        for totals in spread(simulate_lot, [(lot,) for lot in lots], processes):
-            simulation.take(totals)
-            progress.report(last=False)
-        progress.report()
+        simulate_lot = partial(_simulate_groups, simulation, store)
+        with report_step(progress.describe, notify, processes == 1):
+            for totals in spread(simulate_lot, [(lot,) for lot in lots], processes):
+                simulation.take(totals)
+                if processes > 1 and isinstance(notify, MessagePrinter):
+                    notify.move(progress.describe((clocks() - loop_start)[0]))
+        notify(progress.describe((clocks() - loop_start)[0]))
         if simulation.count and jobs.minutes:
             seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
             notify(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
@@ -135,12 +142,10 @@ def _call(number: int) -> Any:
 
 
 def _simulate_groups(
-    simulation: Simulation, store: Any, processes: int, work: Sequence[tuple[Runs, Runs]]
+    simulation: Simulation, store: Any, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
     """Simulate and write what is missing of groups: how many, failures, seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)
-    if processes == 1:
-        runner.after_group = simulation.after_group
     lots = [(missing, store.previous_columns(missing)) for _, missing in work]
     for (group, _), results in zip(work, runner.run_lots(lots), strict=True):
         store.write(group, results)
@@ -188,14 +193,12 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -
 class Simulation:
     """Simulates runs of a plan in groups of `size`, which `threads` share, and counts them.
     Attributes: `count`: runs that succeeded; `failures`: pairs of run and reason; `seconds` (2):
-    spent integrating, wall-clock (mean of the threads) and processor time (their sum);
-    `after_group`: function without arguments, called after each group."""
+    spent integrating, wall-clock (mean of the threads) and processor time (their sum)."""
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
         self.plan, self.size, self.threads = plan, size, threads
         self.count, self.seconds = 0, np.zeros(2)
         self.failures: list[Failure] = []
-        self.after_group: Callable[[], None] = lambda: None
 
     def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
         """Add another simulation's totals: a tuple of the number of runs that succeeded, failures
@@ -237,7 +240,6 @@ class Simulation:
                 results, failures, seconds = part.result()
                 self.take((len(results), failures, seconds / (self.threads, 1)))
                 yield from results
-            self.after_group()
 
     def check(self) -> None:
         """Raise `CampaignError` with the runs that failed so far, if any did."""

@@ -2,104 +2,154 @@
 
 from __future__ import annotations
 
-import math
+import shutil
 import threading
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, TextIO
 
 import fpm
+from deployable.campaign.stopping import STEPS
 from deployable.campaign.text.numbers import duration_text
 from fpm.scenes.effort import compile_seconds
 
-PAUSE = 5.0
-"""Seconds between two words while kernels are compiled."""
+FIRST, PAUSE = 5.0, 20.0
+"""Seconds of one step after which a log has a line on it, and the least from then to the next one;
+each pause is at least a tenth of the time since the step began."""
+
+TICK = 1.0
+"""Seconds between two looks at a step."""
 
 Notify = Callable[[str], None]
 
 
 class MessagePrinter:
     """Prints each message it is called with to text files, flushed at once; `move` rewrites one
-    line on terminals, and on other files prints each new text as a line of its own."""
+    line on terminals, and on other files adds a line to the log now and then. files: text files, or
+    functions that are called with each text."""
 
-    def __init__(self, *files: TextIO):
+    def __init__(self, *files: TextIO | Notify):
         self.files = files
         self.is_open = False  # whether the cursor stands behind a line that moves
-        self.shown_text = ""  # its last state
+        self.shown_text = ""  # its last state in logs
+        self.message_time = time.monotonic()
+        self.log_time = self.message_time + FIRST  # from which on a log has the next state
+        self.lock = threading.Lock()
 
     def __call__(self, text: str) -> None:
-        for file in self.files:
-            start = "\n" if self.is_open and file.isatty() else ""
-            self._print(f"{start}{text}\n", file)
-        self.is_open = False
+        with self.lock:
+            for file in self.files:
+                start = "\n" if self.is_open and is_terminal(file) else ""
+                self._print(f"{start}{text}\n", file)
+            self.is_open, self.message_time = False, time.monotonic()
+            self.log_time = self.message_time + FIRST
 
     def move(self, text: str, last: bool = False) -> None:
-        """Replace the line that the last call wrote by `text`, on terminals; other files get each
-        new text as a line of its own. last: whether to end the line."""
-        end = "\n" if last else ""
-        for file in self.files:
-            if file.isatty():
-                self._print(f"\r\x1b[2K{text}{end}", file)
-            elif text != self.shown_text:
-                self._print(f"{text}\n", file)
-        self.is_open, self.shown_text = not last, text
+        """Replace the line that the last call wrote by `text`, on terminals, cut to their width;
+        other files get a changed text as a line of its own, five seconds after the last message at
+        the earliest, and then after pauses (`PAUSE`). last: whether to end the line, in any file;
+        an empty text clears it on terminals."""
+        with self.lock:
+            clock_time = time.monotonic()
+            is_due = last or clock_time >= self.log_time
+            for file in self.files:
+                if is_terminal(file):
+                    width = shutil.get_terminal_size().columns - 1
+                    self._print(f"\r\x1b[2K{text[:width]}" + "\n" * last, file)
+                elif text and is_due and text != self.shown_text:
+                    self._print(f"{text}\n", file)
+            self.is_open = bool(text) and not last
+            if text and is_due:
+                self.shown_text = text
+                self.log_time = clock_time + max(PAUSE, (clock_time - self.message_time) / 10)
 
     @staticmethod
-    def _print(text: str, file: TextIO) -> None:
+    def _print(text: str, file: TextIO | Notify) -> None:
+        if callable(file):
+            file(text.removesuffix("\n"))
+            return
         with suppress(OSError):  # a log on a full disk, which the stage tells better
             file.write(text)
             file.flush()
 
 
+def is_terminal(file: TextIO | Notify) -> bool:
+    """Return whether a text file, or a function in its place, is a terminal."""
+    return not callable(file) and file.isatty()
+
+
+@contextmanager
+def report_step(
+    find_text: Callable[[float], str], notify: Notify, is_alone: bool = True
+) -> Iterator[None]:
+    """Report, while the block runs, what goes on: once a second, which a terminal shows as one line
+    that moves, and a log now and then (`MessagePrinter.move`). Of steps within steps the innermost
+    is reported. find_text: function of the seconds so far that returns the text; notify: called
+    with each message; is_alone: False where processes are forked meanwhile, beside which no thread
+    may run: the text is then only for what Ctrl-C says."""
+    printer = notify if isinstance(notify, MessagePrinter) else MessagePrinter(notify)
+    start, end = time.monotonic(), threading.Event()
+
+    def describe() -> str:
+        return find_text(time.monotonic() - start)
+
+    def report() -> None:
+        while not end.wait(TICK):
+            if STEPS[-1] is describe:
+                printer.move(describe())
+
+    watch = threading.Thread(target=report, daemon=True)
+    STEPS.append(describe)
+    if is_alone:
+        watch.start()
+    try:
+        yield
+    finally:
+        end.set()
+        if is_alone:
+            watch.join()
+        STEPS.remove(describe)
+        if printer.is_open:
+            printer.move("")
+
+
+def report_seconds(text: str, notify: Notify) -> AbstractContextManager[None]:
+    """Report, while the block runs, that a step goes on, with the seconds so far, as `report_step`
+    does. text: what is done, such as "mast: bounds of quantities"; notify: called with each
+    message."""
+    return report_step(lambda seconds: f"{text}, {duration_text(seconds)}", notify)
+
+
 class Progress:
-    """Reports how many runs of a campaign are done, and the time left, estimated from those that
-    all jobs finished since this object was made. campaign: its name; total: number of runs; count:
-    function that returns how many are done; notify: called with each message."""
+    """Tells how many runs of a campaign are done, and the time left, estimated from those that all
+    jobs finished since this object was made. campaign: its name; total: number of runs; count:
+    function that returns how many are done."""
 
-    def __init__(self, campaign: str, total: int, count: Callable[[], int], notify: Notify):
-        self.campaign, self.total, self.count, self.notify = campaign, total, count, notify
-        self.start_time, self.start_count = time.monotonic(), count()
-        self.report_time = -math.inf
+    def __init__(self, campaign: str, total: int, count: Callable[[], int]):
+        self.campaign, self.total, self.count = campaign, total, count
+        self.start_count = count()
 
-    def report(self, last: bool = True) -> None:
-        """Tell how many runs are done and the time left; at most once a second unless `last`."""
-        clock_time = time.monotonic()
-        if not last and clock_time < self.report_time + 1.0:
-            return
-        self.report_time, count = clock_time, self.count()
+    def describe(self, seconds: float) -> str:
+        """Write how many runs are done and the time left. seconds: since this object was made."""
+        count = self.count()
         new_count = count - self.start_count
         text = f"{self.campaign}: {count} of {self.total} runs done"
         if count < self.total and new_count > 0:
-            seconds = (clock_time - self.start_time) / new_count * (self.total - count)
-            text += f", about {duration_text(seconds)} left"
-        if isinstance(self.notify, MessagePrinter):
-            self.notify.move(text, last)
-        else:
-            self.notify(text)
+            rest = seconds / new_count * (self.total - count)
+            text += f", about {duration_text(rest)} left"
+        return text
 
 
 def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
     """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
-    `notify` is called with a message after five seconds, then each five on a terminal, or elsewhere
-    when the time has doubled. record: (name, label) pairs as for `fpm.simulate`."""
-    start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
-    is_printer = isinstance(notify, MessagePrinter)
-    move = notify.move if is_printer else notify
-    is_live = is_printer and any(file.isatty() for file in notify.files)
+    `notify` is called with a message after five seconds, as by `report_step`. record: (name, label)
+    pairs as for `fpm.simulate`."""
+    total = compile_seconds(scene)
 
-    def report() -> None:
-        pause = PAUSE
-        while not end.wait(pause):
-            seconds = time.monotonic() - start
-            whole = f" of some {total:.0f}" if seconds < total else f", {total:.0f} were estimated"
-            move(f"compiling for these kinds of element, once: {seconds:.0f} s{whole}")
-            pause = PAUSE if is_live else seconds
+    def describe(seconds: float) -> str:
+        whole = f" of some {total:.0f}" if seconds < total else f", {total:.0f} were estimated"
+        return f"compiling for these kinds of element, once: {seconds:.0f} s{whole}"
 
-    watch = threading.Thread(target=report, daemon=True)
-    watch.start()
-    try:
+    with report_step(describe, notify):
         fpm.warm_up(scene, record)
-    finally:
-        end.set()
-        watch.join()

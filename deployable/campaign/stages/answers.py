@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from typing import Any
 
 from deployable.campaign.answers import choice, quantities
@@ -10,7 +11,7 @@ from deployable.campaign.answers import requirements as limits
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.summary import summarise
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.progress import Notify, report_seconds
 
 
 def work(
@@ -20,15 +21,25 @@ def work(
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
     choice, with the runs that this takes, and write the results and the summary into `folder`.
     notify: called with each message; threads: how many simulate; others: config sections."""
-    if read_plan(folder.plan).experiment.quantities:
-        quantities.answer(folder, requirements, verify, jobs, notify, threads)
+    experiment = read_plan(folder.plan).experiment
+
+    def step(text: str) -> AbstractContextManager[None]:
+        return report_seconds(f"{experiment.name}: {text}", notify)
+
+    if experiment.quantities:
+        with step("searching the bounds of quantities"):
+            quantities.answer(folder, requirements, verify, jobs, notify, threads)
     if requirements:
-        limits.answer(folder, requirements, jobs, notify)
+        with step("finding what meets the requirements"):
+            limits.answer(folder, requirements, jobs, notify)
     if choose.parameters:
-        choice.answer(folder, choose, requirements, verify, jobs, notify, threads)
+        with step("choosing"):
+            choice.answer(folder, choose, requirements, verify, jobs, notify, threads)
     if measured:
-        tests.answer(folder, measured, requirements, verify, jobs, notify, threads)
-    summarise(
-        folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
-    )
+        with step("finding what explains the measured curves"):
+            tests.answer(folder, measured, requirements, verify, jobs, notify, threads)
+    with step("writing the answers"):
+        summarise(
+            folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
+        )
     notify(f"answers: {folder / 'summary.md'}")

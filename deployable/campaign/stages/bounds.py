@@ -8,7 +8,7 @@ from deployable.campaign.answers.discretization import check_bounds, checked_com
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.bounds import analyse
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.runs.store import unpack
 from deployable.campaign.samples.kept_extremes import gather as gather_extremes
 from deployable.campaign.samples.samples import gather
@@ -35,7 +35,9 @@ def bound(
     how many simulate. Raises `CampaignError` if runs fail."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
-    collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
+    name = plan.experiment.name
+    with report_seconds(f"{name}: gathering the runs", notify):
+        collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
     components = checked_components(plan, verify)
 
     def add_discretization(dataset: Any) -> Any:
@@ -45,4 +47,5 @@ def bound(
             else dataset
         )
 
-    analyse(folder, bounds, add_discretization)
+    with report_seconds(f"{name}: fitting the surrogate and searching its bounds", notify):
+        analyse(folder, bounds, add_discretization)

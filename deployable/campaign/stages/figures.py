@@ -13,24 +13,26 @@ from deployable.campaign.results.figures import (
     draw_sensitivities,
 )
 from deployable.campaign.results.ranges import draw_ranges
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 
 def work(folder: Folder, notify: Notify, error: Any) -> None:
-    """Do the work of the stage `figures`: draw into `folder` each response with its bounds, all
-    of them in panels, the influence of each parameter, and the range of each quantity. notify: not
-    used; error: section `error` of the config; instants are hatched where the estimated error of
-    the bounds is above its `shade_above`, a share of their largest difference."""
+    """Do the work of the stage `figures`: draw into `folder` each response with its bounds, all of
+    them in panels, the influence of each parameter, and the range of each quantity. notify: called
+    with each message for users; error: section `error` of the config; instants are hatched where
+    the estimated error of the bounds is above its `shade_above`, a share of their largest
+    difference."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:
         check_results(folder, (PLAN, SAMPLES, *ANSWERS))
         _ = experiment.quantity_list  # refused before anything is drawn, if the structure is
-    draw_envelopes(folder.bounds, error.shade_above, folder.figures)
-    if "responses" in names:
-        draw_panels(folder.bounds, error.shade_above, folder.overviews)
-    if "sensitivities" in names:
-        draw_sensitivities(folder.sensitivities, folder.overviews)
-    if "ranges" in names:
-        draw_ranges(folder, folder.overviews)
+    with report_seconds(f"{experiment.name}: drawing figures", notify):
+        draw_envelopes(folder.bounds, error.shade_above, folder.figures)
+        if "responses" in names:
+            draw_panels(folder.bounds, error.shade_above, folder.overviews)
+        if "sensitivities" in names:
+            draw_sensitivities(folder.sensitivities, folder.overviews)
+        if "ranges" in names:
+            draw_ranges(folder, folder.overviews)

@@ -8,7 +8,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import check_results, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report import draw_nominal, from_results, make_motions, write_page
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
@@ -22,7 +22,11 @@ def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> 
     if read_json(folder / "summary.json")["quantities"]:
         check_results(folder, (SAMPLES, *ANSWERS))
     check_results(folder, (SAMPLES, "surrogate.nc"))
-    if not make_motions(folder.path, frames):
+    name = folder.whole.name
+    with report_seconds(f"{name}: making runs again that move on the page", notify):
+        is_made = make_motions(folder.path, frames)
+    if not is_made:
         notify("no run is made again: the structure or the mechanics have changed since")
-    write_page(from_results(folder.path), folder.report)
-    draw_nominal(folder, figures.moments)
+    with report_seconds(f"{name}: making the page", notify):
+        write_page(from_results(folder.path), folder.report)
+        draw_nominal(folder, figures.moments)

@@ -7,7 +7,7 @@ from typing import Any
 
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import make_plan, write_plan
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.progress import Notify, report_seconds
 
 _SKIPS = 10  # spaces of a curve's points below the time step from which on it is told
 
@@ -16,7 +16,8 @@ def work(folder: Folder, notify: Notify, experiment: Any) -> None:
     """Do the work of the stage `plan`: choose a campaign's runs and their time step, and write
     `plan.json` into `folder`. notify: called with each message; experiment: decides the runs."""
     warn(notify, experiment)
-    plan = make_plan(experiment)
+    with report_seconds(f"{experiment.name}: choosing the runs and their time step", notify):
+        plan = make_plan(experiment)
     write_plan(plan, folder.plan)
     step, limit = plan.time.step, plan.time.step_limit
     notify(

@@ -98,6 +98,19 @@ class Workflow:
                     reasons[str(path)] = f"{path} was made from something else"
         return reasons
 
+    def list_stages(self, is_incomplete: bool, figures: bool = True) -> list[str]:
+        """List the names of the stages that `run` would do by the results that are there.
+        is_incomplete: whether runs are to be simulated; figures: whether it draws."""
+        stale, names = self.stale(), []
+        for stage in stages_of(self.campaign):
+            paths = self.files_of(stage)
+            is_whole = paths and all(path.exists() and str(path) not in stale for path in paths)
+            if stage.name == "simulate":
+                is_whole = not is_incomplete
+            if (figures or not stage.draws) and (names or not is_whole):
+                names.append(stage.name)
+        return names
+
     def files_of(self, stage: Stage) -> list[Path]:
         """List the paths of the files that a stage writes; of batches only those that exist."""
         names = stage.leaves(self.campaign)

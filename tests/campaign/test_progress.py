@@ -15,7 +15,7 @@ import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _round, estimate
 from deployable.campaign.runs.progress import MessagePrinter, Progress, report_seconds, warm_up
-from deployable.campaign.stopping import STEPS
+from deployable.campaign.interrupts import STEPS
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
 from fpm.reading.variables import VARIABLES
@@ -131,7 +131,7 @@ def test_ctrl_c_says_what_is_there_and_how_to_go_on():
     code = """if True:
         import os, signal, sys, time
         from deployable.campaign.runs.progress import Progress, report_step
-        from deployable.campaign.stopping import end_on_ctrl_c
+        from deployable.campaign.interrupts import end_on_ctrl_c
         end_on_ctrl_c()
         with report_step(Progress("mast", 9, lambda: 4).describe, print):
             os.kill(os.getpid(), signal.SIGINT)

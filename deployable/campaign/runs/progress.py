@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, TextIO
 
 import fpm
-from deployable.campaign.stopping import STEPS
+from deployable.campaign.interrupts import STEPS
 from deployable.campaign.text.numbers import duration_text
 from fpm.scenes.effort import compile_seconds
 

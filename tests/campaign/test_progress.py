@@ -14,8 +14,8 @@ import pytest
 import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _round, estimate
-from deployable.campaign.runs.progress import MessagePrinter, Progress, report_seconds, warm_up
 from deployable.campaign.interrupts import STEPS
+from deployable.campaign.runs.progress import MessagePrinter, Progress, report_seconds, warm_up
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
 from fpm.reading.variables import VARIABLES

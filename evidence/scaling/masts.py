@@ -22,7 +22,7 @@ class Size:
     """A structure as it was measured: 8 samples side by side.
 
     units: 0 for the linkage; elements and joints of it; step (s); steps of the run; cost (s) of a
-    step; building (s) of one scene with its stable step; balance: largest imbalance over the
+    step; build_time (s) of one scene with its stable step; balance: largest imbalance over the
     largest kinetic energy; gap (m), tilt (rad): widest of any joint.
     """
 

@@ -79,9 +79,9 @@ def mast_rows(sizes: Sequence[Size]) -> list[Row]:
     steps = [size.step for size in rest]
     rows.append(at_most("longest step over shortest", max(steps) / min(steps), 1.001,
                         "the same elements"))  # fmt: skip
-    note = f"the linkage: {1e3 * linkage.building:.3g} ms"
+    note = f"the linkage: {1e3 * linkage.build_time:.3g} ms"
     rows.append(info(f"building {largest.units} units, and their stable step",
-                     1e3 * largest.building, "ms", note))  # fmt: skip
+                     1e3 * largest.build_time, "ms", note))  # fmt: skip
     return rows
 
 
@@ -102,7 +102,7 @@ def sizes_table(sizes: Sequence[Size]) -> str:
     rows = [
         [
             size.units or "the linkage", size.elements, size.joints, size.step, 1e6 * size.cost,
-            1e9 * size.cost / size.elements / masts.LANES, 1e3 * size.building, size.balance,
+            1e9 * size.cost / size.elements / masts.LANES, 1e3 * size.build_time, size.balance,
             size.gap, size.tilt,
         ]
         for size in sizes

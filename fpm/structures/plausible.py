@@ -139,8 +139,8 @@ def extent(scene: Scene) -> float:
 def _loose(scene: Scene) -> Iterator[str]:
     """Parts at the end of a joint on which nothing acts, where nothing else moves them."""
     is_moved = np.any(scene.gravity) or scene.velocity.any() or scene.spin.any()
-    others = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
-    if is_moved or any(others) or scene.opening_rates:
+    forces = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
+    if is_moved or any(forces) or scene.opening_rates:
         return
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
     active_hinges = {
@@ -263,8 +263,8 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
         yield f"{head} is beyond where the springs on {hinge.name} rest: {text}"
     fastest = _acceleration(scene, hinge, abs(push))
     least = np.sqrt(2 * abs(travel) / fastest) if fastest else np.inf
-    others = scene.opening_rates or Load.find(scene) or scene.cables or Strut.find(scene)
-    is_alone = not (scene.velocity.any() or scene.spin.any() or others)
+    is_moved = scene.opening_rates or Load.find(scene) or scene.cables or Strut.find(scene)
+    is_alone = not (scene.velocity.any() or scene.spin.any() or is_moved)
     if duration is not None and is_alone and duration < least / 2 < np.inf:
         weight = " and the weight" if np.any(scene.gravity) else ""
         yield (
@@ -288,11 +288,11 @@ def run_duration(scene: Scene) -> float:
     springs = [e for kind in (TorsionSpring, TableSpring) for e in kind.find(scene)]
     latches = [*Latch.find(scene), *RigidLatch.find(scene)]
     for number in {spring.hinge for spring in springs}:
-        hinge, acting = scene.hinges[number], [s for s in springs if s.hinge == number]
-        rests = [s.rest if isinstance(s, TorsionSpring) else s.angles[-1] for s in acting]
+        hinge, hinge_springs = scene.hinges[number], [s for s in springs if s.hinge == number]
+        rests = [s.rest if isinstance(s, TorsionSpring) else s.angles[-1] for s in hinge_springs]
         ends = [latch.angle for latch in latches if latch.hinge == number] or rests
         travel = max(abs(end - hinge.opening) for end in ends)
-        push = abs(sum(_moment(spring, hinge.opening) for spring in acting))
+        push = abs(sum(_moment(spring, hinge.opening) for spring in hinge_springs))
         fastest = _acceleration(scene, hinge, push) if push else np.inf
         times.append(SLOWER * float(np.sqrt(2 * travel / fastest)))
     return max(times, default=0.0) or 1.0

@@ -134,8 +134,8 @@ def test_a_verdict_tells_what_is_open(kept, part, open_, text):
 @pytest.mark.parametrize(
     ("error", "text"),
     [
-        (0.1, "0.2 s"),
-        (0.3, "0.2 s (below the error estimate)"),
+        (0.1, "0.2 ± 0.1 s"),
+        (0.3, "0.2 ± 0.3 s (below the error estimate)"),
         (None, "0.2 s (error unknown)"),
     ],
 )
@@ -318,6 +318,7 @@ def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
 def test_two_tolerances_that_help_as_much_are_two_sentences():
     half = {"share": 1.0, "share_uncertainty": 0.0}
     together = {"met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 9}
+    together |= {"max_interval_scale": 0.5, "fails": None}
     facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
     text = sentence("tolerance", facts)
     assert text.count("half as wide") == 2 and ". The k2" in text
@@ -382,7 +383,7 @@ def test_where_choices_lie_on_no_grid_all_are_compared():
 
 @pytest.mark.parametrize("kept", [True, False])
 def test_a_choice_that_changes_nothing_is_no_advice(kept):
-    goal = {"quantity": "q", "end": "width", "value": 0.0, "units": "s"}
+    goal = {"quantity": "q", "end": "width", "value": 0.0, "units": "s", "error": 0.0}
     one = {"name": "k1", "units": "1", "lower": 0.9, "upper": 2.0, "value": 0.9}
     found = {"kept": kept, "goals": [goal], "limits": []}
     facts = facts_of_two() | {"choice": found | {"parameters": [one | {"decides": False}]}}

@@ -69,7 +69,7 @@ def test_a_step_costs_what_is_in_it():
 def test_a_run_costs_its_steps_its_instants_and_its_packing():
     scene = scene_type("pendulum").build()
     one = effort.run_seconds(scene, 1000, 11)
-    assert one > effort.PACKING
+    assert one > effort.PER_SCENE
     assert effort.run_seconds(scene, 2000, 11) - one == pytest.approx(
         1000 * effort.step_seconds(scene) / 8
     )

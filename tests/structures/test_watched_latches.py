@@ -89,7 +89,7 @@ def test_the_earlier_of_time_and_catch_counts():
 @pytest.mark.parametrize(
     ("release", "words"),
     [
-        ("watch: catch_rr, level: 1 rad", "level: 1 is not allowed; allowed: none, as it watches"),
+        ("watch: catch_rr, level: 1 rad", "allowed: none, as it watches the latch catch_rr"),
         ("watch: spring_rr", "watch: 'spring_rr' is not allowed; allowed: a joint, or a latch: c"),
         ("watch: cath_rr", "there is no joint or latch 'cath_rr' .did you mean catch_rr"),
         ("watch: root_rr", "allowed: an opening, with a joint to `watch`"),

@@ -54,7 +54,10 @@ def test_a_bad_config_is_refused_before_any_job(workplace):
 
 
 BROKEN = {
-    "a syntax error": (GOOD.replace("[B, D]", "[B, D"), ["line 6, column 18: this is not YAML"]),
+    "a syntax error": (
+        GOOD.replace("[B, D]", "[B, D"),
+        ["line 6: this is not YAML: the bracket that opens here is not closed"],
+    ),
     "a file that is missing": (None, ["the file cannot be read: No such file or directory"]),
     "Python to be run": (
         GOOD + "__use_yte__: true\n__definitions__: [\"open('executed', 'w')\"]\n",

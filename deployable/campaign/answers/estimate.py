@@ -34,10 +34,10 @@ Passes = list[tuple[int, float]]
 START, PLAN, BOUNDS, ANSWERS, FIGURES, PAGE = 1.5, 0.2, 0.8, 0.4, 1.0, 1.5
 """Seconds to start, with the config, and of each stage, whatever is answer_time for."""
 
-FIT, SUBDIVISION, JUMP, SPLINE, DRAWING = 1e-4, 5e-4, 1.5e-3, 3e-5, 0.5
+FIT, SUBDIVISION, JUMP, SPLINE, DRAWING = 1e-4, 5e-4, 1.5e-3, 3e-5, 1.0
 """Seconds to bound a polynomial at an instant of a response: over up to two intervals; over more,
 where the box is subdivided; where velocities jump, more often. Of a spline, for each run; and to
-draw a response."""
+draw a response, by itself and as a panel."""
 
 QUANTITY, RANGE = 0.6, 0.3
 """Seconds to bound a quantity, and to draw it or show it on the page."""

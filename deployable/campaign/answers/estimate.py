@@ -32,7 +32,7 @@ Passes = list[tuple[int, float]]
 """Numbers of runs, and the cost of one over a planned one's."""
 
 START, PLAN, BOUNDS, ANSWERS, FIGURES, PAGE = 1.5, 0.2, 0.8, 0.4, 1.0, 1.5
-"""Seconds to start, with the config, and of each stage, whatever is answer_time for."""
+"""Seconds to start, with the config, and of each stage, whatever is asked for."""
 
 FIT, SUBDIVISION, JUMP, SPLINE, DRAWING = 1e-4, 5e-4, 1.5e-3, 3e-5, 1.0
 """Seconds to bound a polynomial at an instant of a response: over up to two intervals; over more,

@@ -69,8 +69,9 @@ class Measurement(NamedTuple):
 
 
 class TestRuns(NamedTuple):
-    """Runs of a test: N coordinates `points` (N, p) of box and start, -1 to 1, and their `curves`
-    (N, n, R); starts (2, s): lower and upper coordinates of the part of its start to look in."""
+    """Runs of a test, and the part of its start to look in. points (N, p): coordinates of N runs,
+    -1 to 1, first of the box, then s of the test's own start; curves (N, n, R): n responses, in
+    their units, at R instants; starts (2, s): lower and upper coordinates of that part."""
 
     points: np.ndarray
     curves: np.ndarray
@@ -300,14 +301,17 @@ class _Problem:
 class Calibration:
     """What of a box explains measured curves.
 
-    hull (2, k): lower and upper coordinates, -1 to 1, of what is not excluded; or, if the tests are
-    refuted, of what comes within the least band. starts: of each test, likewise (2, s). least,
-    attained: least misfit of any point, in bands, as it is at least and as a run has it; best (k):
-    that run's point. fractions: of the box's volume that explains, and that is not excluded;
-    samples (S, k): points that are not excluded, extremes of their hull among them. runs: made
-    here, of all tests; worst: (test, response, instant) at which the best run is farthest off;
-    residuals (n, T) of each test there; data: the runs of each test. misfits(): points (N, k + 1)
-    spread over the box, with their least misfit by the surrogates last, found when called."""
+    Misfits count in bands, the allowed deviations from a measured curve; up to 1 explains. hull (2,
+    k): lower and upper coordinates, -1 to 1, of what is not excluded; or, if the tests are refuted,
+    of what comes within the least band. starts: of each test, likewise (2, s), of the s unknown
+    values at its own start. least, attained: least misfit of any point, as it is at least and as a
+    run has it; best (k): that run's point. fractions: of the box's volume that surely explains, and
+    that is not excluded, by the surrogates' errors; samples (S, k): points that are not excluded,
+    extremes of their hull among them. runs: number made here, of all tests; worst: (test, response,
+    instant) at which the best run is farthest off; residuals: its deviations of each test, (n, T)
+    of n responses at T instants, in the responses' units; data: the runs of each test. misfits():
+    points (N, k + 1) spread over the box, with their least misfit by the surrogates last, found
+    when called."""
 
     hull: np.ndarray
     starts: list[np.ndarray]

@@ -108,12 +108,13 @@ def record_after(parts, world, record, row, timing):
 
 @kernel
 def balance(world, energies, row, kick):
-    """Store the error of the energy balance (J) since the start, stored energy less work given,
-    plus losses, in row `row` of `energies`, and in World.sums the sizes of all stored energies,
-    with which it is compared. world: solver state; energies: Record.energies; row: index of the
-    instant; kick: half the energy (J) of the change of momenta in the step. Sizes, as where an
-    element type's energy is zero, and so its sign, is a matter of definition. What an impact starts
-    has no kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`."""
+    """Store the error of the energy balance (J) since the start in column BALANCE of row `row` of
+    `energies`: stored energy less work given, plus losses, less the same at the start. World.sums
+    gets the scale of comparison (J): the kinetic energy plus the sizes of all other stored energies
+    (where such is zero, and so its sign, is a matter of definition) plus 1e-6 of `kick`. world:
+    solver state; energies: Record.energies, whose other columns of the row are read; row: index of
+    the instant; kick: half the energy (J) of the change of momenta in the step, as what an impact
+    starts has no kinetic energy between its half steps yet."""
     stored_energy = load(energies, row, KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate
     accounts = ACCOUNTS + world.accounts.shape[1]

@@ -156,7 +156,8 @@ def digest_reading() -> str:
 
 
 def kernels() -> str:
-    """Return a digest (16 hex digits) of fpm's compiled files: elements and kernels."""
+    """Return a digest (16 hex digits) of the source files of fpm that are compiled: those in its
+    folders `elements` and `kernels`, as they were when fpm was imported."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 

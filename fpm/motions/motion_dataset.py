@@ -25,7 +25,8 @@ class RecordedMotion(NamedTuple):
     """Motion of a scene's n particles and m beam elements in one run, at all t recorded instants or
     at k of them. scene: the scene; outcome: the run's, with its named points and events; rows (k,):
     indices of the k instants; position (t, n, 3): m; velocity (k, n, 3): m/s; frame (t, n, 3, 3):
-    own axes as columns; axial, bending (k, m): strains."""
+    own axes as columns; axial (k, m): strains, above 0 in tension; bending (k, m): largest strains
+    by bending at the surface, at least 0."""
 
     scene: Scene
     outcome: Outcome

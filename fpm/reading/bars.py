@@ -96,8 +96,9 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Return forces and moments in the sections of `beams`, a group of elements of a scene;
-    place(i), axes(i): positions (t, 3) m and frames (t, 3, 3) of particle i."""
+    """Return forces and moments at both ends of each of `beams`, a group of m elements of a scene.
+    place(i), axes(i): positions (t, 3) m and frames (t, 3, 3), axes as columns, of particle i at t
+    instants. The result: (t, m, 2, 3) each, N and N m, along and about the section's axes."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, end_axes = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)

@@ -258,9 +258,11 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
-    travel, as many as the run has instants. response: made by `read_margin`; run: series (`Curves`)
-    of a run, or what `sweep_travel` returns."""
+    """Return the torque or force margin (t,), without unit, at t positions evenly spaced over its
+    travel, as many as the run has instants. It is the weighted sum of the moments (or forces) that
+    drive over that of those that resist, less 1: at least -1, at most 99, below 0 where what drives
+    does not suffice. response: made by `read_margin`; run: series (`Curves`) of a run, or what
+    `sweep_travel` returns."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

@@ -144,8 +144,9 @@ class Recording:
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the moments on a hinge (its index), (t, a) N m, on a slide N, columns for the `a`
-        components ("spring", "damper", ...: PARTS), and the work (t, a) J of each so far."""
+        """Return the moments on a hinge, and the work of each so far, over the run: (t, a) N m, on
+        a slide N, above 0 where they raise its opening, and (t, a) J, above 0 where they drive it.
+        hinge: its index; columns: the `a` components ("spring", "damper", ...: PARTS)."""
         rows = self._rows(self._parts[Opening].part_track, len(self.scene.hinges) * len(PARTS))
         columns = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return columns[..., 0], columns[..., 1]

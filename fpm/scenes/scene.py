@@ -360,7 +360,8 @@ class Scene:
         ----------
         particle: index of the particle.
         force, moment: force (3,), N, and moment (3,), N m, in global axes.
-        arm: vector (3,), m, from the particle to where the force acts, at the start; fixed to it.
+        arm: vector (3,), m, in global axes at the start, from the particle to where the force acts;
+            it turns with the particle.
         curve: index of the curve of time that scales both; -1: constant."""
         frame = self.frame if self.unstrained is None else self.unstrained
         beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))

@@ -272,8 +272,9 @@ class PointKey(Key):
 
 @dataclass(frozen=True)
 class ListKey(Key):
-    """Key whose value is a list of `least` to `most` values of the Key `kind`, each once. units:
-    whether {each: REPEAT, through: [...]} may stand for the values of all units of a repeat."""
+    """Key whose value is a list of `least` to `most` values of the Key `kind`, which must be given,
+    no two alike. units: whether {each: REPEAT, through: [...]} in the list may stand for the values
+    in all units (numbered copies) of the repeat of that name; then values may be alike."""
 
     kind: Key | None = None
     least: int = 1

@@ -124,8 +124,10 @@ class Names:
         self.order: list[str] = []
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
-        """Return whether something may be called `name`; else a problem is noted. key, line: its
-        dotted path and line; number: whether it is a number, then names of units are refused."""
+        """Return whether something may be called `name`; else a problem is noted. It must be of
+        letters, digits and _ after a letter, no word of the language (ground, next, previous,
+        first, last), no function, no word of Python's; whether it is taken is not looked for. key,
+        line: its dotted path and line; number: whether it is a number's: then no unit either."""
         is_reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or is_reserved:
             hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
@@ -263,9 +265,11 @@ class Place:
         return bound
 
     def whole(self, node: Node, allowed: str) -> Bound:
-        """Return the expression in `node`, a number without unit in which all names stand for whole
-        numbers (that its value is whole is not checked); what is wrong is noted, and SkippedError
-        raised. allowed: what the value may be, in words."""
+        """Return the expression written in `node` with its names found, where a whole number is
+        asked for. It has no unit, and all names in it stand for whole numbers; its value is not
+        found here, and may still be none, as of `n / 2`. What is wrong is noted, and SkippedError
+        raised. node: the value in the structure's file; allowed: what it may be, in words, for the
+        message."""
         bound = self.number(node, NUMBER, allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)

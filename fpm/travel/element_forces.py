@@ -25,9 +25,10 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 
 class ElementForces:
-    """Forces that elements of one type exert on the particles of a scene, computed by their kernels
-    at given poses. scene: the scene, of n particles; elements: of one type. Their memory, as of a
-    bristle's deflection, goes on from call to call."""
+    """Computes the forces of elements of one type on the n particles of a scene, by their kernels.
+    `forces(poses)` returns (6n,): force (N), then moment (N m), global, on each particle in turn;
+    `linearise(poses)` these and their stiffness (6n, 6n). scene: theirs; elements: list, of one
+    type. Their memory, as of a bristle's deflection, goes on from call to call of `forces`."""
 
     def __init__(self, scene, elements: list):
         part_scene, kind = copy(scene), type(elements[0])

@@ -186,7 +186,8 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
 
 def make_refinement_dataset(model: ModelEvaluator) -> Any:
     """Make the content of `further.nc`, an `xarray.Dataset` of the runs that `model` added beyond
-    the plan: ids, points, parameter values, quantities and event margins."""
+    the plan: ids, coordinates in the box (-1 to 1), parameter values and quantities, each in its
+    unit, and event margins, above 0 where the event occurs. Writes nothing."""
     import xarray as xr
 
     runs, k = model.refinements, model.points.shape[1]

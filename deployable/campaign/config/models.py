@@ -219,7 +219,9 @@ class Verify(ConfigSection):
 
 @dataclass(frozen=True)
 class Limits(ConfigSection):
-    """Limits of one quantity. Where it does not happen, no limit is kept."""
+    """Limits of one quantity, at least one. at_least, at_most: least and largest value, in the
+    quantity's unit, violated where it has none, as its event does not happen; happens: True if it
+    must happen, False if it must not, then the only limit."""
 
     at_least: float = ABSENT
     """Least value, in the quantity's unit."""

@@ -357,7 +357,7 @@ class Campaign:
     """A whole config, checked and resolved: the experiment, which determines the runs, and the
     sections on what is made of the runs.
 
-    published: largest difference of the bounds from those in the literature, by response; review:
+    published: largest width (upper less lower bound) in the literature, by response; review:
     name of the standard that the review sheet follows, None for no sheet; requirements: limits by
     requirement, quantity and kind; cases: what each case changes, by name, as in the config;
     case_campaigns: the campaigns of the cases, by name, which are run in the place of this one;

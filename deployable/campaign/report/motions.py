@@ -33,9 +33,9 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 
 @dataclass(frozen=True)
 class ShownRun:
-    """A run that the page shows moving: its id (hexadecimal), parameter values (k), and `label`,
-    what it is in words. row: index in `samples.nc`; None: it is in `further.nc`, of runs added at
-    bounds and limit-state surfaces."""
+    """A run that the page shows moving: its id (hexadecimal), `values` (k) of the interval
+    parameters, in their units, and `label`, what it is in words. row: index in `samples.nc`; None:
+    it is in `further.nc`, of runs added at bounds and limit-state surfaces."""
 
     id: str
     values: np.ndarray

@@ -54,9 +54,10 @@ def facts_of(
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
     keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
-    files, which are read; published: largest difference of the bounds in the literature, by name of
-    response; requirements, choice, measured: whether the campaign has requirements, a choice of
-    parameters or measured curves, to read `requirements.json`, `choice.json` or `measured.json`."""
+    files, which are read; published: largest width (upper less lower bound) that somebody has
+    published, by name of response, in its unit; requirements, choice, measured: whether the
+    campaign has requirements, a choice of parameters or measured curves, to read
+    `requirements.json`, `choice.json` or `measured.json`."""
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
@@ -107,11 +108,12 @@ def facts_of(
 
 
 def mark_constant(facts: dict) -> None:
-    """Set `constant` in the dicts of responses and quantities that do not vary over the box of
-    parameters, and clear their relative errors and contributions; facts: the campaign's results as
-    plain data (`facts_of`), changed in place. They are those whose upper and lower bound differ by
-    rounding alone: by at most `ROUNDING` (1e-12) times the largest value that any of them with that
-    unit has, at least 1 rad, 1 mm or the duration."""
+    """Mark the responses and quantities that do not vary over the box of parameters. In their dicts
+    `constant` becomes True, `shares` is removed, `grade` "none", the `share` of each influence 0,
+    that of the errors None; facts: the campaign's results as plain data (`facts_of`), changed in
+    place. They are those whose upper and lower bound differ by rounding alone: by at most
+    `ROUNDING` (1e-12) times the largest value that any of them with that unit has, at least 1 rad,
+    1 mm, the duration (s), or 1 rad or 1 mm per duration (of rates); other units have no least."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
@@ -383,7 +385,7 @@ def _is_met(errors: Mapping[str, float | None]) -> bool:
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
     """Make one dict for each quantity, as in `summary.json`: its interval, errors, numbers of runs
     with and without it, parameter values at both bounds, and the influence of each parameter. data:
-    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), noted as `beyond` of
+    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), noted as `censored_at` of
     a time that some runs lack and whose upper bound reaches the end of the runs (else None)."""
     parameters = data["parameter"][:].tolist()
     rows = []

@@ -137,8 +137,9 @@ def edition_of(standard: str) -> str:
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """Write a review sheet as CSV text, headings first. rows: the sheet's dicts (`rows_of`);
-    standard: a key of `CLAUSES`."""
+    """Write a review sheet as CSV text, headings first, the same for all standards. rows: the
+    sheet's dicts (`rows_of`); standard: a key of `CLAUSES`, whose title and edition stand in the
+    first column of each row."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     sheet_rows = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *sheet_rows))

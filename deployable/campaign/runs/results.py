@@ -129,7 +129,8 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name in the seal (checksum) of a group's file `path`: `runs` and its stem."""
+    """Return the name in the seal (checksum) of a group's file `path`: `runs `, then its stem, as
+    `runs 3f2a`."""
     return f"runs {path.stem}"
 
 

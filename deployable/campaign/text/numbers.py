@@ -68,8 +68,9 @@ def percent(share: float) -> str:
 
 def share(share: float, open_: float = 0.0) -> str:
     """Write a share of the box's volume in per cent with its uncertainty, never rounded to all or
-    nothing: `81 ± 2 %`, `at least 98 %`. share: from 0 to 1; open_: half-width of its uncertainty,
-    from 0 to 1, too, rounded up to one digit, left out below 0.05 per cent."""
+    nothing: `81 ± 2 %`, `at least 98 %`, `at most 2 %`, `an unknown share`. share: from 0 to 1;
+    open_: half-width of its uncertainty, from 0 to 1, too, rounded up to one digit, above 10 per
+    cent to a whole number; below 0.05 per cent left out: `81.25 %`, `less than 0.01 %`."""
     percent, half_width = 100 * share, 100 * open_
     if half_width < OPEN:
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -92,11 +93,12 @@ OPEN = 0.05
 
 
 def interval(row: Mapping[str, Any]) -> str:
-    """Write a quantity's interval with its unit, `0.31 to 0.34 s`; empty where there is none. row:
-    the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, and beyond:
+    """Write a quantity's interval with its unit, `0.31 to 0.34 s`; "" where there is none. row: the
+    quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, and censored_at:
     None, or, of a time that some runs do not reach, their duration (s): then the text is `0.31 to
-    more than 2 s (the end of the runs)`. Bounds are rounded at the first digit of their error (or
-    of a tenth of their difference, if that is less), at most two below that of the difference."""
+    more than 2 s (the end of the runs)`. Both bounds are rounded to the place of the first digit of
+    their error, or of a tenth of their difference if that is less; never more than two places
+    beyond the first digit of their difference."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)

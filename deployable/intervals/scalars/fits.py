@@ -124,8 +124,9 @@ class Fit:
 
     @property
     def usual_error(self) -> float:
-        """Estimated error where runs were sampled adaptively, next to the points that decide: a
-        power mean of the leave-one-out errors (`estimates.power_mean`)."""
+        """Estimated error, in the unit of the values, near the bounds where runs were sampled
+        adaptively: a mean of the sizes of the leave-one-out errors, the largest in more than 3
+        directions (`estimates.power_mean`). For other runs see `error`."""
         return float(power_mean(self.left_out, int((np.ptp(self.points, axis=0) > 0).sum())))
 
     @property

@@ -148,7 +148,8 @@ class Beams(ElementType):
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
         """Return a copy of this group, whose elements have equal lengths, with another stress-free
         shape. strain: its relative elongation; curvature (1/m): of every element, above 0 if the
-        side towards the local third axis is longer; None: straight, in all samples of a batch."""
+        side towards the local third axis is longer, 0 for a straight sample in a batch with curved
+        ones; None: straight, as all samples of its batch are (kernels then compute less)."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)

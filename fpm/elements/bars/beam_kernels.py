@@ -43,8 +43,11 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements with own axes. nodes, beams, peaks, rows: as of StraightElements;
-    axes (m, 12, lanes): local axes 2 and 3 at end a, then at end b, in the particles' axes."""
+    """Arrays of m beam elements (lanes: samples) whose local axes are not their particles'. nodes
+    (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): undeformed length l0 (m),
+    EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2, lanes): largest bend (sine)
+    and strain so far; rows (m, 1, lanes): energy of each (J); axes (m, 12, lanes): local axes 2 and
+    3 (three components each) at end a, then at end b, in the axes of the particle there."""
 
     nodes: np.ndarray
     beams: np.ndarray

@@ -150,8 +150,9 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Return the work (J) of the winch of cable c over the step that ends now, above 0 where it
-    takes tight cable in. part: arrays of all cables (Cables or RubbingCables)."""
+    """Return the work (J, lanes: a value per sample) of the winch of a cable over the step that
+    ends now, above 0 where it takes tight cable in. part: arrays of all cables (Cables or
+    RubbingCables); c: index of the cable."""
     reel_length = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reel_length * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 

@@ -76,9 +76,11 @@ def count_conditions(sums, part, condition):
 
 @kernel
 def count_turns(turns, part, condition):
-    """Add the impulses (N m s; N s of slides) last found that hold joint coordinates exactly to the
-    field TURN_IMPULSE of turns.state, in samples where `condition` (lanes) is below 0. turns:
-    Joints.turns, None: nothing is done; part: arrays of all joints (TurnedJoints)."""
+    """Add the impulses (N m s; N s of slides) last found that hold joint coordinates exactly to
+    their sums over a step, the field TURN_IMPULSE of turns.state: after each round. turns:
+    Joints.turns, None: nothing is done; part: arrays of all joints (TurnedJoints); condition
+    (lanes): only samples where it is below 0 count: slack of the gaps, below 0 where bodies are
+    pushed again, or ALL (-1)."""
     if turns is not None:
         sums = turns.state
         for t in range(sums.shape[0]):

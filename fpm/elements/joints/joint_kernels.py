@@ -282,8 +282,10 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move all bodies from the start of the run to one `step` (s) before it, for `look_back`. part:
-    all joints (Joints); start: state of the particles (World.start_state), changed."""
+    """Move positions and axes of all bodies from the start of the run to one `step` (s) before it;
+    velocities and momenta stay. `look_back` finds the joints' gaps there, and then restores the
+    positions (`close_before`). part: arrays of all joints (Joints); start: state of the particles
+    (World.start_state), changed."""
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))

@@ -36,7 +36,9 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what `scene` must share with those beside it: type and hinge of each element."""
+        """Return what must be equal in all scenes simulated side by side with `scene`: a tuple of
+        pairs (type, index of the hinge), one for each element that holds a joint coordinate exactly
+        (`find`)."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod

@@ -98,8 +98,10 @@ def energy_of(part, world, i):
 
 @hook(Loops)
 def record(part, world, row):
-    """Record the difference of the strands' tensions (N) of each loop in part.track. part: arrays
-    of all loops (Loops); world: solver state, not used; row: index of the recorded instant."""
+    """Record the difference of the strands' tensions (N) of each of the l loops in part.track, rows
+    row * l + i; above 0 where the first hinge's pulley has turned farther than the second's (slip
+    above 0). part: arrays of all loops (Loops); world: solver state, not used; row: index of the
+    recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

@@ -40,7 +40,8 @@ class TableSpring(Connector):
 
     @property
     def slopes(self) -> np.ndarray:
-        """Slopes (n - 1,), N m/rad, of the moment between neighbouring points of the table."""
+        """Slopes (n - 1,) of the moment between neighbouring points of the table, N m/rad (N/m on a
+        slide)."""
         return np.diff(self.moments) / np.diff(self.angles)
 
     @property

@@ -219,9 +219,8 @@ class Verify(ConfigSection):
 
 @dataclass(frozen=True)
 class Limits(ConfigSection):
-    """Limits of one quantity, at least one. at_least, at_most: least and largest value, in the
-    quantity's unit, violated where it has none, as its event does not happen; happens: True if it
-    must happen, False if it must not, then the only limit."""
+    """Limits of one quantity, at least one. `at_least` and `at_most` are broken where it has no
+    value, as its event does not happen; `happens: false` stands alone."""
 
     at_least: float = ABSENT
     """Least value, in the quantity's unit."""

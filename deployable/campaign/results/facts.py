@@ -385,8 +385,9 @@ def _is_met(errors: Mapping[str, float | None]) -> bool:
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
     """Make one dict for each quantity, as in `summary.json`: its interval, errors, numbers of runs
     with and without it, parameter values at both bounds, and the influence of each parameter. data:
-    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), noted as `censored_at` of
-    a time that some runs lack and whose upper bound reaches the end of the runs (else None)."""
+    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), noted as
+    `censored_at` of a time that some runs lack and whose upper bound reaches the end of the runs
+    (else None)."""
     parameters = data["parameter"][:].tolist()
     rows = []
     for i, name in enumerate(data["quantity"][:]):

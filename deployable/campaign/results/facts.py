@@ -459,6 +459,23 @@ def decisive(row: Mapping) -> str | None:
     return most if shares[most] > 0 and len(shares) > 1 else None
 
 
+def has_effect(influence: Mapping, row: Mapping) -> bool:
+    """Return whether a parameter changes the width of a quantity's interval by more than the error
+    of its surrogate, alone or beside the others. influence: what is said of the parameter in `row`,
+    the quantity's dict (`quantity_rows`)."""
+    width = (row["surrogate_upper"] or 0.0) - (row["surrogate_lower"] or 0.0)
+    is_constant = "constant" in row or influence["fixed"] is None
+    beside = 0.0 if is_constant else width - influence["fixed"]
+    return bool(influence["share"]) or beside > (row["error"] or 0.0)
+
+
+def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
+    """Return the limit whose margin is the least for its error; None if none has both. limits: of
+    the best choice, dicts with `margin` and `error` in the unit of their quantity."""
+    rows = [limit for limit in limits if limit["margin"] is not None and limit.get("error")]
+    return min(rows, key=lambda limit: limit["margin"] / limit["error"], default=None)
+
+
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     """Name the quantity of a requirement that fails in part of the box only because the quantity
     (an event's time, say) does not occur there: where it occurs, its bounds keep all limits by

@@ -12,7 +12,9 @@ from deployable.campaign.results.facts import (
     SOFT,
     decisive,
     happens_only,
+    has_effect,
     moments,
+    scarcest,
     varies,
 )
 from deployable.campaign.text import numbers
@@ -38,7 +40,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     env.filters |= {name: getattr(numbers, name) for name in of_numbers}
     env.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
-        "happens_only": happens_only, "doubts": doubts,
+        "happens_only": happens_only, "doubts": doubts, "has_effect": has_effect,
+        "scarcest": scarcest,
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.to_html, units=units),
     }  # fmt: skip

@@ -131,7 +131,7 @@ class WhatIf {
     byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: mark }, verdict), ` (${basis}).`] : []));
     byId("what-numbers").replaceChildren(...model.flatMap(({ name, words, unit: of, latest, error }, i) => {
       const late = run === null && latest !== null && numbers[i] >= latest;
-      const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)} ${of}`;
+      const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)}${of === "1" ? "" : ` ${of}`}`;
       return [make("dt", {}, `${words[0].toUpperCase()}${words.slice(1)} (${name})`), make("dd", {}, text)];
     }));
     if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(beyond.length ? null : this.curve(r, unit)));

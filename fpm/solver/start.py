@@ -2,8 +2,9 @@
 
 What a motor or drive moves from the start on, and what a structure states of the motion of its
 parts, need not fit together: a motor that turns at once has a blow before it, and a stated rate of
-an opening says nothing of other joints. Of all velocities that do fit, those are taken at which
-that blow changes the motion least, with masses as weights:
+an opening says nothing of other joints; with such rates bars start as rigid bodies. Of all
+velocities that do fit, those are taken at which that blow changes the motion least, with masses as
+weights:
 
     M d + G'p = 0,   G (v + d) = b
 
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, dofs_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.rotation_axes import turns_of
@@ -67,6 +68,11 @@ def consistent_scene(scene: Scene) -> Scene:
     target = np.zeros(count)
     # The condition on a slide is that its first point is not behind the second.
     target[count - len(rates) :] = [-rate if hinge.slides else rate for hinge, rate in rates]
+    if scene.opening_rates and scene.beams:
+        from scipy.sparse import vstack
+
+        rows = vstack([rows, _rigid_rows(scene)]).tocsr()
+        target = np.concatenate([target, np.zeros(rows.shape[0] - count)])
     residual = rows @ velocities - target
     fastest = (abs(rows) @ abs(velocities) + abs(target)).max(initial=0.0)
     most = (AGREES if is_led else CONTINUES) * fastest
@@ -98,6 +104,22 @@ def check_masses(scene: Scene) -> None:
 def _rows(scene: Scene, conditions: Conditions):
     """Sparse derivatives (c, 6n) of conditions at the start."""
     return conditions.jacobian(ParticlePoses(scene.position, scene.frame))
+
+
+def _rigid_rows(scene: Scene):
+    """Sparse derivatives (6m, 6n) of the rates by which m elements of bars deform: 0 where rates of
+    openings are stated, as bars start as rigid bodies then."""
+    from scipy.sparse import coo_array
+
+    nodes = np.concatenate([beams.nodes for beams in scene.beams])
+    chord = scene.position[nodes[:, 1]] - scene.position[nodes[:, 0]]
+    first = np.tile(-np.eye(6), (len(nodes), 1, 1))
+    first[:, :3, 3:] = np.cross(chord[:, None], np.eye(3)[None]).swapaxes(1, 2)
+    blocks = np.concatenate([first, np.tile(np.eye(6), (len(nodes), 1, 1))], axis=2)
+    columns = np.repeat(dofs_of(nodes), 6, axis=0)
+    rows = np.repeat(np.arange(6 * len(nodes)), 12)
+    shape = 6 * len(nodes), 6 * len(scene.position)
+    return coo_array((blocks.ravel(), (rows, columns.ravel())), shape=shape)
 
 
 def _scale_rows(scene: Scene, rows):

@@ -167,15 +167,19 @@ def _moving(
 
 
 def _verdicts(samples: xarray.Dataset, folder: Path, summary: Mapping) -> RunVerdicts | None:
-    """The runs and which meet the requirements, further ones too."""
+    """The distinct runs and which meet the requirements, further ones too."""
     if not summary["quantities"]:
         return None
     parts = [samples]
     if (folder / "further.nc").exists():
         parts.append(_load(folder / "further.nc"))
-    values, numbers = (
-        np.concatenate([part[name].values for part in parts]) for name in ("value", "quantities")
+    values, points, numbers = (
+        np.concatenate([part[name].values for part in parts])
+        for name in ("value", "normalized", "quantities")
     )
+    points = np.round(points, 9) + 0.0
+    rows = np.sort(np.unique(points, axis=0, return_index=True)[1])  # each run once
+    values, numbers = values[rows], numbers[rows]
     limits = [limit for row in summary.get("requirements", ()) for limit in row["limits"]]
     return RunVerdicts(values, meets(limits, samples["quantity"].values.tolist(), numbers), numbers)
 

@@ -38,7 +38,7 @@ def _length(build, args) -> float:
     rest=NumberKey(None, "its length without force; this or `preload`", unit="m", above=0),
     preload=NumberKey(None, "its force at the start, > 0 where it pushes", unit="N"),
     acts=ChoiceKey("both ways", "`push`, `pull`: only so, else slack", options=tuple(SIDES)),
-    damping=DAMPING,
+    damping=replace(DAMPING, text=DAMPING.text + "; 0 where it acts one way"),
     **CLASS,
 )
 def spring(build, args):
@@ -52,6 +52,8 @@ def spring(build, args):
         build.refuse("rest", pair, "either `rest` or `preload`")
     if args.rest is None and not args.stiffness > 0:
         build.refuse("stiffness", args.stiffness, "above 0, with a `preload`")
+    if args.preload and args.acts == ("pull" if args.preload > 0 else "push"):
+        build.refuse("preload", args.preload, f"one that a strut may have that acts in {args.acts}")
     rest = args.rest
     if rest is None:
         rest = _length(build, args) + args.preload / args.stiffness

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fpm import elements
+from fpm.assembly.conditions import dependence
 from fpm.elements import (
     Cable,
     Drag,
@@ -232,11 +233,16 @@ def _rigid(scene: Scene) -> Iterator[str]:
         return
     ends = scene.supports.items()
     held = [f"support {name}" for name, arm in ends if scene.fixed[arm.particle].all()]
-    owners = sorted({*held, *names}, key=lambda name: not name.startswith("support"))
+    names, keys = (
+        np.array(names),
+        sorted(dict.fromkeys(names), key=lambda key: key.startswith("joint")),
+    )
+    needed = [key for key in keys if dependence(rows[names != key])[0] < rows.shape[1]]
+    owners = [*held, *(needed or keys)]
     text = ", ".join(owners[:MOST]) + ", ..." * (len(owners) > MOST)
     yield (
-        f"nothing can move: no part is elastic, and {text} hold every part: take one of them away, "
-        "or hold less (`translations`, `rotations`)"
+        f"nothing can move: no part is elastic, and it is held by {text}: check axes, take one of "
+        "these away, or let a support hold less (`translations`, `rotations`)"
     )
 
 

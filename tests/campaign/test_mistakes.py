@@ -4,6 +4,7 @@ message must hold, which a reader can act on at once."""
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -125,7 +126,7 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("210 GPa", "210", "Young's modulus of bar arm: 210 Pa; usual: 1e+06"),
     ("value: 1.2,", "value: 1200,", "largest extent of all of it: 1200 m", "only 0.04 m wide"),
     ("thickness: 2 mm", "thickness: 2 um", "bar arm is 0.04 m wide and only 2e-06 m thick"),
-    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: turn"),
+    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: give"),
     ("angle: 90 deg", "angle: 150 deg", "latch catch at 150 deg is beyond where the springs on pi"),
     ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, upper: 80 deg}",
      "latch catch at 90 deg is beyond the stop at 80 deg: it cannot catch"),
@@ -242,15 +243,15 @@ DOUBTS = [  # a structure, what is replaced, by what, and words of its only warn
      "latch catch at 30 deg catches from above, but its joint starts below it, at 0 deg", "below`"),
     (LATCHED, "rest: 90 deg", "rest: -90 deg",
      "push away from latch catch at 30 deg, with 1.571 N m: give them a `rest` beyond it"),
-    (LATCHED, "mass: 1, centre: e", "mass: 1000, centre: e", "a box of 2 x 0.1 x 0.1 m, 5e+04 kg/m3"),
+    (LATCHED, "mass: 1, centre: e", "mass: 1000, centre: e", "0.1 x 0.1 m, 5e+04 kg/m3"),
     (LATCHED, "0.1, 0.1]", "0.001, 0.001]", ""),  # a line
     (LATCHED, "drags:", "gravity: [0, 0, -9810]\ndrags:", "gravity is 9810 m/s2"),
     (LATCHED, "area: 2", "area: 20000", "an area of 2e+04 m2, on a structure of 2 m"),
-    (LATCHED, "points: {", "points: {lamp: [900, 0, 0], ", "point lamp is 899.", "within 2 m"),
+    (LATCHED, "points: {", "points: {lamp: [900, 0, 0], ", "point lamp is 898", "within 2 m"),
     (STILL, "moment: 0.5", "moment: 1.58", "on a 1.58 N m against 1.571: take less friction"),
     (STILL, "moment: 0.5", "moment: 1.55", ""),
     (STILL, "actions", "supports: {tip: {part: rocker, at: c}}\nactions",
-     "nothing can move: no part is elastic, and support tip, joint a, joint b, joint c hold"),
+     "nothing can move: no part is elastic, and it is held by support tip, joint a, jo"),
 ]  # fmt: skip
 
 
@@ -285,29 +286,23 @@ TURNED = STRUCTURE.replace(
 )
 def test_an_opening_that_its_references_overrule_is_refused(old, new, words):
     text = TURNED.replace(old, new, 1)
-    if not words:
-        return structures.loads(text).build()
-    with pytest.raises(fpm.SceneError, match=re.escape(words)):
-        structures.loads(text).build()
+    context = pytest.raises(fpm.SceneError, match=re.escape(words)) if words else nullcontext()
+    with context:
+        assert structures.loads(text).build().hinges
 
 
 @pytest.mark.parametrize(
     ("bolt", "words"),
     [
-        ("release, joint: a, time: 1 s", "allowed: 0 rad/s, to which release bolt holds it"),
-        ("motor, joint: a, turn: 0.1, curve: f", "allowed: 0.1 rad/s, to which motor bolt holds"),
-        ("damper, joint: a, damping: 1", "allowed: a rate that joints, motors, drives, supports"),
+        ("type: release, joint: a, time: 1 s", "allowed: 0 rad/s, to which release bolt holds it"),
+        ("type: motor, joint: a, turn: 1 rad, curve: ramp", "0.5 rad/s, to which motor bolt holds"),
+        ("type: damper, joint: a, damping: 1", "allowed: a rate that joints, motors, drives, supp"),
     ],
 )
 def test_a_rate_that_a_joint_cannot_have_is_refused_with_what_holds_it(bolt, words):
-    text = (
-        FOUR_BAR + f"  bolt: {{type: {bolt}}}\ncurves: {{f: {{times: [0, 1], values: [0, 1]}}}}\n"
-    )
-    rates = {"a": 1, "d": -1} if "damper" in bolt else {"a": 1}
-    text += "opening_rates:\n" + "".join(
-        f"  go_{joint}: {{joint: {joint}, rate: {rate} rad/s}}\n" for joint, rate in rates.items()
-    )
-    text = text if "curve: f" in text else re.sub("curves: .*\n", "", text)
+    text = "curves: {ramp: {times: [0, 2 s], values: [0, 1]}}\n" * ("ramp" in bolt) + FOUR_BAR
+    text += f"  bolt: {{{bolt}}}\nopening_rates:\n"
+    text += "".join(f"  go_{joint}: {{joint: {joint}, rate: 1 rad/s}}\n" for joint in "ab")
     with pytest.raises(fpm.SceneError, match=re.escape(words)):
         structures.loads(text).build()
 

@@ -178,11 +178,11 @@ def find_far_point(points: Mapping[str, np.ndarray]) -> Iterator[str]:
     if len(names) < 3:
         return
     distances = np.linalg.norm(places - np.median(places, axis=0), axis=1)
-    far = int(np.argmax(distances))
-    rest = float(np.ptp(np.delete(places, far, axis=0), axis=0).max())
-    if distances[far] > FARTHEST * rest > 0:
+    index = int(np.argmax(distances))
+    rest = float(np.ptp(np.delete(places, index, axis=0), axis=0).max())
+    if distances[index] > FARTHEST * rest > 0:
         yield (
-            f"point {names[far]} is {distances[far]:.4g} m from the others, which lie within "
+            f"point {names[index]} is {distances[index]:.4g} m from the others, which lie within "
             f"{rest:.4g} m: a length in mm has its unit, as 500 mm"
         )
 
@@ -232,13 +232,13 @@ def _rigid(scene: Scene) -> Iterator[str]:
     if len(rows) < rows.shape[1] or report.mobility(scene).degrees:
         return
     ends = scene.supports.items()
-    held = [f"support {name}" for name, arm in ends if scene.fixed[arm.particle].all()]
+    support_names = [f"support {name}" for name, arm in ends if scene.fixed[arm.particle].all()]
     names, keys = (
         np.array(names),
         sorted(dict.fromkeys(names), key=lambda key: key.startswith("joint")),
     )
-    needed = [key for key in keys if dependence(rows[names != key])[0] < rows.shape[1]]
-    owners = [*held, *(needed or keys)]
+    blockers = [key for key in keys if dependence(rows[names != key])[0] < rows.shape[1]]
+    owners = [*support_names, *blockers] or keys
     text = ", ".join(owners[:MOST]) + ", ..." * (len(owners) > MOST)
     yield (
         f"nothing can move: no part is elastic, and it is held by {text}: check axes, take one of "
@@ -249,9 +249,11 @@ def _rigid(scene: Scene) -> Iterator[str]:
 def _stuck(scene: Scene) -> Iterator[str]:
     """Friction that bears all that springs give at the start, where nothing else moves parts."""
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    others = [e for kind in kinds if kind.acts_as in ("motor", "contact") for e in kind.find(scene)]
+    drivers = [
+        e for kind in kinds if kind.acts_as in ("motor", "contact") for e in kind.find(scene)
+    ]
     is_strained = scene.assembly is not None or scene.unstrained is not None
-    if others or scene.curves or is_strained or _is_moved(scene):
+    if drivers or scene.curves or is_strained or _is_moved(scene):
         return
     pushes, bounds = Counter[int](), Counter[int]()
     for spring in (*TorsionSpring.find(scene), *TableSpring.find(scene)):
@@ -297,11 +299,11 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
     if SIDES[latch.side] * travel < 0 and abs(travel) > max(latch.capture_range, 1e-9):
-        other = "above" if latch.side == "below" else "below"
+        side = "above" if latch.side == "below" else "below"
         yield (
-            f"{head} catches from {latch.side}, but its joint starts {other} it, at "
+            f"{head} catches from {latch.side}, but its joint starts {side} it, at "
             f"{opening_text(hinge, start)}, and can be caught on the way back only: take `side: "
-            f"{other}`"
+            f"{side}`"
         )
     yield from _drive(scene, latch.hinge, travel, head, duration)
 

@@ -109,8 +109,8 @@ def revolute(build, args):
     actual = scene.hinges[hinge].opening
     off_turn = abs(math.remainder(args.opening, 2 * math.pi))
     if build.hold is None and min(abs(actual - args.opening), off_turn) > OPENING_TOL:
-        text, other = (f"{math.degrees(x):.6g} deg" for x in (args.opening, actual))
-        allowed = f"{other}, the angle of its `references`; or leave out one of both"
+        text, angle = (f"{math.degrees(x):.6g} deg" for x in (args.opening, actual))
+        allowed = f"{angle}, the angle of its `references`; or leave out one of both"
         build.refuse("opening", text, f"{allowed}; or turn `axis` around, for the other sign")
     for name, pair, ends in _further(args, particles):
         scene.add_hinge(name, pair, points[ends], axes[ends])

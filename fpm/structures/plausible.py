@@ -161,8 +161,8 @@ def find_doubts(group: str, args: Any, size: float) -> Iterator[str]:
         edges = " x ".join(f"{edge:.4g}" for edge in box)
         yield (
             f"body {args.name} has {args.mass:.4g} kg in a box of {edges} m, "
-            f"{args.mass / volume:.3g} kg/m3; usual: at most {DENSEST:g} kg/m3: a mass in g has "
-            "its unit, as 6000 g"
+            f"{args.mass / volume:.3g} kg/m3; usual: at most {DENSEST:g} kg/m3: masses are "
+            "in kg, not in g"
         )
     if group == "drags" and args.area > MAX_AREAS * size**2 > 0:
         yield (

@@ -76,7 +76,8 @@ class Scene:
     that did, or None; opening_rates: rates of joint coordinates stated for the start (rad/s, of
     slides m/s), by hinge; bearings: friction of joints in quasi-static travel, by hinge: mu r (m;
     slides: mu); classes, action_names: of elements by (type, index): class in torque margins where
-    it is not its type's, and name in the structure's file.
+    it is not its type's, and name in the structure's file; doubts: sentences on what the file has
+    that is hardly meant, for structures.plausible.
 
     Parameters
     ----------
@@ -106,6 +107,7 @@ class Scene:
         self.classes: dict[
             tuple[type[ElementType], int], str
         ] = {}  # other than ElementType.resists_as
+        self.doubts: list[str] = []  # what is hardly meant in a structure's file
         self.action_names: dict[
             tuple[type[ElementType], int], str
         ] = {}  # as a structure's file has them

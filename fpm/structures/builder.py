@@ -38,7 +38,11 @@ class Body:
         the part does not have it. point: full name, as "bay1.P"."""
         if point not in self.points:
             points = ", ".join(self.points)
-            allowed = f"a point of {self.name}: {points} (or let it carry {point})"
+            is_rigid = len(set(self.points.values())) == 1
+            remedy = (
+                f"list {point} in its `points`" if is_rigid else f"let its `carries` hold {point}"
+            )
+            allowed = f"a point of {self.name}: {points} (or {remedy})"
             raise SceneError("at", point, allowed)
         return self.points[point]
 

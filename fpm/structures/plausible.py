@@ -3,11 +3,14 @@
 Limits are far from what deployable structures are made of, so that a slip of units (mm for m, g/cm³
 for kg/m³, Pa for GPa) shows, and no structure that is meant does."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from fpm import elements
+from fpm.assembly.conditions import dependence
 from fpm.elements import (
     Cable,
     Drag,
@@ -22,6 +25,8 @@ from fpm.elements import (
     kinds_of,
 )
 from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
+from fpm.elements.joints.rigid import RigidFriction
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.latch import SIDES
 from fpm.elements.openings.release import AnyRelease
@@ -45,6 +50,21 @@ MAX_REACH = 20.0
 MAX_RATIO = 1000.0
 """Ratio of lengths of one bar, or of all, above which they are hardly in one unit."""
 
+MAX_GRAVITY = 100.0
+"""Acceleration of gravity (m/s2) above which it is hardly in this unit."""
+
+DENSEST = 30_000.0
+"""Density (kg/m3) above any material's, of boxes."""
+
+MAX_SLENDERNESS = 500.0
+"""Ratio of edges above which a box stands for a line or a sheet without thickness, of any mass."""
+
+MAX_AREAS = 300.0
+"""Area on which air drags by the square of the structure's size, above which it is odd."""
+
+FARTHEST = 200.0
+"""Distance of a point from the others by their extent, above which it is odd."""
+
 USUAL = {
     "mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m"), "density": (20, 25_000, "kg/m3"),
     "Young's modulus": (1e6, 2e12, "Pa"),
@@ -57,7 +77,8 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     no support, latches that cannot catch, releases that hold; at most 6, and one on how many more
     there are; [] if all is usual. duration: of the run (s), to tell what comes after its end; None:
     unknown."""
-    sentences = [*_sizes(scene), *_boxes(scene), *_support(scene), *_start(scene), *_loose(scene)]
+    checks = _sizes, _boxes, _support, _start, _loose, _rigid, _stuck
+    sentences = scene.doubts + [sentence for check in checks for sentence in check(scene)]
     moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [
         f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
@@ -93,6 +114,8 @@ def _start(scene: Scene) -> Iterator[str]:
 def _sizes(scene: Scene) -> Iterator[str]:
     extent = float(np.ptp(scene.position, axis=0).max()) if len(scene.position) else 0.0
     yield from _usual("mass", report.mass(scene), "all of it")
+    if (gravity := float(np.linalg.norm(scene.gravity))) > MAX_GRAVITY:
+        yield f"gravity is {gravity:.4g} m/s2, usual: 9.81; in mm/s2 it has its unit, as 9810 mm/s2"
     yield from _usual("largest extent", extent, "all of it") if extent else ()
     bars = bars_of(scene)
     for bar in bars.values():
@@ -128,6 +151,42 @@ def _boxes(scene: Scene) -> Iterator[str]:
             yield f"{text}, where all points lie within {size:.4g} m: is it in these units?"
 
 
+def find_doubts(group: str, args: Any, size: float) -> Iterator[str]:
+    """Yield sentences on an entry of a structure's file that is hardly meant, of what its scene
+    does not show: boxes that are too dense, drag on too much area. group: its section, as "drags";
+    args: values of its keys; size: largest extent of the structure (m)."""
+    box = args.box if group == "bodies" else None
+    is_solid = box is not None and MAX_SLENDERNESS * np.min(box) > np.max(box)  # no line or sheet
+    if is_solid and args.mass > DENSEST * (volume := float(np.prod(box))):
+        edges = " x ".join(f"{edge:.4g}" for edge in box)
+        yield (
+            f"body {args.name} has {args.mass:.4g} kg in a box of {edges} m, "
+            f"{args.mass / volume:.3g} kg/m3; usual: at most {DENSEST:g} kg/m3: masses are "
+            "in kg, not in g"
+        )
+    if group == "drags" and args.area > MAX_AREAS * size**2 > 0:
+        yield (
+            f"drag {args.name} has an area of {args.area:.4g} m2, on a structure of {size:.4g} m: "
+            f"an area in mm2 has its unit, as {args.area:.6g} mm2"
+        )
+
+
+def find_far_point(points: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """Yield a sentence on a point that is far from all others, if there is one. points: positions
+    (3,), m, by name."""
+    names, places = list(points), np.array(list(points.values()))
+    if len(names) < 3:
+        return
+    distances = np.linalg.norm(places - np.median(places, axis=0), axis=1)
+    index = int(np.argmax(distances))
+    rest = float(np.ptp(np.delete(places, index, axis=0), axis=0).max())
+    if distances[index] > FARTHEST * rest > 0:
+        yield (
+            f"point {names[index]} is {distances[index]:.4g} m from the others, which lie within "
+            f"{rest:.4g} m: a length in mm has its unit, as 500 mm"
+        )
+
+
 def extent(scene: Scene) -> float:
     """Return the largest extent (m) of a scene's particles, joints and named points."""
     beams = [beam for hinge in scene.hinges for beam in hinge.beams]
@@ -138,9 +197,7 @@ def extent(scene: Scene) -> float:
 
 def _loose(scene: Scene) -> Iterator[str]:
     """Parts at the end of a joint on which nothing acts, where nothing else moves them."""
-    is_moved = np.any(scene.gravity) or scene.velocity.any() or scene.spin.any()
-    forces = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
-    if is_moved or any(forces) or scene.opening_rates:
+    if _is_moved(scene):
         return
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
     active_hinges = {
@@ -158,6 +215,66 @@ def _loose(scene: Scene) -> Iterator[str]:
                 f"a part hangs at joint {joint} alone, on which nothing acts; mobility "
                 f"{report.mobility(scene).degrees}: is another joint missing, or a spring here?"
             )
+
+
+def _is_moved(scene: Scene) -> bool:
+    """Whether a scene moves at the start, or something but what acts on joints moves it."""
+    is_moved = np.any(scene.gravity) or scene.velocity.any() or scene.spin.any()
+    forces = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
+    return bool(is_moved or any(forces) or scene.opening_rates)
+
+
+def _rigid(scene: Scene) -> Iterator[str]:
+    """What holds parts that joints and supports leave no way to move, where nothing gives."""
+    if scene.beams or scene.drives or not (scene.hinges or scene.kinds.get(Joint)):
+        return
+    rows, names = report.jacobian(scene)
+    if len(rows) < rows.shape[1] or report.mobility(scene).degrees:
+        return
+    ends = scene.supports.items()
+    support_names = [f"support {name}" for name, arm in ends if scene.fixed[arm.particle].all()]
+    names, keys = (
+        np.array(names),
+        sorted(dict.fromkeys(names), key=lambda key: key.startswith("joint")),
+    )
+    blockers = [key for key in keys if dependence(rows[names != key])[0] < rows.shape[1]]
+    owners = [*support_names, *blockers] or keys
+    text = ", ".join(owners[:MOST]) + ", ..." * (len(owners) > MOST)
+    yield (
+        f"nothing can move: no part is elastic, and it is held by {text}: check axes, take one of "
+        "these away, or let a support hold less (`translations`, `rotations`)"
+    )
+
+
+def _stuck(scene: Scene) -> Iterator[str]:
+    """Friction that bears all that springs give at the start, where nothing else moves parts."""
+    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
+    drivers = [
+        e for kind in kinds if kind.acts_as in ("motor", "contact") for e in kind.find(scene)
+    ]
+    is_strained = scene.assembly is not None or scene.unstrained is not None
+    if drivers or scene.curves or is_strained or _is_moved(scene):
+        return
+    pushes, bounds = Counter[int](), Counter[int]()
+    for spring in (*TorsionSpring.find(scene), *TableSpring.find(scene)):
+        pushes[spring.hinge] += _moment(spring, scene.hinges[spring.hinge].opening)
+    for friction in (*Friction.find(scene), *RigidFriction.find(scene)):
+        if getattr(friction, "load", None) is None:
+            share, opening = 1.0, scene.hinges[friction.hinge].opening
+            if getattr(friction, "angles", ()):
+                share = float(np.interp(opening, friction.angles, friction.shares))
+            bounds[friction.hinge] += share * friction.moment
+    active = {hinge: abs(push) for hinge, push in pushes.items() if push}
+    if active and all(bounds[hinge] > push for hinge, push in active.items()):
+        texts = (
+            f"on {scene.hinges[h].name} {bounds[h]:.4g} {'N' if scene.hinges[h].slides else 'N m'} "
+            f"against {push:.4g}"
+            for h, push in active.items()
+        )
+        yield (
+            f"nothing moves at the start: friction bears what the springs give, {next(texts)}: "
+            "take less friction, or stronger springs"
+        )
 
 
 def _usual(noun: str, value: float, owner: str) -> Iterator[str]:
@@ -181,6 +298,13 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
         side = {"above": 1, "below": -1}[stop.side]
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
+    if SIDES[latch.side] * travel < 0 and abs(travel) > max(latch.capture_range, 1e-9):
+        side = "above" if latch.side == "below" else "below"
+        yield (
+            f"{head} catches from {latch.side}, but its joint starts {side} it, at "
+            f"{opening_text(hinge, start)}, and can be caught on the way back only: take `side: "
+            f"{side}`"
+        )
     yield from _drive(scene, latch.hinge, travel, head, duration)
 
 
@@ -253,9 +377,12 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
     push, end_push = (sum(_moment(spring, x) for spring in springs) for x in (start, end))
     unit = "N" if hinge.slides else "N m"
     if push * travel < 0:
+        remedy = "give them a `rest` beyond it, or a `preload` of the other sign"
+        if all(isinstance(spring, TableSpring) for spring in springs):
+            remedy = f"give their `{'forces' if hinge.slides else 'moments'}` the other sign"
         yield (
-            f"the springs on {hinge.name} push away from {head}, with {abs(push):.4g} {unit}: turn "
-            "its `axis` around, or change their `rest`"
+            f"the springs on {hinge.name} push away from {head}, with {abs(push):.4g} {unit}: "
+            f"{remedy}"
         )
         return
     if end_push * travel < 0 and all(isinstance(spring, TorsionSpring) for spring in springs):

@@ -48,15 +48,17 @@ def bodies(scene: Scene) -> np.ndarray:
 
 def _mask_particles(scene: Scene) -> np.ndarray:
     """Which particles (n,) are the structure's own: the ground's stands for no mass."""
-    on_beams = np.zeros(len(scene.position), bool)
+    is_part = np.zeros(len(scene.position), bool)
+    is_part[list(scene.bodies.values())] = True
     for beams in scene.beams:
-        on_beams[beams.nodes.ravel()] = True
-    return on_beams | ~scene.fixed.all(axis=1)
+        is_part[beams.nodes.ravel()] = True
+    return is_part | ~scene.fixed.all(axis=1)
 
 
 def mass(scene: Scene) -> float:
     """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
-    those with all six freedoms fixed that no beam element joins (clamped ends of bars count)."""
+    those with all six freedoms fixed that are no body with a name, and that no beam element joins
+    (clamped ends of bars count)."""
     return float(scene.mass[_mask_particles(scene)].sum())
 
 

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from fpm.assembly import MisfitError, assemble
+from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures.builder import Body, Builder, Ground, Point
 from fpm.structures.model import FileStatements
+from fpm.structures.plausible import find_doubts, find_far_point
 from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
 
@@ -29,8 +31,9 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
     build = Builder(problems)
     with np.errstate(all="ignore"):
         _number(build, model, values)
-        _place(build, model)
+        points = _place(build, model)
         build.scene = _scene(build, model)
+        build.scene.doubts += find_far_point(points)
         for entry in model.entries:
             if entry.statement.group in FIRST_GROUPS:
                 _build(build, entry)
@@ -58,15 +61,17 @@ def _number(build: Builder, model: FileStatements, values: Mapping[str, float]) 
                 pass
 
 
-def _place(build: Builder, model: FileStatements) -> None:
-    positions = []
+def _place(build: Builder, model: FileStatements) -> dict[str, np.ndarray]:
+    """Store the points of a sample; returns their positions (3,), m, by name."""
+    positions = {}
     for name in model.points:
         axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
         if None not in axes:
-            positions.append(np.array(axes))
-            build.store("points", name, Point(name, positions[-1]))
+            positions[name] = np.array(axes)
+            build.store("points", name, Point(name, positions[name]))
     if positions:
-        build.size = float(np.ptp(positions, axis=0).max())
+        build.size = float(np.ptp(list(positions.values()), axis=0).max())
+    return positions
 
 
 def _scene(build: Builder, model: FileStatements) -> Scene:
@@ -98,6 +103,7 @@ def _build(build: Builder, entry: Entry) -> None:
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
+    build.scene.doubts += find_doubts(entry.statement.group, values, build.size)
     kinds = build.scene.kinds.items()
     new = [(kind, i) for kind, elements in kinds for i in range(count[kind], len(elements))]
     if entry.statement.group == "actions":
@@ -153,9 +159,23 @@ def _check_rates(build: Builder, model: FileStatements) -> None:
     entries = [entry for entry in model.entries if entry.statement.group == "opening_rates"]
     for entry, (hinge, rate), actual in zip(entries, opening_rates.items(), rates, strict=True):
         if abs(actual - rate) > RATE_TOL * largest:
-            unit = unit_of(build.scene, hinge, "rad/s")
-            allowed = f"{actual:.6g} {unit}, which joints, motors, drives and supports leave of it"
+            allowed = _allowed_rate(build.scene, hinge)
             build.problems.refuse(entry.node.lines["rate"], f"{entry.key}.rate", rate, allowed)
+
+
+def _allowed_rate(scene: Scene, number: int) -> str:
+    """Say which rate at the start a joint may have, and what leaves it that."""
+    for holder in Turn.find(scene):
+        rate = holder.rate_at_start(scene) if holder.hinge == number else None
+        if rate is not None:
+            unit = unit_of(scene, number, "rad/s")
+            place = next(i for i, e in enumerate(type(holder).find(scene)) if e is holder)
+            name = scene.action_names.get((type(holder), place), scene.hinges[number].name)
+            return f"{rate:.6g} {unit}, to which {holder.noun} {name} holds it"
+    return (
+        "a rate that joints, motors, drives, supports and the other `opening_rates` leave it: "
+        "state that of one joint for each way to move, none where a motor or drive moves it"
+    )
 
 
 def _note(build: Builder, line: int, key: str, error: SceneError) -> None:

@@ -4,7 +4,9 @@ message must hold, which a reader can act on at once."""
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 
+import numpy as np
 import pytest
 
 import fpm
@@ -14,6 +16,7 @@ from deployable.campaign.config.plausible import requirement_warnings
 from fpm import structures
 from fpm.elements import Hinge
 from fpm.errors import InstabilityError
+from fpm.structures import report
 from fpm.structures.plausible import warnings
 
 STRUCTURE = """\
@@ -123,7 +126,7 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("210 GPa", "210", "Young's modulus of bar arm: 210 Pa; usual: 1e+06"),
     ("value: 1.2,", "value: 1200,", "largest extent of all of it: 1200 m", "only 0.04 m wide"),
     ("thickness: 2 mm", "thickness: 2 um", "bar arm is 0.04 m wide and only 2e-06 m thick"),
-    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: turn"),
+    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: give"),
     ("angle: 90 deg", "angle: 150 deg", "latch catch at 150 deg is beyond where the springs on pi"),
     ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, upper: 80 deg}",
      "latch catch at 90 deg is beyond the stop at 80 deg: it cannot catch"),
@@ -222,6 +225,86 @@ actions:
 def test_a_joint_left_out_and_boxes_in_mm_are_warned_of(old, new, words):
     found = warnings(structures.loads(FOUR_BAR.replace(old, new)).build())
     assert len(found) == bool(words) and words in "".join(found)
+
+
+LATCHED = (
+    FOUR_BAR
+    + """\
+  catch: {type: latch, joint: a, angle: 30 deg, side: below}
+  rub: {type: friction, joint: a, moment: 0.5}
+drags:
+  air: {part: coupler, through: [e], area: 2, coefficient: 1, density: 0}
+"""
+)
+STILL = LATCHED.partition("drags")[0]
+DOUBTS = [  # a structure, what is replaced, by what, and words of its only warning; "": none
+    (LATCHED, "", "", ""),
+    (LATCHED, "side: below", "side: above",
+     "latch catch at 30 deg catches from above, but its joint starts below it, at 0 deg", "below`"),
+    (LATCHED, "rest: 90 deg", "rest: -90 deg",
+     "push away from latch catch at 30 deg, with 1.571 N m: give them a `rest` beyond it"),
+    (LATCHED, "mass: 1, centre: e", "mass: 1000, centre: e", "0.1 x 0.1 m, 5e+04 kg/m3"),
+    (LATCHED, "0.1, 0.1]", "0.001, 0.001]", ""),  # a line
+    (LATCHED, "drags:", "gravity: [0, 0, -9810]\ndrags:", "gravity is 9810 m/s2"),
+    (LATCHED, "area: 2", "area: 20000", "an area of 2e+04 m2, on a structure of 2 m"),
+    (LATCHED, "points: {", "points: {lamp: [900, 0, 0], ", "point lamp is 898", "within 2 m"),
+    (STILL, "moment: 0.5", "moment: 1.58", "on a 1.58 N m against 1.571: take less friction"),
+    (STILL, "moment: 0.5", "moment: 1.55", ""),
+    (STILL, "actions", "supports: {tip: {part: rocker, at: c}}\nactions",
+     "nothing can move: no part is elastic, and it is held by support tip, joint a, jo"),
+]  # fmt: skip
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("text", "old", "new", "words"), [(*d[:3], d[3:]) for d in DOUBTS])
+def test_what_is_hardly_meant_is_warned_of_once(text, old, new, words):
+    scene = structures.loads(text.replace(old, new, 1)).build()
+    found = warnings(scene)
+    assert len(found) == bool(words[0]), found
+    assert all(word in found[0] for word in words if word)
+    assert np.isfinite(report.centre(scene)).all() and report.mass(scene) >= 3
+
+
+TURNED = STRUCTURE.replace(
+    "axis: -y", "axis: -y, opening: 60 deg, references: {ground: -z, arm: {from: root, to: tip}}"
+)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("opening: 60 deg", "opening: 90 deg", ""),
+        ("opening: 60 deg", "opening: 360 deg", ""),
+        ("opening: 60 deg, ", "", ""),
+        (
+            "",
+            "",
+            "joints.pivot.opening: '60 deg' is not allowed; allowed: 90 deg, the angle of its",
+        ),
+        ("opening: 60 deg", "opening: -90 deg", "or turn `axis` around, for the other sign"),
+    ],
+)
+def test_an_opening_that_its_references_overrule_is_refused(old, new, words):
+    text = TURNED.replace(old, new, 1)
+    context = pytest.raises(fpm.SceneError, match=re.escape(words)) if words else nullcontext()
+    with context:
+        assert structures.loads(text).build().hinges
+
+
+@pytest.mark.parametrize(
+    ("bolt", "words"),
+    [
+        ("type: release, joint: a, time: 1 s", "allowed: 0 rad/s, to which release bolt holds it"),
+        ("type: motor, joint: a, turn: 1 rad, curve: ramp", "0.5 rad/s, to which motor bolt holds"),
+        ("type: damper, joint: a, damping: 1", "allowed: a rate that joints, motors, drives, supp"),
+    ],
+)
+def test_a_rate_that_a_joint_cannot_have_is_refused_with_what_holds_it(bolt, words):
+    text = "curves: {ramp: {times: [0, 2 s], values: [0, 1]}}\n" * ("ramp" in bolt) + FOUR_BAR
+    text += f"  bolt: {{{bolt}}}\nopening_rates:\n"
+    text += "".join(f"  go_{joint}: {{joint: {joint}, rate: 1 rad/s}}\n" for joint in "ab")
+    with pytest.raises(fpm.SceneError, match=re.escape(words)):
+        structures.loads(text).build()
 
 
 def test_weight_does_not_hide_that_a_run_is_too_short():

@@ -114,7 +114,10 @@ def test_a_part_that_nothing_joins_is_refused():
 
 def test_a_point_that_is_not_the_part_s_is_refused():
     text = SMALL.replace("points:", "points:\n  C: [0, 0, 0]").replace("at: A, axis", "at: C, axis")
-    assert "allowed: a point of arm: A, B (or let it carry C)" in problems_of(text)[0]
+    assert "allowed: a point of arm: A, B (or let its `carries` hold C)" in problems_of(text)[0]
+    text = text.replace("joints:", "bodies: {box: {mass: 1, centre: A, box: [1, 1, 1]}}\njoints:")
+    text = text.replace("[ground, arm], at: C", "[ground, box], at: C")
+    assert "allowed: a point of box: A (or list C in its `points`)" in problems_of(text)[0]
 
 
 def test_every_part_of_a_joint_has_a_point():

@@ -1,5 +1,6 @@
 """Joints: what parts share where they meet; and supports, which hold points of them."""
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -18,6 +19,10 @@ POINT = MapKey(
     kind=ReferenceKey(group="points"),
     single=True,
 )
+
+
+OPENING_TOL = 1e-6
+"""By how much (rad) an opening may differ from the angle of `references`."""
 
 
 def _per_part(build, args, key: str, noun: str) -> list:
@@ -82,7 +87,7 @@ def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]
     references=MapKey(
         None,
         "a direction fixed to each part, normal to the axis: the opening is their angle, "
-        "on the turn closest to `opening`",
+        "on the turn closest to `opening`, which is that angle or whole turns",
         kind=DirectionKey(),
     ),
     held=LettersKey("", "axes along which the point is held, as by a slider"),
@@ -101,6 +106,12 @@ def revolute(build, args):
         refs = [_normal_part(build, *pair) for pair in zip(refs, axes, strict=True)]
     pair = particles[:2]
     hinge = scene.add_hinge(args.name, pair, points[:2], axes[:2], refs, args.opening, args.held)
+    actual = scene.hinges[hinge].opening
+    off_turn = abs(math.remainder(args.opening, 2 * math.pi))
+    if build.hold is None and min(abs(actual - args.opening), off_turn) > OPENING_TOL:
+        text, angle = (f"{math.degrees(x):.6g} deg" for x in (args.opening, actual))
+        allowed = f"{angle}, the angle of its `references`; or leave out one of both"
+        build.refuse("opening", text, f"{allowed}; or turn `axis` around, for the other sign")
     for name, pair, ends in _further(args, particles):
         scene.add_hinge(name, pair, points[ends], axes[ends])
     return hinge

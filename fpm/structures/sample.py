@@ -155,7 +155,9 @@ def _check_rates(build: Builder, model: FileStatements) -> None:
     """Refuse rates of openings at the start that joints, motors, drives and supports forbid."""
     opening_rates = build.scene.opening_rates
     rates = turning_at_start(consistent_scene(build.scene), opening_rates) if opening_rates else []
-    largest = max(map(abs, [*opening_rates.values(), *rates]), default=0.0)
+    motion = build.scene.spin, build.scene.velocity / (build.size or 1.0)
+    fastest = (float(np.abs(values).max(initial=0.0)) for values in motion)
+    largest = max(*map(abs, [*opening_rates.values(), *rates]), *fastest)
     entries = [entry for entry in model.entries if entry.statement.group == "opening_rates"]
     for entry, (hinge, rate), actual in zip(entries, opening_rates.items(), rates, strict=True):
         if abs(actual - rate) > RATE_TOL * largest:

@@ -465,8 +465,8 @@ def has_effect(influence: Mapping, row: Mapping) -> bool:
     the quantity's dict (`quantity_rows`)."""
     width = (row["surrogate_upper"] or 0.0) - (row["surrogate_lower"] or 0.0)
     is_constant = "constant" in row or influence["fixed"] is None
-    beside = 0.0 if is_constant else width - influence["fixed"]
-    return bool(influence["share"]) or beside > (row["error"] or 0.0)
+    effect = 0.0 if is_constant else width - influence["fixed"]
+    return bool(influence["share"]) or effect > (row["error"] or 0.0)
 
 
 def scarcest(limits: Iterable[Mapping]) -> Mapping | None:

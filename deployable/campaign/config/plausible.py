@@ -66,7 +66,8 @@ def _interval_texts(experiment: Any) -> Iterator[str]:
         if lower == upper:
             yield (
                 f"intervals.{name}: {lower:g} to {upper:g} has no width, so that nothing of it is "
-                f"uncertain: state one, or put {name}: {lower:g} under scene.parameters"
+                f"uncertain: state one, or put {name}: {lower:g} under scene.parameters, which is "
+                "of all cases"
             )
         elif unit not in ("degree", "rad") and upper - lower > 2 * WIDEST * abs(nominal) > 0:
             yield (

@@ -83,14 +83,14 @@ def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> lis
     each. case: raw section of the case called `name`; intervals: the campaign's, by parameter."""
     return [
         f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval; allowed: "
-        f"instead `intervals: {{{parameter}: {_move_interval(intervals.get(parameter, {}), value)}}}` in "
+        f"instead `intervals: {{{parameter}: {_shift(intervals.get(parameter, {}), value)}}}` in "
         "this case, or another parameter"
         for parameter, value in case.get("scene", {}).items()
         if parameter in {**intervals, **case.get("intervals", {})}
     ]
 
 
-def _move_interval(spec: Mapping, nominal: Any) -> str:
+def _shift(spec: Mapping, nominal: Any) -> str:
     """An interval as wide as that of `spec`, about another value, as text."""
     width = {key: spec[key] for key in ("relative", "absolute") if key in spec}
     if "lower" in spec:

@@ -37,6 +37,9 @@ STOW = "stow"
 
 OPTIONAL = ("from", "evidence", "with", "locked", "without", "classes", "uncertainty_factors",
             "actuation_factors", "specified_acceleration", "output_torque")  # fmt: skip
+LARGEST = 20.0
+"""Largest opening (rad) without its unit: more is hardly meant but in degrees."""
+
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
@@ -342,6 +345,8 @@ def _opening(spec, key: str, hinge, unit: str) -> float | None:
         opening = float(number) * (UNITS[unit_name] if unit_name in pair else 1.0 / (not unit_name))
     except (ValueError, ZeroDivisionError):
         opening = np.nan
+    if unit == "rad" and not unit_name and abs(opening) > LARGEST:
+        raise _error(spec, key, value, f"up to {LARGEST:g} rad, or with its unit, as {number} deg")
     if isinstance(value, bool) or not np.isfinite(opening):
         allowed = (
             f"`stow`, the opening at the start, or a number ({unit}), with or without its unit"

@@ -84,6 +84,7 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
         f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
         for hinge in sorted(scene.bearings.keys() - moving)
     ]
+    sentences += _tables(scene)
     for kind in (Latch, RigidLatch):
         for latch in kind.find(scene):
             sentences += _latch(scene, latch, duration)
@@ -289,6 +290,20 @@ def _support(scene: Scene) -> Iterator[str]:
         yield "nothing holds it, neither a support nor a joint with the ground: it falls, or drifts"
 
 
+def _tables(scene: Scene) -> Iterator[str]:
+    """Struts that are not within their table at the start, where a force of its end acts."""
+    for strut in Strut.find(scene):
+        lengths, start = strut.lengths, strut.distance(scene)
+        end = 0 if start < lengths[0] else -1
+        is_inside = lengths[0] * (1 - 1e-9) <= start <= lengths[-1] * (1 + 1e-9)
+        if len(lengths) > 1 and not is_inside and strut.forces[end]:
+            yield (
+                f"{strut.title(scene)} is {start:.4g} m long at the start, and its table from "
+                f"{lengths[0]:g} to {lengths[-1]:g} m, so that a constant {strut.forces[end]:.4g} "
+                "N acts until it gets there: state `lengths` that hold its start"
+            )
+
+
 def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> Iterator[str]:
     """What keeps a latch from catching: a stop, springs that push away or rest before it, time."""
     hinge = scene.hinges[latch.hinge]
@@ -330,7 +345,8 @@ def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Itera
         hinges = [latch.hinge for latch in latches if latch.label(scene) == release.latch]
         if release.hinge in hinges:
             end = end or ", or state a `time`"
-            yield f"{head} watches latch {release.latch} on the joint that it holds{end}"
+            text = f"{head} watches latch {release.latch} on the joint that it holds"
+            yield f"{text}: watch a latch of another joint{end}"
         return
     if release.watch < 0:
         yield f"{head} lets go at {release.time:g} s: the run ends at {duration:g} s"

@@ -37,7 +37,7 @@ def test_every_repeated_key_is_told():
 
 @pytest.mark.parametrize("text", ["a: [1, 2", "a: 'b", "a: b: c", "\ta: 1", "a: &x\nb: *y"])
 def test_what_is_not_yaml_is_refused_with_its_line(text):
-    with pytest.raises(ConfigError, match=r"line \d+: this is not YAML"):
+    with pytest.raises(ConfigError, match=r"line \d+: (this is not YAML|\*y stands)"):
         parse(text, "x")
 
 

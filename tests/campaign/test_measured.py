@@ -11,7 +11,7 @@ import yaml
 
 from deployable import campaign
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.measured import MOST_INSTANTS, read_test
+from deployable.campaign.config.measured import MOST_INSTANTS, band_warnings, read_test
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.stages import STAGES
 from evidence.measured.study import measure_synthetic, report
@@ -61,7 +61,7 @@ def problems(raw, curves=None, **changes):
         (CURVES + "0.4,nan\n", "line 5: 'nan' is not allowed"),
         (CURVES + "\n0.4,1,2\n", "line 6: 3 values; allowed: 2"),
         ("t [s],phi [rad]\n0,1\n1,1\n2,1\n", "there is no such column of "),
-        (CURVES + "3.1,1\n", "it lasts until 3.1 s, the run until 3 s"),
+        (CURVES + "3.1,1\n", "ends 3.1 s into the run, at the least delay, the run at 3 s"),
         (BAND.format("1e-3"), "phi has two bands"),
     ],
 )
@@ -78,7 +78,14 @@ def test_curves_that_cannot_be_used_are_told_with_file_and_line(raw, curves, wor
         ({"band": {"phi": 0.0}}, "measured.swing.band.phi: 0.0 is not allowed; allowed: a number"),
         ({"model": {"psi": 1.0}}, "measured.swing.model.psi: there is no such response"),
         ({"unknown": {"delay": [1, 0]}}, "measured.swing.unknown.delay: [1.0, 0.0] is not allowed"),
-        ({"unknown": {"delay": [0, 0.15]}, "window": [0.1, 0.3]}, "allowed: 0.15 to 0.3"),
+        (
+            {"unknown": {"delay": [0, 0.15]}, "window": [0.1, 0.3]},
+            "two times in s from 0.15 to 0.3",
+        ),
+        (
+            {"window": [100, 300]},
+            "[100, 300] s, and the file has 0.1 to 0.3 s (did you mean [0.1, 0.3]?)",
+        ),
         ({"window": [0.15, 0.25]}, "1 instants of "),
         ({"start": {"angel": [1, 2]}}, "measured.swing.start.angel: there is no such real para"),
         ({"start": {"rate": [1, 1]}}, "measured.swing.start.rate: [1, 1] is not allowed"),
@@ -90,6 +97,13 @@ def test_curves_that_cannot_be_used_are_told_with_file_and_line(raw, curves, wor
 )
 def test_tests_that_cannot_be_used_are_told_with_key_and_value(raw, changes, words):
     assert words in problems(raw, **changes)
+
+
+def test_a_band_larger_than_its_curve_is_warned_of(raw):
+    assert not [*band_warnings(check_config(raw))]
+    raw["measured"]["swing"]["band"]["phi"] = 20
+    (text,) = band_warnings(check_config(raw))
+    assert "the band of phi, 20 rad, is larger than all of its curve, 1.8 to 2 rad" in text
 
 
 def test_units_of_the_file_do_not_matter_and_its_band_may_be_a_column(raw):

@@ -12,6 +12,7 @@ import pytest
 import fpm
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
+from deployable.campaign.config.measured import band_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from fpm import structures
 from fpm.elements import Hinge
@@ -114,6 +115,13 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("duration: 2,", "duration: 31536000,", "allowed: a number from 1e-9 to 1e6 (s)"),
     ("smolyak", "lhs", "did you mean sobol?"),
     ("{t: {at", "{psi: {at", "allowed: t, or one of this response such as `{largest: psi}`"),
+    ("  L: {absolute: 0.02}", "  L: *tol", "line 6: *tol stands for what &tol marks"),
+    ("design:", "margins: {m: {along: pivot, to: 90, standard: nasa-std-5017b}}\ndesign:",
+     "line 7: margins.m.to: 90 is not allowed; allowed: up to 20 rad", "as 90 deg"),
+    ("design:", "margins: {m: {along: pivot, to: 3, standard: nasa-std-5017b}}\ndesign:",
+     "line 7: margins.m.to: 171.9 deg is beyond 90 deg, where latch catch catches"),
+    ("design:", "cases: {a: {}, b: {scene: {k: 2}}}\ndesign:", "cases.b.scene.k: 2, and k is",
+     "`intervals: {k: {nominal: 2, relative: 0.1}}` in this case"),
     ("design:", "bars: {}\ndesign:", "(it stands in the file of the structure)"),
     ("parameters:", "solver: {}\nparameters:", "(it stands in the file of a campaign)"),
 ]  # fmt: skip
@@ -130,6 +138,10 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("angle: 90 deg", "angle: 150 deg", "latch catch at 150 deg is beyond where the springs on pi"),
     ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, upper: 80 deg}",
      "latch catch at 90 deg is beyond the stop at 80 deg: it cannot catch"),
+    ("actions:", "struts:\n  s: {type: tabulated spring, between: [{part: ground, at: root}, tip], "
+     "lengths: [900, 1500], forces: [7, 5]}\nactions:", "s is 1.2 m long at the start", "7 N"),
+    ("actions:", "struts:\n  s: {type: tabulated spring, between: [{part: ground, at: root}, tip], "
+     "lengths: [0.2, 0.9], forces: [7, 0]}\nactions:", ""),
     ("name: barrier", "name: barrier\ngravity: [0, 0, -9.81]\nloads:\n  wind: {part: arm, at: tip,"
      " force: [1, 0, 0]}", ""),
     ("duration: 2,", "duration: 0.02,", "0.02 s are too short for latch catch at 90 deg", "6.283"),
@@ -342,9 +354,28 @@ def test_what_nothing_holds_is_warned_of_where_it_falls(tmp_path, capsys):
 def test_what_is_shipped_is_meant(request):
     for path in (request.config.rootpath / "config").glob("*.yaml"):
         campaign = load_config([path])
-        assert campaign.experiment.warnings + requirement_warnings(campaign) == [], path.stem
+        texts = campaign.experiment.warnings + requirement_warnings(campaign)
+        assert [*texts, *band_warnings(campaign)] == [], path.stem
     for path in (request.config.rootpath / "config/structures").glob("*.yaml"):
         assert warnings(structures.load(path).build()) == [], path.stem
+
+
+@pytest.mark.parametrize(("limit", "gravity"), [(50, ""), (0.5, ""), (50, "gravity: [0, -1, 0]\n")])
+def test_a_speed_beyond_all_energy_is_warned_of(tmp_path, request, limit, gravity):
+    root = request.config.rootpath / "config"
+    text = (root / "structures/solar_array.yaml").read_text(encoding="utf-8")
+    (tmp_path / "a.yaml").write_text(gravity + text, encoding="utf-8")
+    limits = {"gentle": {"v_open": {"at_most": 60}}, "fast": {"v_open": {"at_least": limit}}}
+    keys = {"scene": {"file": str(tmp_path / "a.yaml")}, "requirements": limits}
+    texts = requirement_warnings(load_config([root / "deploys.yaml"], keys))
+    assert len(texts) == (limit == 50 and not gravity)
+    assert all("17.77 J, gives end 4.87 m/s at most" in text for text in texts)
+
+
+def test_a_case_with_a_mistake_is_there_for_the_requirements(tmp_path, capsys, monkeypatch):
+    text = "cases: {one: {intervals: {k: 2}}}\nrequirements:\n  r: {t: {at_most: 3}, cases: [one]}"
+    said = told(tmp_path, capsys, monkeypatch, "requirements:", text)
+    assert "has 1 problem" in said and "cases.one.intervals.k: 2 is not allowed" in said
 
 
 def test_without_a_mistake_nothing_is_told(tmp_path, capsys, monkeypatch):

@@ -203,7 +203,7 @@ def test_inertia_about_a_point_is_that_about_the_centre_and_the_mass_there():
     ("inertia", "words"),
     [
         ("box: [1, 0.1, 0.1], about: o", "none with a `box`"),
-        ("inertia: [0.02, 0.4, 0.41], about: o", "are left about its centre, not"),
+        ("inertia: [0.02, 0.4, 0.41], about: o", "distance, 0, 0.5, 0.5 kg m2"),
     ],
 )
 def test_what_is_refused_of_inertia_about_a_point(inertia, words):

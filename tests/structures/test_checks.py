@@ -75,6 +75,26 @@ WRONG = [
 ]  # fmt: skip
 
 
+STRUTS = [  # keys of a strut between the points A and B, 1 m apart, and what is said
+    ("{part: arm, at: A}", "type: damper, damping: 1",
+     "struts.s.between: 'A of arm and A of arm' is not allowed; allowed: points of two parts"),
+    ("{part: ground, at: A}", "type: gas spring, force: 5, length: 1500, stroke: 600, ratio: 2",
+     "struts.s.length: 1500 is not allowed; allowed: at least 1 m, the distance of its points at"),
+    ("{part: ground, at: A}", "type: gas spring, force: 5, length: 0.9, stroke: 0.6, ratio: 2",
+     "and at most its stroke, 0.6 m, more"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("place", "keys", "said"), STRUTS)
+def test_a_strut_that_cannot_be_is_told_by_its_points_and_their_distance(place, keys, said):
+    end = "{part: arm, at: A}" if "arm" in place else "{part: arm, at: B}"
+    text = f"struts: {{s: {{between: [{place}, {end}], {keys}}}}}\nrecord:"
+    refused(SMALL, "record:", text, said)
+    if "gas" in keys:
+        fitting = re.sub("length: [0-9.]+, stroke: [0-9.]+", "length: 1.4, stroke: 0.6", text)
+        loads(changed(SMALL, ("record:", fitting))).build()
+
+
 @pytest.mark.parametrize(("old", "new", "said"), WRONG, ids=[new or old for old, new, _ in WRONG])
 def test_what_is_wrong_is_said_with_its_line(old, new, said):
     text = changed(SMALL, (old, new))

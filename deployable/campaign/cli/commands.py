@@ -16,6 +16,7 @@ from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
+from deployable.campaign.config.measured import band_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
@@ -134,7 +135,8 @@ def _check(options: argparse.Namespace) -> int:
 def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
     """Print what is to be known of a campaign, or of one of its cases, before it runs."""
     print(f"{prefix}{_describe_work(campaign, results)}")
-    for text in campaign.experiment.warnings + requirement_warnings(campaign):
+    texts = campaign.experiment.warnings + requirement_warnings(campaign)
+    for text in [*texts, *band_warnings(campaign)]:
         print(f"{prefix}warning: {text}")
     for text in doubt_texts(campaign.experiment.doubts):
         print(f"{prefix}{text}")

@@ -82,11 +82,21 @@ def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> lis
     """Check that a case gives no value to a parameter that is an interval: returns a sentence for
     each. case: raw section of the case called `name`; intervals: the campaign's, by parameter."""
     return [
-        f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval, of which "
-        f"a case has the whole; allowed: cases.{name}.intervals.{parameter}, or another parameter"
+        f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval; allowed: "
+        f"instead `intervals: {{{parameter}: {_shift(intervals.get(parameter, {}), value)}}}` in "
+        "this case, or another parameter"
         for parameter, value in case.get("scene", {}).items()
         if parameter in {**intervals, **case.get("intervals", {})}
     ]
+
+
+def _shift(spec: Mapping, nominal: Any) -> str:
+    """An interval as wide as that of `spec`, about another value, as text."""
+    width = {key: spec[key] for key in ("relative", "absolute") if key in spec}
+    if "lower" in spec:
+        width = {"absolute": float(f"{0.5 * (spec['upper'] - spec['lower']):.6g}")}
+    keys = {"nominal": nominal, **(width or {"relative": 0.1})}
+    return f"{{{', '.join(f'{key}: {value}' for key, value in keys.items())}}}"
 
 
 def case_problem(name: str, problem: str) -> str:

@@ -108,7 +108,9 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     config, user_config, problems = read(raw)
     campaign = None
     if config is not None:
-        problems += naming_problems(config.cases, case_lists)
+        cases = raw.get("cases")  # also those in which something is wrong
+        names = dict.fromkeys(cases) if isinstance(cases, Mapping) else {}
+        problems += naming_problems({**names, **config.cases}, case_lists)
     if config is not None and not (config.responses or config.margins):
         allowed = "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
         problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")

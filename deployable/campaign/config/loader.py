@@ -153,6 +153,12 @@ def _reading_error(error: Exception, text: str) -> str:
         return f"a value cannot be read: {str(error).splitlines()[0]}"
     if not isinstance(error, yaml.MarkedYAMLError):
         return f"this is not YAML: {error}"
+    if alias := re.search("undefined alias '(.+)'", str(error.problem)):
+        reason = f"*{alias[1]} stands for what &{alias[1]} marks, and nothing above is marked so"
+        return (
+            f"line {error.problem_mark.line + 1}: {reason}; allowed: the value itself, or "
+            f"&{alias[1]} before one above"
+        )
     line, reason = why_not_yaml(error, text)
     place = f"line {line}: " if line else ""
     return f"{place}this is not YAML: {reason}"

@@ -9,7 +9,7 @@ import numpy as np
 
 from deployable.campaign.config.models import MeasuredTest
 from deployable.campaign.config.resolve import allows, real_names, unknown
-from deployable.campaign.config.sections import Experiment, ResolvedTest
+from deployable.campaign.config.sections import Campaign, Experiment, ResolvedTest
 from deployable.intervals.box import MOST_FULL
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
 from fpm.structures.units import unit
@@ -82,15 +82,18 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
 
 def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> Iterator[str]:
     low, high = file.times[0], file.times[-1]
-    first, last = test.window or (max(low, test.unknown.delay[1]), high)
-    if (end := last - test.unknown.delay[0]) > duration + 1e-12:
-        text = f"less the delay it lasts until {end:.6g} s, the run until {duration:.6g} s"
+    least = max(low, test.unknown.delay[1])
+    first, last = test.window or (least, high)
+    if test.window and not least - 1e-12 <= first < last <= high + 1e-12:
+        text = f"[{first:.6g}, {last:.6g}] s, and the file has {low:.6g} to {high:.6g} s"
+        delay = f", of which {least:.6g} s, the longest delay, do not count" if least > low else ""
+        is_ms = least <= first / 1000 < last / 1000 <= high
+        hint = f" (did you mean [{first / 1000:.6g}, {last / 1000:.6g}]?)" if is_ms else ""
+        yield f"window: {text}{delay}{hint}; allowed: two times in s from {least:.6g} to {high:.6g}"
+    elif (end := last - test.unknown.delay[0]) > duration + 1e-12:
+        text = f"it ends {end:.6g} s into the run, at the least delay, the run at {duration:.6g} s"
         text = f"{text}; allowed: an earlier end, or a longer delay (unknown.delay)"
         yield f"window: {text} or solver.duration"
-    elif first < max(low, test.unknown.delay[1]) - 1e-12 or last > high + 1e-12:
-        least = max(low, test.unknown.delay[1])
-        text = f"{first:.6g} to {last:.6g} s are not all in the file behind the longest delay"
-        yield f"window: {text}; allowed: {least:.6g} to {high:.6g}"
     elif (count := ((file.times >= first) & (file.times <= last)).sum()) < 3:
         yield f"window: {count} instants of {test.file} lie there; allowed: at least three"
 
@@ -118,6 +121,24 @@ def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]
     count = len({*experiment.intervals, *test.start} - set(test.scene))
     if count > MOST_FULL:
         yield f"start: {count} unknown values with the intervals; allowed: {MOST_FULL}"
+
+
+def band_warnings(campaign: Campaign) -> Iterator[str]:
+    """Yield a sentence for each measured curve of a `Campaign` whose band is larger than all of
+    it."""
+    units = {curve.name: curve.unit for curve in campaign.experiment.response_list}
+    for name, test in campaign.measured.items():
+        curves = read_test(test)
+        for response, values, bands in zip(
+            test.columns.values(), curves.values, curves.bands, strict=True
+        ):
+            low, high, unit_name = values.min(), values.max(), units[response]
+            if bands.min() > max(high - low, abs(low), abs(high)):
+                yield (
+                    f"measured.{name}: the band of {response}, {bands.min():.4g} {unit_name}, is "
+                    f"larger than all of its curve, {low:.4g} to {high:.4g} {unit_name}, so that "
+                    f"it narrows next to nothing: state a band in {unit_name}"
+                )
 
 
 @dataclass(frozen=True)

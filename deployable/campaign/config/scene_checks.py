@@ -173,6 +173,9 @@ def _travel_problems(experiment: Experiment) -> list[str]:
     for curve in experiment.response_list:
         if curve.kind == "margin":
             openings, _ = read_label(curve.columns[0][1])
+            if barrier := _barrier_problems(experiment.nominal_scene, curve, openings):
+                problems += barrier
+                continue
             try:
                 travel = travel_of(experiment.nominal_scene, openings, positions=9)
             except fpm.SceneError as error:
@@ -180,6 +183,19 @@ def _travel_problems(experiment: Experiment) -> list[str]:
                 continue
             problems += _spring_out_problems(experiment, curve, travel.work)
     return problems
+
+
+def _barrier_problems(scene: Any, curve: Any, path: Any) -> list[str]:
+    """Whether a latch or a stop keeps a joint well before the end of the travel of a margin."""
+    from fpm.structures.plausible import find_barrier, opening_text
+
+    (number,) = (n for n, hinge in enumerate(scene.hinges) if hinge.name == path.openings[0])
+    start, end = scene.hinges[number].opening, curve.along.last
+    reason = find_barrier(scene, number, start + 0.9 * (end - start))  # some give way
+    if not reason:
+        return []
+    text = opening_text(scene.hinges[number], end)
+    return [f"margins.{curve.name}.to: {text} is {reason}; allowed: an opening before that"]
 
 
 def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:

@@ -272,8 +272,12 @@ def body(build, args):
         tensor = axes * inertia @ axes.T - args.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         inertia, axes = _principal_axes(tensor, axes)
         if not (np.min(inertia) > 0 and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
-            rest = ", ".join(f"{value:.4g}" for value in inertia)
-            allowed = f"such that a body's are left about its centre, not {rest} kg m2"
+            rest = args.mass * (arm @ arm - (arm @ triad(args.x, args.up)) ** 2)
+            least = ", ".join(f"{value:.4g}" for value in rest)
+            allowed = (
+                f"about {args.about.name}, mass times squared distance, {least} kg m2, and in "
+            )
+            allowed += "addition what a body may have about its centre; or no `about`"
             build.refuse("inertia", args.inertia.tolist(), allowed)
     try:
         particles = build.scene.add_particles(args.centre.position, args.mass, inertia, axes)

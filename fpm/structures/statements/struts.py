@@ -17,6 +17,9 @@ def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
     """Add a Strut to the scene of `build`. args: values of an entry; lengths (m), forces (N),
     slopes (N/m): of the Strut."""
     points = [(part.particle(point.name), point.position) for part, point in args.between]
+    if points[0][0] == points[1][0] or not _length(build, args) > 0:
+        places = " and ".join(f"{point.name} of {part.name}" for part, point in args.between)
+        build.refuse("between", places, "points of two parts, or of two ends of a bar, apart")
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
     beams = tuple(build.scene.arm_to(particle, place) for particle, place in points)
@@ -103,6 +106,10 @@ def gas_spring(build, args):
     if not args.stroke < args.length:
         build.refuse("stroke", args.stroke, f"below the length, {args.length:g} m")
     table = gas_table(args.force, args.length, args.stroke, args.ratio, args.exponent)
+    least, start = args.length - args.stroke, _length(build, args)
+    if not least * (1 - 1e-9) <= start <= args.length * (1 + 1e-9):
+        text = f"at least {start:.4g} m, the distance of its points at the start, and at most its "
+        build.refuse("length", args.length, f"{text}stroke, {args.stroke:.4g} m, more")
     _add(build, args, *table)
 
 

@@ -98,11 +98,11 @@ import random
 import fpm
 from evidence.attack.metamorphic.families import delay, is_quiet
 from evidence.attack.metamorphic.image import scale
-from evidence.attack.metamorphic.plain_loop import without_compiling
+from evidence.attack.metamorphic.plain_loop import disable_compilation
 from evidence.attack.metamorphic.runs import drawn, scene_of
 from evidence.attack.metamorphic.structure_text import map_numbers
 
-without_compiling()
+disable_compilation()
 for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800014))):
     rng = random.Random(seed)
     structure, duration = drawn(seed)
@@ -137,7 +137,7 @@ import random
 from evidence.attack.metamorphic import families
 from evidence.attack.metamorphic.image import Image, scale
 from evidence.attack.metamorphic.pairs import Trial
-from evidence.attack.metamorphic.plain_loop import without_compiling
+from evidence.attack.metamorphic.plain_loop import disable_compilation
 from evidence.attack.metamorphic.runs import drawn
 from evidence.attack.metamorphic.structure_text import map_numbers
 
@@ -145,7 +145,7 @@ def in_far_units(structure, rng):
     units = tuple(2.0 ** rng.randint(-30, 30) for _ in range(3))
     return Image(map_numbers(structure, lambda x, unit: x * scale(units, unit)), units=units)
 
-without_compiling()
+disable_compilation()
 families.FAMILIES["in far units"] = in_far_units
 for seed in range(900000, 900014):
     for one in Trial(*drawn(str(seed)), str(seed)).verdicts(["in far units"]):

@@ -32,7 +32,7 @@ def test_a_wrong_curve_fails():
 @pytest.mark.slow
 def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
     rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIP, is_whole_run=True)
-    assert str(rows[0].value).startswith("refused: unstable")
+    assert str(rows[0].value).startswith("refused: stopped")
     assert "refine the mesh" in rows[0].value
     assert len(rows) == 3
     assert all("after the remedy" in row.name and row.passed for row in rows[1:])

@@ -208,8 +208,9 @@ PARTS = (polynomials, scans, splines, ranges, scalars, estimates)
 
 def decided(dataset: xr.Dataset) -> dict:
     """What of a dataset rounding does not decide, as it does where bounds without width are
-    attained, and which of two equal values is largest."""
-    found = {n: v.values for n, v in dataset.data_vars.items() if not n.endswith("_time")}
+    attained, and which of two equal values is largest; `least` and `most` follow from the input."""
+    variables = dataset.drop_vars(["least", "most"], errors="ignore").data_vars
+    found = {n: v.values for n, v in variables.items() if not n.endswith("_time")}
     for name in ("argmin", "argmax"):
         if name in found:
             wide = (dataset["upper"] - dataset["lower"]).values > 1e-6

@@ -4,8 +4,7 @@ Limits are far from what deployable structures are made of, so that a slip of un
 for kg/m³, Pa for GPa) shows, and no structure that is meant does."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -52,18 +51,6 @@ MAX_RATIO = 1000.0
 
 MAX_GRAVITY = 100.0
 """Acceleration of gravity (m/s2) above which it is hardly in this unit."""
-
-DENSEST = 30_000.0
-"""Density (kg/m3) above any material's, of boxes."""
-
-MAX_SLENDERNESS = 500.0
-"""Ratio of edges above which a box stands for a line or a sheet without thickness, of any mass."""
-
-MAX_AREAS = 300.0
-"""Area on which air drags by the square of the structure's size, above which it is odd."""
-
-FARTHEST = 200.0
-"""Distance of a point from the others by their extent, above which it is odd."""
 
 USUAL = {
     "mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m"), "density": (20, 25_000, "kg/m3"),
@@ -150,42 +137,6 @@ def _boxes(scene: Scene) -> Iterator[str]:
             yield f"{text}, {mass / volume:.2g} kg/m3: a length in mm has its unit, as 1200 mm"
         elif edges.max() > MAX_REACH * size > 0:
             yield f"{text}, where all points lie within {size:.4g} m: is it in these units?"
-
-
-def find_doubts(group: str, args: Any, size: float) -> Iterator[str]:
-    """Yield sentences on an entry of a structure's file that is hardly meant, of what its scene
-    does not show: boxes that are too dense, drag on too much area. group: its section, as "drags";
-    args: values of its keys; size: largest extent of the structure (m)."""
-    box = args.box if group == "bodies" else None
-    is_solid = box is not None and MAX_SLENDERNESS * np.min(box) > np.max(box)  # no line or sheet
-    if is_solid and args.mass > DENSEST * (volume := float(np.prod(box))):
-        edges = " x ".join(f"{edge:.4g}" for edge in box)
-        yield (
-            f"body {args.name} has {args.mass:.4g} kg in a box of {edges} m, "
-            f"{args.mass / volume:.3g} kg/m3; usual: at most {DENSEST:g} kg/m3: masses are "
-            "in kg, not in g"
-        )
-    if group == "drags" and args.area > MAX_AREAS * size**2 > 0:
-        yield (
-            f"drag {args.name} has an area of {args.area:.4g} m2, on a structure of {size:.4g} m: "
-            f"an area in mm2 has its unit, as {args.area:.6g} mm2"
-        )
-
-
-def find_far_point(points: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Yield a sentence on a point that is far from all others, if there is one. points: positions
-    (3,), m, by name."""
-    names, places = list(points), np.array(list(points.values()))
-    if len(names) < 3:
-        return
-    distances = np.linalg.norm(places - np.median(places, axis=0), axis=1)
-    index = int(np.argmax(distances))
-    rest = float(np.ptp(np.delete(places, index, axis=0), axis=0).max())
-    if distances[index] > FARTHEST * rest > 0:
-        yield (
-            f"point {names[index]} is {distances[index]:.4g} m from the others, which lie within "
-            f"{rest:.4g} m: a length in mm has its unit, as 500 mm"
-        )
 
 
 def extent(scene: Scene) -> float:

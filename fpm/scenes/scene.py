@@ -313,7 +313,8 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a hinge (index): faces resist openings below 0. stiffness: N m/rad."""
+        """Add a contact to a revolute hinge (index): faces resist openings below 0. stiffness: N
+        m/rad, at least 0. Raises SceneError for another joint or value."""
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(

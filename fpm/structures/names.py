@@ -80,7 +80,7 @@ class Bound:
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
-        """Return the dimension of the expression. numbers: NamedNumbers of the file by full name.
+        """Return the dimension of the expression. numbers: each NamedNumber of the file by full name.
         SkippedError if one that it refers to has none, being wrong itself."""
         dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in dimensions.values():
@@ -105,7 +105,7 @@ class NamedNumber:
 
 class Names:
     """All names of a structure file, filled as it is read. problems: where errors are noted; files:
-    content of the files of curves that it names, by path. Attributes: numbers: NamedNumbers
+    content of the files of curves that it names, by path. Attributes: numbers: each NamedNumber
     (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", the line
     of each entry by full name; types: of joints by full name, "" if unknown; angles: (joint, 0 or
     1) by name of each angle of a universal joint; uses: names referred to, of numbers in full, of

@@ -140,7 +140,8 @@ def _boxes(scene: Scene) -> Iterator[str]:
 
 
 def extent(scene: Scene) -> float:
-    """Return the largest extent (m) of a scene's particles, joints and named points."""
+    """Return the largest extent (m) along a global axis of a scene's particles, hinges, slides and
+    named points; 0 without a hinge and a named point. Other joints do not count."""
     beams = [beam for hinge in scene.hinges for beam in hinge.beams]
     arms = [(beam.particle, beam.arm) for beam in (*beams, *scene.points.values())]
     points = [scene.position[i] + scene.frame[i] @ arm for i, arm in arms]
@@ -374,7 +375,7 @@ SLOWER = 6.0
 
 def run_duration(scene: Scene) -> float:
     """Return a time (s) in which what moves a scene has acted, to start from: 6 times the least
-    that springs need to their latches, or to their rest; a swing by weight; the end of curves. 1
+    that springs need to their latches, or to their rest (of tables: their ends); a swing by weight; the end of curves. 1
     where there is none of these. The library's structures open within it."""
     times, gravity = [float(ends[-1]) for ends, _ in scene.curves], np.linalg.norm(scene.gravity)
     if gravity and scene.hinges:

@@ -150,6 +150,9 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("at_most: 3", "at_least: 5", "5 s, but runs end at 2 s, so that none can meet it"),
     ("at_most: 3", "at_most: 30", "30 s, but runs end at 2 s, so that all where it happens"),
     ("instants: 201", "instants: 12", "12 for 2 s are 0.1818 s apart", "take 201 or more"),
+    ("order: 2}", "order: 2, samples: 500}", "design.samples: 500 is of sobol and screening alone"),
+    ("order: 2}", "order: 2, seed: 3}", "design.seed: 3 is of sobol alone", "`order`"),
+    ("{event: latches, of: catch}", "{value: psi, at: 15}", "t.at: 15 s, but runs last from 0"),
     ("relative: 0.1", "relative: 0", "intervals.k: 3 to 3 has no width", "scene.parameters"),
     ("absolute: 0.02", "absolute: 20", "intervals.L: -18.8 to 21.2 about 1.2", "the unit m of L"),
 ]  # fmt: skip

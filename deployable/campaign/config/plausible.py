@@ -28,14 +28,16 @@ LARGEST = 100.0
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
-    """Return sentences on intervals, instants and levels of an `Experiment` that are hardly meant;
-    [] if there is none."""
-    return [*_interval_texts(experiment), *_instant_texts(experiment), *_level_texts(experiment)]
+    """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
+    meant; [] if there is none."""
+    checks = _interval_texts, _design_texts, _instant_texts, _level_texts
+    return [text for check in checks for text in check(experiment)]
 
 
 def requirement_warnings(campaign: Any) -> list[str]:
-    """Return sentences on limits of a `Campaign` that no run can break, or meet, for its duration,
-    or that are in another unit; [] if there is none."""
+    """Return sentences on limits of a `Campaign` that are hardly meant: times and speeds that no run
+    can reach, times that none can exceed, lengths far beyond the structure's extent, angles of more
+    than a turn without a motor; [] if there is none."""
     from fpm.structures.plausible import extent
 
     experiment, texts = campaign.experiment, []
@@ -117,14 +119,34 @@ def _interval_texts(experiment: Any) -> Iterator[str]:
             )
 
 
+def _design_texts(experiment: Any) -> Iterator[str]:
+    """Keys that the design does not use."""
+    design = experiment.design
+    methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
+    for key, methods in methods_by_key.items():
+        value, default = getattr(design, key), getattr(type(design), key)
+        if value != default and not (experiment.is_adaptive or design.method in methods):
+            yield (
+                f"design.{key}: {value} is of {' and '.join(methods)} alone, {design.method} "
+                "has as many runs as its `order` takes: take that, or another `method`"
+            )
+
+
 def _instant_texts(experiment: Any) -> Iterator[str]:
-    """Too few instants for any curve."""
+    """Too few instants for any curve, and instants beyond the end."""
     count, duration = experiment.solver.instants, experiment.solver.duration
     if count < FEWEST:
         yield (
             f"solver.instants: {count} for {duration:g} s are {duration / (count - 1):.4g} s "
             "apart, and peaks between them are not seen: take 201 or more"
         )
+    for quantity in experiment.quantity_list:
+        if isinstance(quantity.instant, float | int) and not 0 <= quantity.instant <= duration:
+            yield (
+                f"quantities.{quantity.name}.at: {quantity.instant:g} s, but runs last from 0 to "
+                f"{duration:g} s, so that it has no value: take an instant within, or a longer "
+                "solver.duration"
+            )
 
 
 def _level_texts(experiment: Any) -> Iterator[str]:

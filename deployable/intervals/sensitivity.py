@@ -37,8 +37,8 @@ def measure_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) 
     (k): point in [-1, 1]^k through which one parameter at a time varies for the widths; None: the
     middle. The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the
     arcsine density, for which Chebyshev polynomials are orthogonal and which weighs ends of
-    intervals more than the uniform density: a convention, as intervals have none. They are 0 without
-    variance."""
+    intervals more than the uniform density: a convention, as intervals have none. They are 0
+    without variance."""
     indices, c = surrogate.multi_indices, surrogate.coefficients
     k, shape = surrogate.dimension, c.shape[1:]
     centre = np.zeros(k) if centre is None else np.asarray(centre, dtype=float)

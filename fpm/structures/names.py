@@ -80,8 +80,8 @@ class Bound:
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
-        """Return the dimension of the expression. numbers: each NamedNumber of the file by full name.
-        SkippedError if one that it refers to has none, being wrong itself."""
+        """Return the dimension of the expression. numbers: each NamedNumber of the file by full
+        name. SkippedError if one that it refers to has none, being wrong itself."""
         dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in dimensions.values():
             raise SkippedError(self.expression.text)

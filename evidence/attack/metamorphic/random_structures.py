@@ -53,8 +53,8 @@ class Draw(StructureDraft):
             0.3
         ):
             self.drag(self.rng.choice(parts))
-        if self.chance(0.3):
-            self.strut()
+        if parts and self.chance(0.3):
+            self.strut(self.rng.choice(parts))
         return self.structure
 
     def part(self, with_bars: bool) -> None:
@@ -181,12 +181,10 @@ class Draw(StructureDraft):
         self.add("drags", self.name("drags", "w"), part=part, through=ends, wind=wind, **plate,
                  area=self.number(0.1, 1.0), coefficient=1.2, density=1.2)  # fmt: skip
 
-    def strut(self) -> None:
-        """A strut from the ground to the end of a part, a damper only where nothing may move."""
-        part, hook = (
-            self.rng.choice(self.parts),
-            self.point(self.name("points", "g"), [2.0, 1.0, 0.5]),
-        )
+    def strut(self, part: str) -> None:
+        """A strut from the ground to the end of a part that is not driven, as for drag; a damper
+        only where nothing may move."""
+        hook = self.point(self.name("points", "g"), [2.0, 1.0, 0.5])
         end = self.end_of(part)
         length = float(np.linalg.norm(self.position(hook) - self.position(end)))
         spring = {

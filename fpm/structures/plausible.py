@@ -100,11 +100,11 @@ def _start(scene: Scene) -> Iterator[str]:
 
 
 def _sizes(scene: Scene) -> Iterator[str]:
-    extent = float(np.ptp(scene.position, axis=0).max()) if len(scene.position) else 0.0
+    size = float(np.ptp(scene.position, axis=0).max()) if len(scene.position) else 0.0
     yield from _usual("mass", report.mass(scene), "all of it")
     if (gravity := float(np.linalg.norm(scene.gravity))) > MAX_GRAVITY:
         yield f"gravity is {gravity:.4g} m/s2, usual: 9.81; in mm/s2 it has its unit, as 9810 mm/s2"
-    yield from _usual("largest extent", extent, "all of it") if extent else ()
+    yield from _usual("largest extent", size, "all of it") if size else ()
     bars = bars_of(scene)
     for bar in bars.values():
         group, length = bar.groups[0], float(bar.ends[-1])
@@ -317,12 +317,16 @@ def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Itera
     yield from (f"{text}{end}" for text in texts)
 
 
-def find_barrier(scene: Scene, number: int, level: float) -> str:
+GIVES = 0.9
+"""Part of the way to an opening by which a latch or stop surely keeps a joint from it."""
+
+
+def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> str:
     """Return which latch or stop keeps a joint from an opening, as "beyond 90 deg, where latch a
     catches", or "beyond the stop at 90 deg"; "" if none does. number: index of the hinge; level:
-    the opening (rad, on a slide m)."""
+    the opening (rad, on a slide m); part: of the way there from the start that is looked at."""
     hinge = scene.hinges[number]
-    travel = level - hinge.opening
+    travel = part * (level - hinge.opening)
     sign = float(np.sign(travel))
     for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
         place = sign * (latch.angle - hinge.opening)

@@ -16,7 +16,6 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 from deployable.campaign.folder import CAMPAIGN
 from fpm.files.outcome import eventful
-from fpm.structures.plausible import run_duration
 
 SNAKEFILE = f'''\
 # The campaign of this folder: snakemake -c2
@@ -93,6 +92,8 @@ def campaign_of(path: Path, name: str) -> str:
     recorded for as long as it may take to open (`plausible.run_duration`); quantities ask when its
     latches catch, requirements whether all do. Raises `CampaignError` if the structure cannot be
     read, or has no such parameter."""
+    from fpm.structures.plausible import run_duration  # 0.3 s, which no other command needs
+
     try:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:

@@ -151,7 +151,7 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
 
 def _level_texts(experiment: Any) -> Iterator[str]:
     """Levels of openings that are in degrees, or that a latch or stop keeps them from."""
-    from fpm.structures.plausible import find_barrier, opening_text
+    from fpm.structures.plausible import GIVES, find_barrier, opening_text
 
     scene = experiment.nominal_scene
     numbers = {hinge.name: number for number, hinge in enumerate(scene.hinges)}
@@ -160,9 +160,8 @@ def _level_texts(experiment: Any) -> Iterator[str]:
             continue
         key, level = f"quantities.{quantity.name}.level", quantity.level
         number = numbers[quantity.response.subjects[0]]
-        start = scene.hinges[number].opening
         texts = list(_turn_texts(key, level, experiment))
-        reason = find_barrier(scene, number, start + 0.9 * (level - start))  # some give way
+        reason = find_barrier(scene, number, level, GIVES)
         if reason and not texts:
             text = opening_text(scene.hinges[number], level)
             texts = [f"{key}: {level:g}, {text}, is {reason}: take a level before that"]

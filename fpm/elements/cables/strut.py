@@ -13,6 +13,7 @@ from fpm.elements.cables.cable_bounds import bounding_springs
 from fpm.elements.fields import number, topology
 from fpm.elements.kind import Deformations, ElementType, Energy, Series
 from fpm.elements.openings.opening import moving_at_start
+from fpm.elements.openings.table_spring import table_array
 from fpm.elements.particles.damping import Damping
 from fpm.errors import SceneError
 
@@ -98,10 +99,10 @@ class Strut(ElementType):
 
     def force(self, length: float) -> float:
         """Return the elastic force (N) at a distance (m) of the points, above 0 where it pushes."""
-        first, slope, *_ = self.numbers
         bends = np.diff(self.all_slopes)
         ramps = np.maximum(length - np.array(self.lengths), 0.0)
-        return float(first + slope * (length - self.lengths[0]) + bends @ ramps)
+        first_slope_force = self.slopes[0] * (length - self.lengths[0])
+        return float(self.forces[0] + first_slope_force + bends @ ramps)
 
     @classmethod
     def names(cls, scene):
@@ -147,26 +148,14 @@ class Strut(ElementType):
         """Return the array for a field `name` of the kernels' tuple Struts: what these say there;
         others as ElementType.array. batch: the scenes that are simulated side by side."""
         struts = cls.find(batch.scene)
-        ends = np.cumsum([0, *(len(strut.lengths) for strut in struts)])
         match name:
             case "particle":
                 return batch.integers((b.particle for s in struts for b in s.beams), 2)
             case "arms":
                 arms = lambda scene: [b.arm for s in cls.find(scene) for b in s.beams]  # noqa: E731
                 return batch.stack(2 * len(struts), 3, arms)
-            case "start":
-                return batch.integers(ends)
-            case "points":
-                return batch.stack(
-                    ends[-1],
-                    2,
-                    lambda scene: np.concatenate(
-                        [
-                            np.column_stack([s.lengths, np.diff(s.all_slopes)])
-                            for s in cls.find(scene)
-                        ]
-                    ),
-                )
+            case "start" | "points":
+                return table_array(name, batch, cls, lambda s: np.diff(s.all_slopes), "lengths")
             case "numbers":
                 return batch.table(cls, len(struts[0].numbers), lambda strut: strut.numbers)
             case "state":

@@ -92,17 +92,19 @@ def bends(angles, values) -> np.ndarray:
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
-def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
+def table_array(name: str, batch, kind, bends_of, places: str = "angles") -> np.ndarray:
     """Return an array, for kernels, of the tables of all elements of a type, one after the other.
     name: which: "points": (p, 2, lanes), angle and change of slope of each of the p points;
     "start": (elements + 1,), index of each element's first point, then p. batch: scenes simulated
-    side by side; kind: the element type; bends_of(element): changes of slope."""
-    ends = np.cumsum([0, *(len(element.angles) for element in kind.find(batch.scene))])
+    side by side; kind: the element type; bends_of(element): changes of slope; places: the type's
+    field with the angles, or the like."""
+    ends = np.cumsum([0, *(len(getattr(e, places)) for e in kind.find(batch.scene))])
     if name == "start":
         return batch.integers(ends)
 
     def points(scene):
-        tables = [(e.angles, bends_of(e)) for e in kind.find(scene) if e.angles]
+        pairs = ((getattr(element, places), element) for element in kind.find(scene))
+        tables = [(angles, bends_of(element)) for angles, element in pairs if angles]
         return np.concatenate([np.column_stack(table) for table in tables])
 
     return batch.stack(ends[-1], 2, points)

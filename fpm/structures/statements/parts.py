@@ -210,6 +210,11 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
     return _principal_axes(sum(frame * inertia @ frame.T for inertia, frame in parts))
 
 
+def _point_inertia(mass: float, arm: np.ndarray) -> np.ndarray:
+    """Inertia tensor (3, 3), kg m², of a mass (kg) at `arm` (3,), m, about the arm's start."""
+    return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+
+
 def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Principal inertias (3,) and axes (3, 3) of an inertia tensor; `axes` where they are such."""
     if axes is not None:
@@ -269,10 +274,11 @@ def body(build, args):
         if args.box is not None:
             build.refuse("about", args.about.name, "none with a `box`, which lies about the centre")
         arm = args.about.position - args.centre.position
-        tensor = axes * inertia @ axes.T - args.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        tensor = axes * inertia @ axes.T - _point_inertia(args.mass, arm)
         inertia, axes = _principal_axes(tensor, axes)
         if not (np.min(inertia) > 0 and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
-            rest = args.mass * (arm @ arm - (arm @ triad(args.x, args.up)) ** 2)
+            frame = triad(args.x, args.up)
+            rest = np.diagonal(frame.T @ _point_inertia(args.mass, arm) @ frame)
             least = ", ".join(f"{value:.4g}" for value in rest)
             allowed = (
                 f"about {args.about.name}, mass times squared distance, {least} kg m2, and in "
@@ -308,8 +314,7 @@ def mass(build, args):
         reduced_mass = scene.mass[particle] * args.mass / (scene.mass[particle] + args.mass)
         arm = args.at.position - scene.position[particle]
         axes = scene.frame[particle]
-        tensor = axes * scene.inertia[particle] @ axes.T
-        tensor += reduced_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        tensor = axes * scene.inertia[particle] @ axes.T + _point_inertia(reduced_mass, arm)
         scene.position[particle] += arm * reduced_mass / scene.mass[particle]
         scene.inertia[particle], scene.frame[particle] = _principal_axes(tensor, axes)
     scene.mass[particle] += args.mass

@@ -122,10 +122,10 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         problems += scene_problems
     if problems or campaign is None:
         raise ConfigError(source, problems)
-    return _with_cases(campaign, raw, case_lists, source) if config.cases else campaign
+    return _resolve_cases(campaign, raw, case_lists, source) if config.cases else campaign
 
 
-def _with_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: str) -> Campaign:
+def _resolve_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: str) -> Campaign:
     """The campaign with its cases, each checked as a campaign of its own."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:

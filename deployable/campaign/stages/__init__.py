@@ -109,7 +109,8 @@ class Stage:
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
         """Return the config sections that the stage depends on, by name. config: path of a YAML
         file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
-        it names; folder: of the results, which tells the case. Raises `CampaignError`."""
+        it names; folder: of the results, which tells the case, None for a campaign without
+        cases. Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             campaign = check.load_config([config])

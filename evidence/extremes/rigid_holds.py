@@ -129,7 +129,7 @@ def motors() -> list[Row]:
         scene = chain((mass, 1.0), 0.0, release=HUGE, times=(0.0, 0.5, 0.52), turns=(0.0, 0.0, 1.0))
         if (outcome := simulate(rows, name, scene, 1.0, 1e-3)) is None:
             continue
-        expected = np.interp(outcome.time, *scene.curves[0])
+        expected = scene.curve(0).value(outcome.time)
         worst = float(np.abs(outcome.openings["third"] - expected).max())
         rows.append(at_most(f"{name}: opening (rad)", worst, MAX_MOTION, "that prescribed"))
         work = float(abs(outcome.energies["motor_work"][-1]) / (mass / 6 * 50.0**2))

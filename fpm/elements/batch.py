@@ -39,7 +39,7 @@ class SceneData(Protocol):
     position (n, 3) m; frame (n, 3, 3): axes of each as columns; unstrained: frames without strain,
     None: `frame`; velocity (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed
     (n, 6): whether held along and about global axes; kinds: elements by type; hinges: all of them;
-    curves: (times in s, values), piecewise linear; points: VirtualBeam by name; bearings: for each
+    curves: of time (fpm.scenes.curve.Curve); points: VirtualBeam by name; bearings: for each
     hinge index, moment of friction for each N of the joint's force."""
 
     position: np.ndarray
@@ -52,7 +52,7 @@ class SceneData(Protocol):
     fixed: np.ndarray
     kinds: dict[type, list]
     hinges: list
-    curves: list[tuple[np.ndarray, np.ndarray]]
+    curves: list
     points: dict[str, Any]
     bearings: Counter[int]
 
@@ -203,7 +203,9 @@ class Batch:
         """Return the state that the time loop starts with: arrays of the particles, curves of time,
         named points, and what element types share (accounts of energy, watched quantities)."""
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
-        lengths = [len(times) for times, _ in scene.curves]
+        lengths = [len(curve.times) for curve in scene.curves]
+        count = max((curve.powers.shape[1] for curve in scene.curves), default=0)
+        powers = [np.pad(c.powers, ((0, 0), (0, count - c.powers.shape[1]))) for c in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
         rows, unity = [self.rows.slices[kind] for kind, _ in watches], np.ones(self.width)
         return World(
@@ -212,8 +214,11 @@ class Batch:
             particles=self.stack(n, layout.PARTICLE, _particles),
             free=self.integers([] if any(kind.moves_free for kind in self.kinds) else self.free),
             curve_start=self.integers(np.cumsum([0, *lengths])),
-            curve_time=np.concatenate([np.zeros(0), *(times for times, _ in scene.curves)]),
-            curve_value=np.concatenate([np.zeros(0), *(values for _, values in scene.curves)]),
+            curve_time=np.concatenate([np.zeros(0), *(curve.times for curve in scene.curves)]),
+            curve_value=np.concatenate([np.zeros(0), *(curve.values for curve in scene.curves)]),
+            curve_power=np.concatenate([np.zeros((0, count)), *powers]),
+            curve_sum=np.concatenate([np.zeros(0), *(curve.sums for curve in scene.curves)]),
+            curve_kink=np.concatenate([np.zeros(0), *(curve.kinks for curve in scene.curves)]),
             point_particle=self.integers(p.particle for p in points.values()),
             point_arm=self.stack(len(points), 3, lambda s: [p.arm for p in s.points.values()]),
             accounts=self.blank(1, len(self.accounts)),

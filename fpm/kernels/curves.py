@@ -1,4 +1,4 @@
-"""Piecewise linear curves of time, by which loads and drives are scaled."""
+"""Curves of time, by which loads and drives are scaled (theory: fpm/scenes/curve.py)."""
 
 import math
 
@@ -7,9 +7,9 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def curve_value(world, curve, t):
-    """Return the value of a curve of time at time t (s): one number for all samples, linear between
-    the curve's points, constant before the first and after the last, in the unit of what refers to
-    it. world: solver state with all curves (World); curve: index, -1: always 1."""
+    """Return the value of a curve of time at time t (s): one number for all samples, polynomial
+    between the curve's points, constant before the first and after the last, in the unit of what
+    refers to it. world: solver state with all curves (World); curve: index, -1: always 1."""
     if curve < 0:
         return 1.0
     times, values = world.curve_time, world.curve_value
@@ -20,7 +20,13 @@ def curve_value(world, curve, t):
         return values[last]
     k = _point_after(times, first, last, t) - 1
     fraction = (t - times[k]) / (times[k + 1] - times[k])
-    return values[k] + fraction * (values[k + 1] - values[k])
+    value = values[k] + fraction * (values[k + 1] - values[k])
+    if world.curve_power.shape[1]:
+        deviation = 0.0
+        for j in range(world.curve_power.shape[1] - 1, -1, -1):
+            deviation = (deviation + world.curve_power[k, j]) * fraction
+        value += deviation
+    return value
 
 
 @kernel
@@ -37,13 +43,14 @@ def _point_after(times, first, last, t):
 
 @kernel
 def bend_after(world, curve, t):
-    """Return the time (s) from t (s) to the next point of a curve after t, where its slope jumps;
+    """Return the time (s) from t (s) to the next point of a curve after t where its slope jumps;
     infinite where none follows. world: solver state with all curves (World); curve: index, -1: the
     curve that is always 1, which has no points."""
     if curve >= 0:
         times, last = world.curve_time, world.curve_start[curve + 1] - 1
         if times[last] > t:
-            return times[_point_after(times, world.curve_start[curve], last, t)] - t
+            point = _point_after(times, world.curve_start[curve], last, t)
+            return world.curve_kink[point] - t
     return math.inf
 
 
@@ -55,14 +62,22 @@ def curve_integral(world, curve, t):
         return t
     times, values = world.curve_time, world.curve_value
     first, last = world.curve_start[curve], world.curve_start[curve + 1] - 1
-    t_first, t_last = max(times[first], 0.0), max(times[last], 0.0)
-    total = values[first] * min(t, t_first) + values[last] * max(t - t_last, 0.0)
-    for k in range(first, last):
-        start, end = max(times[k], 0.0), min(times[k + 1], t)
-        if start < end:
-            middle = (0.5 * (start + end) - times[k]) / (times[k + 1] - times[k])
-            total += (end - start) * (values[k] + middle * (values[k + 1] - values[k]))
-    return total
+    if t <= times[first]:
+        return values[first] * t
+    if t >= times[last]:
+        return world.curve_sum[last] + values[last] * (t - max(times[last], 0.0))
+    k = _point_after(times, first, last, t) - 1
+    start, step = max(times[k], 0.0), times[k + 1] - times[k]
+    middle = (0.5 * (start + t) - times[k]) / step
+    area = (t - start) * (values[k] + middle * (values[k + 1] - values[k]))
+    if world.curve_power.shape[1]:
+        old, new = (start - times[k]) / step, (t - times[k]) / step
+        area_before, area_now = 0.0, 0.0
+        for j in range(world.curve_power.shape[1] - 1, -1, -1):
+            power = world.curve_power[k, j] / (j + 2.0)
+            area_before, area_now = (area_before + power) * old, (area_now + power) * new
+        area += step * (new * area_now - old * area_before)
+    return world.curve_sum[k] + area
 
 
 @kernel

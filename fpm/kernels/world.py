@@ -23,10 +23,11 @@ class World(NamedTuple):
     moment); start_state (n, 21, lanes): at the start of a recorded step; particles (n, 9, lanes):
     constants (inverse mass and inertias, mass, effects of the step's kick); free (f,): indices of
     particles that no type moves; curve_start (c + 1,): index of the first point of each curve of
-    time, and the end; curve_time (s), curve_value: of all points; point_particle (p,), point_arm
-    (p, 3, lanes): particles and arms (m) of named points; accounts (1, a, lanes): energy (J) given
-    so far by the first `givers`, taken by the others; sums (1, 2, lanes): total energy at t = 0,
-    size of energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far;
+    time, and the end; curve_time (s), curve_value, curve_power (points, k), curve_sum (s),
+    curve_kink (s): of all points, as in fpm/scenes/curve.py; point_particle (p,), point_arm (p, 3,
+    lanes): particles and arms (m) of named points; accounts (1, a, lanes): energy (J) given so far
+    by the first `givers`, taken by the others; sums (1, 2, lanes): total energy at t = 0, size of
+    energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far;
     most (w, lanes): limits; unconditional (w,): whether one is a failure's cause even where energy
     does not balance; watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1,
     lanes): of the scene (m); rows (e, 1, lanes): of each element, once a run has failed, its energy
@@ -39,6 +40,9 @@ class World(NamedTuple):
     curve_start: np.ndarray  # (curves + 1,) first point of each curve
     curve_time: np.ndarray  # (points,) s
     curve_value: np.ndarray  # (points,)
+    curve_power: np.ndarray  # (points, k) of the fraction, in the piece after each point
+    curve_sum: np.ndarray  # (points,) integral from 0 on
+    curve_kink: np.ndarray  # (points,) time of the first kink from each point on
     point_particle: np.ndarray  # (p,) particles of the named points
     point_arm: np.ndarray  # (p, 3, lanes)
     accounts: np.ndarray  # (1, a, lanes) energy given by the first ones, taken by the others (J)

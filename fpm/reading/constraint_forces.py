@@ -116,8 +116,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         reaction_force, couple = reaction_force * fixed[:3], couple * fixed[3:]
         if _is_ground(scene, particle):
             fields = [kind for kind in kinds_of([scene]) if issubclass(kind, Gravity)]
-            weights = [kind.weight(scene, particle) for kind in fields]
-            reaction_force = reaction_force + sum(weights)
+            for kind in fields:
+                factors = scene.curve(kind.curve_of(scene)).value(run.time)
+                reaction_force = reaction_force + factors[:, None] * kind.weight(scene, particle)
         force = force + reaction_force
         moment = couple - np.cross(run.arm(support.beam), reaction_force)
     return force, moment

@@ -51,8 +51,5 @@ def _join(latches: list[str]) -> str:
 
 def _is_sudden(scene: Scene, load: Load) -> bool:
     """Whether a load is there from the start on."""
-    first = 1.0
-    if load.curve >= 0:
-        times, values = scene.curves[load.curve]
-        first = np.interp(0.0, times, values)
+    first = scene.curve(load.curve).value(0.0)
     return bool(first * (np.abs(load.force).max() + np.abs(load.moment).max()))

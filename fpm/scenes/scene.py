@@ -31,6 +31,7 @@ from fpm.elements.bars.lumping import lump
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
+from fpm.scenes.curve import CONSTANT, Curve
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Scene:
     Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity (n,
     3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6): whether it is held
     along and about x, y, z. kinds: lists of elements by element type (fpm/elements); curves: list
-    of (times (s), values); points: named ones (VirtualBeam), for responses; supports: those held or
+    of Curve, of time; points: named ones (VirtualBeam), for responses; supports: those held or
     driven; bodies: index of the particle of each named rigid body; unstrained, unstrained_position:
     frames and positions before fpm.assembly strained the scene, None: as they are; assembly: what
     that did, or None; opening_rates: rates of joint coordinates stated for the start (rad/s, of
@@ -98,7 +99,7 @@ class Scene:
         self.inertia = np.zeros((0, 3))
         self.fixed = np.zeros((0, 6), bool)
         self.kinds: dict[type[ElementType], list] = {}
-        self.curves: list[tuple[np.ndarray, np.ndarray]] = []
+        self.curves: list[Curve] = []
         self.points: dict[str, VirtualBeam] = {}
         self.bodies: dict[str, int] = {}  # rigid ones that have a name, with their particles
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
@@ -346,15 +347,22 @@ class Scene:
         translations, rotations: axes along and about which they are held: letters of "xyz"."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
-    def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
-        """Add a piecewise linear curve of time; returns its index. times: of its points (s),
-        increasing; values: at them, in the unit of what refers to the curve, constant beyond both
-        ends. SceneError for times that do not increase, or not as many values."""
+    def add_curve(
+        self, times: Sequence[float], values: Sequence[float], smooth: bool = False
+    ) -> int:
+        """Add a curve of time through points; returns its index. times: of these (s), increasing;
+        values: at them, in the unit of what refers to the curve, constant beyond both ends; smooth:
+        whether it is a smooth cubic, not straight, between them. SceneError for times that do not
+        increase, or not as many values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
             raise SceneError("times", times.tolist(), "increasing times, one for each value")
-        self.curves.append((times, values))
+        self.curves.append((Curve.smooth if smooth else Curve.table)(times, values))
         return len(self.curves) - 1
+
+    def curve(self, index: int) -> Curve:
+        """Return the curve of time of an index; of -1 that which is always 1."""
+        return self.curves[index] if index >= 0 else CONSTANT
 
     def add_load(self, particle, force=(0, 0, 0), moment=(0, 0, 0), arm=(0, 0, 0), curve=-1):
         """Add a dead load on a particle: it keeps its global direction.

@@ -23,7 +23,7 @@ def topology(scene: Scene) -> tuple:
         tuple((kind, value) for kind, value in of_kinds.items() if value is not None),
         tuple((name, p.particle) for name, p in scene.points.items()),
         scene.fixed.tobytes(),
-        tuple((t.tobytes(), v.tobytes()) for t, v in scene.curves),
+        tuple((c.times.tobytes(), c.values.tobytes(), c.powers.tobytes()) for c in scene.curves),
     )
 
 

@@ -59,9 +59,11 @@ class Builder:
     one by one. problems: of the file, where errors are noted; scene: complete when there are none;
     numbers: all named numbers (SI units) by full name, as "bay1.width"; size: largest extent of the
     structure (m); joints_of: names of the joints at each particle, by index; hold: None or, if
-    parts are forced together, a function of this Builder: indices of hinges whose openings stay."""
+    parts are forced together, a function of this Builder: indices of hinges whose openings stay;
+    gravity_curve: None or, alike, a function: index of the curve of time that scales gravity."""
 
     hold: Callable[["Builder"], list[int]] | None = None
+    gravity_curve: Callable[["Builder"], int] | None = None
     scene: Scene
     size: float = 0.0
 

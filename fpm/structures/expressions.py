@@ -51,6 +51,7 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
     **{name: (function, 1, 1) for name, function in _ROUND.items()},
     "atan2": (math.atan2, 2, 2),
     "sqrt": (math.sqrt, 1, 1),
+    "exp": (math.exp, 1, 1),
     "abs": (abs, 1, 1),
     "min": (min, 2, 20),
     "max": (max, 2, 20),

@@ -6,6 +6,7 @@ allowed. A further type of value goes here."""
 
 from collections.abc import Callable, Container, Iterator
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,9 +19,10 @@ from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, hint_new
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
-from fpm.structures.names import Bound, Context, Place
+from fpm.structures.expressions import Expression
+from fpm.structures.names import Bound, Context, NamedNumber, Place
 from fpm.structures.reading import Node, SkippedError, commas
-from fpm.structures.units import unit
+from fpm.structures.units import NUMBER, unit
 
 NO_VALUE = object()
 COMMA = " (an expression with a comma stands in quotes)"
@@ -129,6 +131,26 @@ class VectorKey(Key):
         dimension = unit(self.unit).dimension
         bounds = [place.number(item, dimension, self.allowed) for item in node.items]
         return lambda build: np.array([build.number(bound, place.key) for bound in bounds])
+
+
+@dataclass(frozen=True)
+class GravityKey(VectorKey):
+    """Key of an acceleration of gravity: a pair of its vector, (3,) m/s², and None or a function of
+    the Builder that returns the index of its curve of time, once curves are built."""
+
+    @property
+    def allowed(self) -> str:
+        return f"{super().allowed}, or {{acceleration: such numbers, curve: one of `curves`}}"
+
+    def read(self, node, place):
+        if not node.is_table:
+            vector = super().read(node, place)
+            return lambda build: (vector(build), None)
+        if node.entries.keys() != {"acceleration", "curve"}:
+            place.refuse(node, self.allowed)
+        vector = super().read(node.entries["acceleration"], place.child("acceleration"))
+        full = place.child("curve").reference(node.entries["curve"], "curves")
+        return lambda build: (vector(build), GroupMember("curves", full))
 
 
 @dataclass(frozen=True)
@@ -389,6 +411,36 @@ class CurvesKey(TextKey):
             place.problems.say(node.line, f"{place.key}: {error}")
             raise SkippedError(place.key) from None
         return lambda build: file
+
+
+CURVE_INPUTS = {"t": unit("s").dimension, "u": NUMBER}
+"""Names that an expression of a curve has of its own, with their dimensions."""
+
+
+@dataclass(frozen=True)
+class CurveExpressionKey(Key):
+    """Key whose value is (Expression, numbers): arithmetic with t and u, which is a number, and the
+    values of all other names in it."""
+
+    allowed = "a number, by arithmetic with u (0 to 1 over `over`) and t (time, s)"
+
+    def read(self, node, place):
+        names, inputs = copy(place.names), CURVE_INPUTS.items()
+        own = {name: NamedNumber(place.key, node.line, dimension) for name, dimension in inputs}
+        names.numbers = {**names.numbers, **own}
+        bound = replace(place, names=names).number(node, NUMBER, self.allowed)
+        full = {name: n for name, n in bound.full.items() if name not in CURVE_INPUTS}
+        for name in CURVE_INPUTS.keys() & bound.full.keys():
+            if bound.full[name] in place.names.numbers:
+                hint = f"without the structure's own number {name}, which needs another name"
+                place.refuse(node, f"{self.allowed}, {hint}")
+
+        def value(build: Builder) -> tuple[Expression, dict[str, float]]:
+            if missing := [n for n in full.values() if n not in build.numbers]:
+                raise SkippedError(missing[0])
+            return bound.expression, {name: build.numbers[n] for name, n in full.items()}
+
+        return value
 
 
 @dataclass(frozen=True)

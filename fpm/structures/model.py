@@ -12,7 +12,7 @@ from fpm.elements.joints.hinge import ANGLES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
-from fpm.structures.keys import COMMA, MOST, AssemblyKey, NumberKey, VectorKey, WholeKey
+from fpm.structures.keys import COMMA, MOST, AssemblyKey, GravityKey, NumberKey, WholeKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
 from fpm.structures.reading import Node, SkippedError, check_keys, join_key, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
@@ -27,7 +27,9 @@ MOST_STATEMENTS = 20_000
 
 @statement(
     "",
-    gravity=VectorKey(np.zeros(3), "acceleration of everything", unit="m/s2"),
+    gravity=GravityKey(
+        (np.zeros(3), None), "acceleration of everything; `curve` scales it with time", unit="m/s2"
+    ),
     damping=NumberKey(0.0, "mass-proportional damping", unit="1/s", least=0),
     viscosity=NumberKey(
         0.0, "bulk viscosity of bars, a share of critical damping of an element: 0.2 against waves "
@@ -41,10 +43,12 @@ MOST_STATEMENTS = 20_000
 def overall(build, args):
     """What holds for the whole structure.
 
-    build: Builder of the sample, whose `hold` is set; args: name, gravity ((3,) m/s²), damping
-    (1/s), viscosity (share of critical damping), assemble. Returns an empty Scene."""
+    build: Builder of the sample, whose `hold` and `gravity_curve` are set; args: name, gravity
+    (vector (3,) m/s², curve), damping (1/s), viscosity (share of critical damping), assemble.
+    Returns an empty Scene."""
     build.hold = args.assemble
-    scene = Scene(args.name, args.gravity, args.damping)
+    gravity, build.gravity_curve = args.gravity
+    scene = Scene(args.name, gravity, args.damping)
     if args.viscosity:
         scene.add(Viscosity(args.viscosity))
     return scene

@@ -381,7 +381,8 @@ def run_duration(scene: Scene) -> float:
     """Return a time (s) in which what moves a scene has acted, to start from: 6 times the least
     that springs need to their latches, or to their rest (of tables: their ends); a swing by weight;
     the end of curves. 1 where there is none of these. The library's structures open within it."""
-    times, gravity = [float(ends[-1]) for ends, _ in scene.curves], np.linalg.norm(scene.gravity)
+    times = [float(curve.times[-1]) for curve in scene.curves]
+    gravity = np.linalg.norm(scene.gravity)
     if gravity and scene.hinges:
         times.append(float(2 * np.pi * np.sqrt(extent(scene) / gravity)))
     springs = [e for kind in (TorsionSpring, TableSpring) for e in kind.find(scene)]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fpm.assembly import MisfitError, assemble
+from fpm.elements import Gravity
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
 from fpm.errors import SceneError
@@ -137,6 +138,8 @@ def _finish(build: Builder, model: FileStatements) -> None:
         build.problems.say(0, "the structure has masses or lengths that are not finite")
     if build.problems:
         return
+    if build.gravity_curve:
+        scene.kinds[Gravity] = [Gravity(scene.gravity, build.gravity_curve(build))]
     try:
         check_masses(scene)
     except SceneError as error:

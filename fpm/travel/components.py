@@ -10,6 +10,7 @@ from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import (
     Cable,
     ElementType,
+    Gravity,
     Load,
     TableSpring,
     TorqueMotor,
@@ -61,6 +62,11 @@ def find_reels(scene) -> list[str]:
 
 def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
     return cable.title(scene), f"friction {cable.title(scene)}"
+
+
+_SCALED_BY_CURVES = {
+    Load: ("force", "moment"), TorqueMotor: ("torque",), Gravity: ("acceleration",)
+}  # fmt: skip
 
 
 class Component(NamedTuple):
@@ -145,12 +151,10 @@ def components_of(scene) -> list[Component]:
 def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
     """The element at its least and largest load from the start on, if a curve of time scales it,
     the stronger one last; else the element alone."""
-    if not isinstance(element, Load | TorqueMotor) or element.curve < 0:
+    names = _SCALED_BY_CURVES.get(type(element), ())
+    if not names or element.curve < 0:
         return (element,)
-    times, values = scene.curves[element.curve]
-    scales = [np.interp(0.0, times, values), *np.array(values)[np.array(times) > 0]]
-    factors = sorted({float(min(scales)), float(max(scales))}, key=abs)
-    names = ("force", "moment") if isinstance(element, Load) else ("torque",)
+    factors = sorted({*scene.curve(element.curve).extremes(0.0)}, key=abs)
     return tuple(
         replace(element, curve=-1, **{name: f * getattr(element, name) for name in names})
         for f in factors

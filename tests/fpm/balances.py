@@ -31,7 +31,7 @@ def flap(rate=1.0, coupled=False, gravity=0.0, angle=0.0, second=False) -> fpm.S
         other = int(scene.add_particles(1.5 * way, 0.5, J)[0])
         scene.velocity[other] = rate * np.cross(Z, way)
         scene.add_hinge("elbow", (body, other), way, Z)
-    scene.curves.append((np.array([0.0, 0.24, 1.0]), np.array([0.0, 1.0, 0.5])))
+    scene.add_curve([0.0, 0.24, 1.0], [0.0, 1.0, 0.5])
     return scene
 
 
@@ -55,7 +55,7 @@ def tumbling(**load) -> fpm.Scene:
     """A free body that spins about no principal axis, under a load."""
     scene = fpm.Scene("tumbling")
     (body,) = scene.add_particles((0.0, 0, 0), 1.0, J, spin=(1.0, 2.0, 0.5))
-    scene.curves.append((np.array([0.0, 0.24, 1.0]), np.array([0.0, 1.0, 0.5])))
+    scene.add_curve([0.0, 0.24, 1.0], [0.0, 1.0, 0.5])
     scene.add_load(int(body), **load)
     return scene
 
@@ -107,7 +107,7 @@ def cable(friction=None) -> fpm.Scene:
     scene = fpm.Scene("cable", gravity=(0, 0, -9.81))
     post, mass = (int(p) for p in scene.add_particles([(0, 0, 0), (1, 0, -1)], 1.0, J))
     scene.fix(post)
-    scene.curves.append((np.array([0.0, 0.24, 1.0]), np.array([0.0, 1.0, 0.5])))
+    scene.add_curve([0.0, 0.24, 1.0], [0.0, 1.0, 0.5])
     points = [(post, (-1.0, 0, 0)), (post, (0.0, 0, 0)), (mass, None)]
     scene.add_cable("rope", points, 2000.0, preload=10.0, reel=0.1, curve=0, friction=friction)
     return scene

@@ -109,7 +109,7 @@ class Design:
             least = most = 1.0
             if self.rng.random() < 0.5:
                 values = self.rng.uniform(-0.2, 1.0, 3)
-                self.scene.curves.append((np.array([0.0, 0.5, 2.0]), values))
+                self.scene.add_curve([0.0, 0.5, 2.0], values)
                 least, most, curve = values.min(), values.max(), len(self.scene.curves) - 1
             self.scene.add(TorqueMotor(0, torque, curve))
             self.acting.append((0, "HM", lambda x: min(torque * least, torque * most) + 0 * x))
@@ -117,7 +117,7 @@ class Design:
     def load(self):
         if self.rng.random() < 0.4 and self.kind == "hinge":
             moment, values = self.rng.uniform(-0.1, 0.1), self.rng.uniform(-1.0, 1.0, 3)
-            self.scene.curves.append((np.array([0.0, 0.3, 4.0]), values))
+            self.scene.add_curve([0.0, 0.3, 4.0], values)
             curve = len(self.scene.curves) - 1
             self.scene.add_load(1, moment=(0, 0, moment), curve=curve)
             worst = min(moment * values.min(), moment * values.max())

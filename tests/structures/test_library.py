@@ -188,7 +188,7 @@ record:"""
     assert (push.curve, gust.curve, push.beam.particle) == (0, -1, tip)
     np.testing.assert_array_equal(gust.force, [0, 0, 1000])
     np.testing.assert_array_equal(push.moment, [0, 2, 0])
-    np.testing.assert_array_equal(scene.curves[0][1], [0, 2])
+    np.testing.assert_array_equal(scene.curves[0].values, [0, 2])
     np.testing.assert_allclose(scene.velocity[tip], [0, 0, 3.0])
     np.testing.assert_array_equal(scene.fixed[tip], [False, True, False, False, False, False])
     np.testing.assert_array_equal(scene.gravity, [0, 0, -9.81])

@@ -24,8 +24,8 @@ def work(folder: Folder, notify: Notify, experiment: Any) -> None:
         f"{experiment.name}: {len(plan.unique_runs())} runs, step {step:.4g} s "
         f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
-    for times, _ in experiment.nominal_scene.curves:
-        if sum(end - start < step for start, end in pairwise(times)) > _SKIPS:
+    for curve in experiment.nominal_scene.curves:
+        if sum(end - start < step for start, end in pairwise(curve.times)) > _SKIPS:
             notify(
                 f"{experiment.name}: warning: many points of a curve of time are less than a time "
                 f"step, {step:.3g} s, apart, and count only at steps: state solver.step"

@@ -85,7 +85,7 @@ class Cable(ElementType):
             if not (stiffness > 0 and 0 <= preload < np.inf):
                 pair, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
                 raise SceneError(f"EA, preload of cable {name}", pair, allowed)
-            reel_length = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
+            reel_length = reel * scene.curves[curve].value(0.0) if curve >= 0 else 0.0
             rest = length_through(scene, beams) / (1 + preload / stiffness) + reel_length
         return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
@@ -110,13 +110,13 @@ class Cable(ElementType):
 
     def rest_at(self, scene, time: float) -> float:
         """Unstrained length (m) outside the winch at a `time` (s). scene: has the winch's curve."""
-        factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
+        factor = scene.curves[self.curve].value(time) if self.curve >= 0 else 0.0
         return float(self.rest - self.reel * factor)
 
     def shortest(self, scene) -> float:
         """Return the least unstrained length (m) of the cable at any time. scene: has its curve."""
-        factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
-        return float(self.rest - np.max(self.reel * factors))
+        factors = scene.curves[self.curve].extremes() if self.curve >= 0 else np.zeros(1)
+        return float(self.rest - np.max(self.reel * np.array(factors)))
 
     @property
     def has_friction(self) -> bool:

@@ -50,9 +50,6 @@ from fpm.errors import SceneError
 AT_START = 1e-9
 """What holds exactly begins where its hinge is, to this opening (rad, m)."""
 
-CONSTANT = np.zeros(1), np.ones(1)
-"""Times (s) and values of the curve that stands for the index -1: constant 1."""
-
 RATE_TOL = 1e-11
 """Rate up to which a hinge sticks at the start, as a share of the fastest spin; what joins it to
 others leaves a tenth (AGREES in solver/start.py)."""
@@ -81,24 +78,17 @@ class RigidMotor(AnyMotor, Rigid):
 
     def target(self, scene, time: float) -> float:
         """Return the opening (rad; m on a slide) prescribed at `time` (s). scene: has the curve."""
-        times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
-        if not self.by_rate:
-            return float(self.start + self.turn * np.interp(time, times, values))
-        bends = np.append(times[(times > 0.0) & (times < time)], [0.0, time])
-        bends.sort()
-        distance = np.trapezoid(np.interp(bends, times, values), bends)
+        curve = scene.curve(self.curve)
+        distance = curve.integral(time) if self.by_rate else curve.value(time)
         return float(self.start + self.turn * distance)
 
     def rate_at_start(self, scene) -> float:
         """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
         where its curve (not by rate) is constant then. scene: has the curve."""
-        times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
+        curve = scene.curve(self.curve)
         if self.by_rate:
-            return float(self.turn * np.interp(0.0, times, values))
-        k = int(np.searchsorted(times, 0.0, side="right"))
-        if not 0 < k < len(times):
-            return 0.0
-        return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
+            return float(self.turn * curve.value(0.0))
+        return curve.rate_after(0.0, self.turn)
 
     def check(self, scene):
         """Check the fields, and that the joint coordinate prescribed at time 0 is the hinge's joint

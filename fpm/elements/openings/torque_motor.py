@@ -35,7 +35,7 @@ class TorqueMotor(AnyMotor):
     def damping_in(self, scene):
         """Return the damping (N m s/rad, on slides N s/m) by which the motor limits the stable time
         step: the largest fall of its torque, or force, with the speed."""
-        most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
+        most = max(map(abs, scene.curve(self.curve).extremes()))
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod

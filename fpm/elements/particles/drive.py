@@ -1,4 +1,4 @@
-"""Drives: particles whose motion is given, scaled by a piecewise linear curve of time."""
+"""Drives: particles whose motion is given, scaled by a curve of time."""
 
 from dataclasses import dataclass
 
@@ -50,7 +50,7 @@ class Drive(ElementType):
         particles = np.array(sorted(set(cls.moved_particles(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.find(scene):
-            factor = 1.0 if drive.curve < 0 else np.interp(time, *scene.curves[drive.curve])
+            factor = scene.curve(drive.curve).value(time)
             row = np.searchsorted(particles, drive.particle)
             motion[:, row] += factor * np.array([drive.velocity, drive.spin])
         return particles, motion[0], motion[1]

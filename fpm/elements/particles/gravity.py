@@ -4,16 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import index
 from fpm.elements.kind import ElementType, Energy
+from fpm.errors import SceneError
 
 LOAD_WORK = Energy("load_work", "load_work", "work of loads, weight and drives")
 
 
 @dataclass(frozen=True)
 class Gravity(ElementType):
-    """Uniform gravity on all particles: acceleration (3,) m/s², in global axes; several add up."""
+    """Uniform gravity on all particles: acceleration (3,) m/s², in global axes; several add up.
+    curve: index in Scene.curves of the curve that scales it, -1: none; one with a curve is alone.
+    """
 
     acceleration: np.ndarray
+    curve: int = index("curves", -1, default=-1)
 
     gives = LOAD_WORK
     resists_as = "I"
@@ -25,10 +30,25 @@ class Gravity(ElementType):
         """Return the Gravity elements of a scene; [] where they add up to 0: no weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
+    def check(self, scene):
+        """Check that the curve exists, and that gravity with one is the only one in the scene; if
+        not, raises SceneError."""
+        super().check(scene)
+        others = [g.curve for g in scene.kinds.get(Gravity, []) if np.any(g.acceleration)]
+        if others and max(self.curve, *others) >= 0:
+            raise SceneError("gravity", self.acceleration.tolist(), "one, where it has a curve")
+
+    @classmethod
+    def curve_of(cls, scene) -> int:
+        """Return the index of the curve of time that scales gravity in a scene; -1: none."""
+        return max((gravity.curve for gravity in scene.kinds.get(cls, [])), default=-1)
+
     @classmethod
     def topology_of(cls, scene):
-        """Return None: scenes can be simulated side by side whether they have weight or not."""
-        return None
+        """Return the index of the curve of gravity, or None without one: then scenes can be
+        simulated side by side whether they have weight or not."""
+        curve = cls.curve_of(scene)
+        return None if curve < 0 else curve
 
     @classmethod
     def cost_in(cls, scene):
@@ -42,11 +62,20 @@ class Gravity(ElementType):
 
     @classmethod
     def weight(cls, scene, particle):
-        """Weight (3,) N of the particle of index `particle`, in global axes."""
+        """Weight (3,) N of the particle of index `particle`, in global axes, without the curve."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod
     def pack(cls, batch):
+        acceleration, account = (
+            batch.stack(1, 3, lambda s: s.gravity[None]),
+            batch.work_account(cls),
+        )
+        if (curve := cls.curve_of(batch.scene)) >= 0:
+            from fpm.elements.particles.varying_gravity_kernels import VaryingWeight
+
+            curves = batch.integers([curve])
+            return VaryingWeight(acceleration, curves, batch.blank(1, 3), account)
         from fpm.elements.particles.gravity_kernels import Weight
 
-        return Weight(batch.stack(1, 3, lambda s: s.gravity[None]), batch.work_account(cls))
+        return Weight(acceleration, account)

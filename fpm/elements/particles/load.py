@@ -1,4 +1,4 @@
-"""Dead loads, scaled by a piecewise linear curve of time."""
+"""Dead loads, scaled by a curve of time."""
 
 from dataclasses import dataclass
 

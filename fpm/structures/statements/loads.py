@@ -1,12 +1,18 @@
 """What comes from outside or moves: loads, prescribed motion, cables, motion at the start; and the
 points whose motion is recorded."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from fpm.elements import Drag, Load
 from fpm.elements.particles.drag import stations
+from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
+from fpm.structures.expressions import Expression, ExpressionError
 from fpm.structures.keys import (
+    ChoiceKey,
+    CurveExpressionKey,
     CurvesKey,
     DirectionKey,
     ListKey,
@@ -23,36 +29,77 @@ from fpm.structures.statement import CLASS, statement
 ZERO = np.zeros(3)
 PART = ReferenceKey(group="parts", text="what it is about")
 POINT = ReferenceKey(group="points", text="one of its points")
-CURVE_KEYS = ["times", "values", "file", "column"]
+CURVE_KEYS = ["times", "values", "file", "column", "expression", "over"]
 CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="curves")
 
 
 @statement(
     "curves",
     times=ListKey(
-        None, "increasing; these and `values`, or `file` and `column`", kind=NumberKey(unit="s")
+        None,
+        "increasing; these and `values`, or `file` and `column`, or `expression` and `over`",
+        kind=NumberKey(unit="s"),
     ),
     values=ListKey(None, "one for each time", kind=NumberKey()),
     file=CurvesKey(None, "with times first, and units in its first line"),
     column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
-)
+    smooth=ChoiceKey(
+        "false", "whether it is a smooth cubic between the values, never beyond two neighbours, "
+        "with no slope at its ends", options=("true", "false"),
+    ),
+    expression=CurveExpressionKey(
+        None, "of u, which goes from 0 to 1 over `over`, or of t, the time"
+    ),
+    over=ListKey(None, "start and end of it", NumberKey(unit="s"), 2, 2),
+)  # fmt: skip
 def curve(build, args):
-    """A curve of time, straight between the values given and constant outside them.
+    """A curve of time: through values, or by an expression; constant before and after.
 
     Adds it to the scene; returns its index. build: Builder of the sample, with its scene; args:
     values of an entry: either times (s), increasing, and values (one for each), or file
-    (CurvesFile) and column (name of one in it); the other two are None."""
+    (CurvesFile) and column (name of one in it), or expression (Expression, numbers) and over (two
+    times, s); the others are None; smooth ("true" or "false"): whether values are joined so."""
     keys = [key for key in CURVE_KEYS if getattr(args, key) is not None]
-    if keys not in (CURVE_KEYS[:2], CURVE_KEYS[2:]):
-        allowed = "`times` and `values`, or `file` and `column`"
+    if keys not in (CURVE_KEYS[:2], CURVE_KEYS[2:4], CURVE_KEYS[4:]):
+        allowed = "`times` and `values`, or `file` and `column`, or `expression` and `over`"
         build.refuse(keys[-1] if keys else "times", ", ".join(keys) or None, allowed)
+    smooth = args.smooth == "true"
+    if args.expression is not None:
+        if smooth:
+            build.refuse("smooth", args.smooth, "false: an expression is as smooth as it says")
+        build.scene.curves.append(_curve_by_expression(build, args))
+        return len(build.scene.curves) - 1
     if args.file is None:
         if len(args.times) != len(args.values):
             build.refuse("values", args.values, f"{len(args.times)} numbers, one for each time")
-        return build.scene.add_curve(args.times, args.values)
+        return build.scene.add_curve(args.times, args.values, smooth)
     if args.column not in args.file.columns:
         build.refuse("column", args.column, f"a column of the file, {commas(args.file.columns)}")
-    return build.scene.add_curve(args.file.times, args.file.columns[args.column])
+    return build.scene.add_curve(args.file.times, args.file.columns[args.column], smooth)
+
+
+def _curve_by_expression(build, args) -> Curve:
+    expression, numbers = args.expression
+    if not args.over[0] < args.over[1]:
+        build.refuse("over", args.over, "a start, and an end that is later")
+    try:
+        return _fit(expression, tuple(numbers.items()), *args.over)
+    except CurveError as error:
+        build.refuse("expression", expression.text, f"a finite function without jumps; {error}")
+
+
+@lru_cache(maxsize=64)
+def _fit(expression: Expression, numbers: tuple, start: float, end: float) -> Curve:
+    """The curve that an expression is from a time `start` to another, `end` (s)."""
+
+    def value(u: float) -> float:
+        time = start + u * (end - start)
+        try:
+            return expression.value({**dict(numbers), "u": u, "t": time})
+        except ExpressionError as error:
+            raise CurveError(f"at {time:.9g} s it is {error}") from None
+
+    return Curve.fit(value, start, end)
 
 
 def _index(curve: int | None) -> int:

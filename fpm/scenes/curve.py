@@ -1,0 +1,213 @@
+"""Curves of time: numbers by which loads, drives, motors, winches and gravity are scaled.
+
+Between two of its points, with the fraction f of the way from one to the next, a curve is
+
+    v0 + f (v1 - v0) + d1 f + d2 f² + ...,   d1 + d2 + ... = 0,
+
+so that it is continuous, and its integral and derivatives are exact. Without d it is a table,
+linear between its values. Smooth tables are Fritsch and Carlson's monotone cubics (SIAM J. Numer.
+Anal. 17, 1980), which pass no value between two points, as a natural spline would; slopes are zero
+at both ends, beyond which curves are constant. Functions become one polynomial, or as many as it
+takes, by interpolation at Chebyshev's points."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Chebyshev, Polynomial
+
+TOL = 1e-12
+"""Largest error of a function's polynomials, as a share of its largest absolute value."""
+
+PLACES, MOST_PIECES = 1000, 4000
+"""Number of places at which a function is compared with its polynomials, at least; and of these, at
+most."""
+
+SHORTEST = 2.0**-50
+"""Shortest piece, as a share of all; where a function then still errs by STEEP, it jumps."""
+
+STEEP = 1e-9
+
+KINK = 1e-6
+"""Jump of the rate of a smooth curve that counts as a kink, as a share of its largest rate."""
+
+NODES = np.polynomial.chebyshev.chebpts1(12) / 2 + 0.5
+"""Chebyshev's points, between 0 and 1, at which the deviation over f (1 - f) is interpolated."""
+
+_TO_CHEBYSHEV = np.linalg.inv(np.polynomial.chebyshev.chebvander(2 * NODES - 1, len(NODES) - 1))
+_TO_POWERS = np.zeros((len(NODES), len(NODES)))
+for _k in range(len(NODES)):
+    _TO_POWERS[: _k + 1, _k] = Chebyshev.basis(_k, [0, 1]).convert(kind=Polynomial).coef
+
+
+class CurveError(ValueError):
+    """Raised for a function that no curve follows; its text says where and why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A continuous curve of time, polynomial between its points and constant beyond both ends.
+    times (p,): of its points (s), increasing; values (p,): at them, in the unit of what refers to
+    the curve; powers (p, k): of the piece after each point, the coefficients d of f, f², ... (see
+    above), which add up to 0; k = 0: linear pieces."""
+
+    times: np.ndarray
+    values: np.ndarray
+    powers: np.ndarray
+
+    @staticmethod
+    def table(times: np.ndarray, values: np.ndarray) -> "Curve":
+        """Return the curve that is straight between values (p,) at increasing times (p,), s."""
+        return Curve(times, values, np.zeros((len(times), 0)))
+
+    @staticmethod
+    def smooth(times: np.ndarray, values: np.ndarray) -> "Curve":
+        """Return the cubic curve through values (p,) at increasing times (p,), s, with a continuous
+        rate that is 0 at both ends; between two points it passes none of their values."""
+        from scipy.interpolate import PchipInterpolator
+
+        powers = np.zeros((len(times), 3))
+        slopes = np.zeros(len(times))
+        if len(times) > 2:
+            slopes[1:-1] = PchipInterpolator(times, values)(times[1:-1], 1)
+        steps, rises = np.diff(times), np.diff(values)
+        first, last = slopes[:-1] * steps - rises, rises - slopes[1:] * steps
+        powers[:-1] = np.transpose([first, last - 2 * first, first - last])
+        return Curve(times, values, powers)
+
+    @staticmethod
+    def fit(function: Callable[[float], float], start: float, end: float) -> "Curve":
+        """Return the curve that follows a function from time `start` to `end` (s), with errors of
+        TOL times its largest absolute value: a polynomial up to the 13th degree exactly. function:
+        returns the value at u, which goes from 0 to 1 meanwhile. What is narrower than a thousandth
+        of that may be missed. CurveError where it jumps, is infinitely steep, or takes too many
+        polynomials."""
+        places = (np.arange(PLACES) + 0.5) / PLACES
+        samples = np.array([function(u) for u in places])
+        tol = TOL * max(np.abs(samples).max(), abs(function(0.0)), abs(function(1.0)))
+        shortest = max(SHORTEST, 8e-16 * max(abs(start), abs(end)) / (end - start))
+        points, powers, rest = [(0.0, function(0.0))], [], [(1.0, function(1.0))]
+        while rest:
+            (u0, v0), (u1, v1) = points[-1], rest[-1]
+            fractions, width = np.concatenate([NODES, (np.arange(7) + 0.5) / 7]), u1 - u0
+            values = np.array([function(u0 + width * f) for f in fractions])
+            inside = slice(*np.searchsorted(places, [u0, u1]))
+            fractions = np.append(fractions, (places[inside] - u0) / width)
+            deviations = np.append(values, samples[inside]) - v0 - fractions * (v1 - v0)
+            nodes = deviations[: len(NODES)] / (NODES * (1 - NODES))
+            coefficients = _TO_CHEBYSHEV @ nodes
+            coefficients = _TO_POWERS @ np.where(np.abs(coefficients) > 1e-3 * tol, coefficients, 0)
+            piece = np.append(coefficients, 0.0) - np.append(0.0, coefficients)
+            error = np.abs(fractions * np.polynomial.polynomial.polyval(fractions, piece)
+                           - deviations).max()  # fmt: skip
+            if error <= tol or (width < 2 * shortest and error <= STEEP / TOL * tol):
+                points.append(rest.pop())
+                powers.append(piece)
+            elif width < 2 * shortest:
+                place = start + u0 * (end - start)
+                raise CurveError(f"at {place:.9g} s it jumps, or is infinitely steep")
+            elif len(points) + len(rest) > MOST_PIECES:
+                raise CurveError(f"it takes more than {MOST_PIECES} polynomials")
+            else:
+                rest.append(((u0 + u1) / 2, function((u0 + u1) / 2)))
+        places, values = np.transpose(points)
+        powers = np.array([*powers, np.zeros(len(NODES) + 1)])
+        degree = np.flatnonzero(powers.any(axis=0)).max(initial=1)
+        return Curve(start + places * (end - start), values, powers[:, : degree + 1])
+
+    def value(self, time: float | np.ndarray) -> np.ndarray:
+        """Return the values at times (s), in the shape of `time`."""
+        value = np.interp(time, self.times, self.values)
+        if not self.powers.size:
+            return value
+        k, f = self._place(time)
+        return value + f * np.polynomial.polynomial.polyval(f, self.powers[k].T, tensor=False)
+
+    def _place(self, time) -> tuple[np.ndarray, np.ndarray]:
+        """Indices of the pieces at times (s), and fractions of the way through them, 0 to 1."""
+        time = np.clip(time, self.times[0], self.times[-1])
+        k = np.searchsorted(self.times[1:-1], time, side="right")
+        steps = np.append(np.diff(self.times), 1.0)
+        return k, (time - self.times[k]) / steps[k]
+
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """Rates (p + 1, 2), 1/s: at the start and at the end of each piece, that before the first
+        point being the first piece, that after the last point the last; both have rate 0."""
+        order = np.arange(1, self.powers.shape[1] + 1)
+        rises, steps = np.diff(self.values), np.diff(self.times)
+        powers = self.powers[:-1]
+        first = powers[:, 0] if powers.shape[1] else np.zeros(len(rises))
+        rates = np.transpose([rises + first, rises + powers @ order]) / steps[:, None]
+        return np.pad(rates, ((1, 1), (0, 0)))
+
+    def rate_after(self, time: float, factor: float = 1.0) -> float:
+        """Return the rate (1/s) just after a time (s), times a factor."""
+        piece = int(np.searchsorted(self.times, time, side="right"))
+        if not 0 < piece < len(self.times):
+            return 0.0
+        step = self.times[piece] - self.times[piece - 1]
+        f, powers = (time - self.times[piece - 1]) / step, self.powers[piece - 1]
+        rise = self.values[piece] - self.values[piece - 1]
+        order = np.arange(1, len(powers) + 1)
+        return float(factor * (rise + (order * powers) @ f ** (order - 1)) / step)
+
+    @cached_property
+    def sums(self) -> np.ndarray:
+        """Integrals (p,), s, from time 0 to each point after 0; 0 at the others."""
+        areas = self._area(np.arange(len(self.times) - 1), self.times[1:])
+        return np.cumsum(np.append(self.values[0] * max(self.times[0], 0.0), areas))
+
+    def _area(self, k, time):
+        """Integrals (s) over pieces k, from their starts, if these are not before 0, to times (s)
+        in them; 0 where these are earlier. k, time: one or several."""
+        start, step = np.maximum(self.times[k], 0.0), self.times[k + 1] - self.times[k]
+        end = np.maximum(time, start)
+        middle = (0.5 * (start + end) - self.times[k]) / step
+        area = (end - start) * (self.values[k] + middle * (self.values[k + 1] - self.values[k]))
+        for j, power in enumerate(self.powers[k].T, 2):
+            f0, f1 = (start - self.times[k]) / step, (end - self.times[k]) / step
+            area = area + step * power / j * (f1**j - f0**j)
+        return area
+
+    def integral(self, time: float) -> float:
+        """Return the integral (s) from time 0 to a time (s), which is 0 or later."""
+        if time <= self.times[0]:
+            return float(self.values[0] * time)
+        if time >= self.times[-1]:
+            after = time - max(self.times[-1], 0.0)
+            return float(self.sums[-1] + self.values[-1] * after)
+        k = int(np.searchsorted(self.times, time, side="right")) - 1
+        return float(self.sums[k] + self._area(k, time))
+
+    @cached_property
+    def kinks(self) -> np.ndarray:
+        """Times (p,), s: of the first kink, where the rate jumps, at each point or after it; of a
+        table with linear pieces every point is one. Infinite: none follows."""
+        if not self.powers.shape[1]:
+            return self.times
+        jumps = np.abs(self.rates[1:, 0] - self.rates[:-1, 1])
+        steps = np.diff(self.times)
+        changes = np.abs(np.diff(self.values)) + np.abs(self.powers[:-1]).sum(axis=1)
+        changes[steps < KINK * steps.sum()] = 0.0  # about a kink, where these are rounding
+        is_kink = jumps > KINK * (changes / steps).max(initial=0.0)
+        kinks = np.where(is_kink, self.times, np.inf)
+        return np.minimum.accumulate(kinks[::-1])[::-1]
+
+    def extremes(self, start: float = -np.inf) -> tuple[float, float]:
+        """Return the least and the largest value from a time `start` (s) on."""
+        values = [self.value(max(start, self.times[0])), *self.values[self.times > start]]
+        pieces = np.flatnonzero(np.abs(self.powers).max(axis=1, initial=0.0) > 0)
+        for k in pieces[self.times[np.minimum(pieces + 1, len(self.times) - 1)] > start]:
+            slope = np.append(self.values[k + 1] - self.values[k], 0.0 * self.powers[k, 1:])
+            roots = np.polynomial.polynomial.polyroots(
+                slope + self.powers[k] * np.arange(1, len(slope) + 1)
+            ).real
+            times = self.times[k] + np.clip(roots, 0, 1) * (self.times[k + 1] - self.times[k])
+            values.extend(self.value(times[times > start]))
+        return float(min(values)), float(max(values))
+
+
+CONSTANT = Curve.table(np.zeros(1), np.ones(1))
+"""The curve that stands for the index -1: constant 1."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
-from fpm.structures.expressions import ExpressionError
+from fpm.structures.expressions import ExpressionError, Value
 from fpm.structures.names import Bound
 from fpm.structures.reading import Problems, SkippedError
 
@@ -69,11 +69,11 @@ class Builder:
 
     def __init__(self, problems: Problems):
         self.problems = problems
-        self.numbers: dict[str, float] = {}
+        self.numbers: dict[str, Value] = {}
         self.joints_of: dict[int, list[str]] = {}
         self._values: dict[tuple[str, str], Any] = {}
 
-    def number(self, bound: Bound, key: str) -> float:
+    def number(self, bound: Bound, key: str) -> Value:
         """Return the value of an expression in SI units. bound: the expression with its names
         found; key: dotted path of its key in the file, for errors. Raises SkippedError if a number
         that it refers to has no value, SceneError if it has none itself."""

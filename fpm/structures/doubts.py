@@ -23,19 +23,26 @@ def find_doubts(group: str, args: Any, size: float) -> Iterator[str]:
     """Yield sentences on an entry of a structure's file that is hardly meant, of what its scene
     does not show: boxes that are too dense, drag on too much area. group: its section, as "drags";
     args: values of its keys; size: largest extent of the structure (m)."""
-    box = args.box if group == "bodies" else None
+    box = getattr(args, "box", None)
     is_solid = box is not None and MAX_SLENDERNESS * np.min(box) > np.max(box)  # no line or sheet
-    if is_solid and args.mass > DENSEST * (volume := float(np.prod(box))):
+    if is_solid:
         edges = " x ".join(f"{edge:.4g}" for edge in box)
-        yield (
-            f"body {args.name} has {args.mass:.4g} kg in a box of {edges} m, "
-            f"{args.mass / volume:.3g} kg/m3; usual: at most {DENSEST:g} kg/m3: masses are "
-            "in kg, not in g"
-        )
+        yield from find_dense(args.name, args.mass, float(np.prod(box)), f"a box of {edges} m")
     if group == "drags" and args.area > MAX_AREAS * size**2 > 0:
         yield (
             f"drag {args.name} has an area of {args.area:.4g} m2, on a structure of {size:.4g} m: "
             f"an area in mm2 has its unit, as {args.area:.6g} mm2"
+        )
+
+
+def find_dense(name: str, mass: float, volume: float, shape: str = "") -> Iterator[str]:
+    """Yield a sentence on a body that is denser than any material, if it has a volume. name: of the
+    body; mass (kg); volume (m3), 0: none; shape: what has that, in words; "": the volume."""
+    if mass > DENSEST * volume > 0:
+        yield (
+            f"body {name} has {mass:.4g} kg in {shape or f'{volume:.4g} m3'}, "
+            f"{mass / volume:.3g} kg/m3; usual: at most {DENSEST:g} kg/m3: masses are in kg, not "
+            "in g"
         )
 
 

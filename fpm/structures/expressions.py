@@ -1,9 +1,10 @@
-"""Arithmetic on names, numbers and units, and nothing else.
+"""Arithmetic on names, numbers, vectors and units, and nothing else.
 
 A text is parsed by Python's own grammar, its tree is checked against a list of what is allowed, and
 turned into two chains of functions, for value and dimension: nothing is ever handed to `eval`.
-Values are single numbers; a batch is evaluated sample by sample, so that a sample's last digits do
-not depend on its neighbours (processors round a vector's sine differently from one number's)."""
+Values are single numbers or vectors (arrays (3,)); a batch is evaluated sample by sample, so that
+a sample's last digits do not depend on its neighbours (processors round the sines of a row of
+numbers differently from one number's)."""
 
 import ast
 import math
@@ -13,6 +14,8 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from itertools import pairwise
+
+import numpy as np
 
 from fpm.errors import number_hint
 from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
@@ -46,6 +49,29 @@ def _interpolate(x: float, *points: float) -> float:
     return (1.0 - weight) * values[k - 1] + weight * values[k]
 
 
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    (a0, a1, a2), (b0, b1, b2) = a.tolist(), b.tolist()
+    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> float:
+    (a0, a1, a2), (b0, b1, b2) = a.tolist(), b.tolist()
+    return a0 * b0 + a1 * b1 + a2 * b2
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    if not 0.0 < (size := math.hypot(*vector)) < math.inf:
+        raise ExpressionError("the direction of a vector of length 0")
+    return vector / size
+
+
+def _rotate(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
+    """A vector turned about an axis by the right-hand rule (Rodrigues' formula)."""
+    axis, cosine, sine = _unit(axis), math.cos(angle), math.sin(angle)
+    rest = (1.0 - cosine) * _dot(axis, vector)
+    return cosine * vector + sine * _cross(axis, vector) + rest * axis
+
+
 _ROUND = {name: getattr(math, name) for name in (*_ANGULAR, "asin", "acos", "atan")}
 _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and largest number of values
     **{name: (function, 1, 1) for name, function in _ROUND.items()},
@@ -58,9 +84,18 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
     "interpolate": (_interpolate, 5, 41),
 }
 RESERVED_NAMES = (*_FUNCTIONS, "pi")
-ALLOWED = f"numbers with units, names, + - * / ** ( ), pi and {', '.join(_FUNCTIONS)}"
+_OF_VECTORS: dict[str, tuple[Callable, int, int]] = {  # which names may be called, too
+    "cross": (_cross, 2, 2),
+    "dot": (_dot, 2, 2),
+    "norm": (lambda vector: math.hypot(*vector), 1, 1),
+    "unit": (_unit, 1, 1),
+    "rotate": (_rotate, 3, 3),
+}
+_CALLS = _FUNCTIONS | _OF_VECTORS
+ALLOWED = f"numbers with units, names, [x, y, z], + - * / ** ( ), pi and {', '.join(_CALLS)}"
 
-Evaluator = Callable[[Mapping[str, float]], float]
+Value = float | np.ndarray
+Evaluator = Callable[[Mapping[str, Value]], Value]
 Measure = Callable[[Mapping[str, Dimension]], Dimension]
 
 
@@ -70,7 +105,7 @@ class ExpressionError(ValueError):
 
 class Expression:
     """An arithmetic expression with units of a structure file, parsed once. text: as written, such
-    as `2 * P.x + 5 mm`. names: set of those in it (`P.x`: a coordinate of point P);
+    as `2 * P.x + 5 mm` or `P + 0.3*(Q - P)`. names: set of those in it (`P.x`: a coordinate of P);
     dimension(names): returns its physical dimension from theirs (by name), ExpressionError where
     they clash. ExpressionError for text that is not arithmetic."""
 
@@ -97,16 +132,17 @@ class Expression:
         """Whether the expression is made of plain numbers only, without names and units."""
         return not self.names and self.dimension({}).bare
 
-    def value(self, names: Mapping[str, float]) -> float:
-        """Return the value of the expression in SI units. names: value in SI units of each name in
-        it. ExpressionError if the result is not finite."""
+    def value(self, names: Mapping[str, Value]) -> Value:
+        """Return the value of the expression in SI units, of vectors an array (3,). names: value in
+        SI units of each name in it. ExpressionError if the result is not finite."""
         try:
-            number = float(self._value(names))
+            number = self._value(names)
+            number = number if isinstance(number, np.ndarray) else float(number)
         except ExpressionError:
             raise
         except (ArithmeticError, ValueError):
             number = math.nan
-        if not math.isfinite(number):
+        if not (math.isfinite(number) if type(number) is float else np.isfinite(number).all()):
             raise ExpressionError("no finite number")
         return number
 
@@ -148,8 +184,16 @@ class Expression:
                     lambda names: join(u(names), w(names)),
                     lambda names: measure(first(names), second(names)),
                 )
-            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _FUNCTIONS:
-                function, least, most = _FUNCTIONS[name]
+            case ast.List(elts=args):
+                if len(args) != 3:
+                    raise ExpressionError(f"[...] of {len(args)}; allowed: a vector [x, y, z]")
+                (x, y, z), measures = zip(*map(self._compile, args), strict=True)
+                return (
+                    lambda names: np.array([x(names), y(names), z(names)]),
+                    lambda names: _vector_dimension([measure(names) for measure in measures]),
+                )
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _CALLS:
+                function, least, most = _CALLS[name]
                 if name == "interpolate" and len(args) % 2 == 0:
                     raise ExpressionError(f"{name} takes a value, and two for each point")
                 if not least <= len(args) <= most:
@@ -157,7 +201,7 @@ class Expression:
                     plural = "s" if most > 1 else ""
                     raise ExpressionError(f"{name} takes {count} value{plural}, not {len(args)}")
                 values, measures = zip(*map(self._compile, args), strict=True)
-                zero = isinstance(args[0], ast.Constant) and args[0].value == 0
+                zero = isinstance(args[-1], ast.Constant) and args[-1].value == 0
                 return (
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _call_dimension(
@@ -182,7 +226,7 @@ class Expression:
         is_guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
         match op:
             case ast.Mult():
-                return product
+                return _product
             case ast.Div():
                 return lambda u, w: _quotient(u, w, is_guess)
             case ast.Pow():
@@ -191,8 +235,16 @@ class Expression:
         return lambda u, w: _common_dimension((u, w), verb)
 
 
+def _product(first: Dimension, second: Dimension) -> Dimension:
+    if first.vector and second.vector:
+        raise ExpressionError("two vectors cannot be multiplied; allowed: dot(a, b), cross(a, b)")
+    return product(first, second)
+
+
 def _quotient(first: Dimension, second: Dimension, guess: bool) -> Dimension:
     """Refuse `1/2 deg`, meant as half a degree: other units show by what they are behind."""
+    if second.vector:
+        raise ExpressionError("nothing can be divided by a vector; allowed: by its norm(v)")
     if guess and first.bare and not any(second.powers):
         raise ExpressionError(
             "a plain number over an angle could be meant as a fraction of its unit; allowed: "
@@ -202,7 +254,9 @@ def _quotient(first: Dimension, second: Dimension, guess: bool) -> Dimension:
 
 
 def _power(base: Dimension, exponent: Dimension, value: Evaluator | None) -> Dimension:
-    if any(exponent.powers):
+    if base.vector:
+        raise ExpressionError("a vector has no power; allowed: dot(v, v), norm(v)**2")
+    if any(exponent.powers) or exponent.vector:
         raise ExpressionError(f"an exponent is a number, not {exponent}")
     if not any(base.powers):
         return base if exponent.bare else NUMBER
@@ -215,7 +269,12 @@ def _power(base: Dimension, exponent: Dimension, value: Evaluator | None) -> Dim
 
 
 def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension:
-    """The dimension of a function's value from those of its own; zero: of the plain number 0."""
+    """The dimension of a function's value from those of its own; zero: the last is plainly 0."""
+    if name in _OF_VECTORS:
+        return _of_vectors(name, values, zero)
+    if vector := next((value for value in values if value.vector), None):
+        remedy = "; allowed: norm(v), the length of a vector" if name == "abs" else ""
+        raise ExpressionError(f"{name} takes numbers, not {vector}{remedy}")
     if name in ("abs", "min", "max"):
         return _common_dimension(values, f"values of one {name}")
     if name == "interpolate":
@@ -232,9 +291,29 @@ def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension
     return NUMBER
 
 
+def _of_vectors(name: str, values: list[Dimension], zero: bool) -> Dimension:
+    """The dimension of what a function makes of vectors, and of the angle behind them."""
+    if number := next((value for value in values[:2] if not value.vector), None):
+        raise ExpressionError(f"{name} takes vectors such as [x, y, z] or Q - P, not {number}")
+    if name == "rotate" and (any(values[2][:3]) or values[2].vector or values[2].bare > zero):
+        raise ExpressionError("rotate turns by an angle with a unit, such as 45 deg or 0.5 rad")
+    if name in ("cross", "dot"):
+        return product(*values)._replace(vector=name == "cross")
+    powers = NUMBER if name == "unit" else values[0]
+    return powers._replace(vector=name != "norm")
+
+
+def _vector_dimension(values: list[Dimension]) -> Dimension:
+    """The dimension of a vector of three numbers; plain ones are in SI units, as in points."""
+    if vector := next((value for value in values if value.vector), None):
+        raise ExpressionError(f"a vector [x, y, z] is of numbers, not of {vector}")
+    numbers = [value for value in values if not value.bare] or values
+    return _common_dimension(numbers, "in one vector")._replace(vector=True)
+
+
 def _common_dimension(values: Sequence[Dimension], verb: str) -> Dimension:
     """The dimension that all have; a bare number goes with numbers only."""
-    if len({dimension.powers for dimension in values}) > 1:
+    if len({(*dimension.powers, dimension.vector) for dimension in values}) > 1:
         raise ExpressionError(f"{' and '.join(sorted({str(d) for d in values}))} cannot be {verb}")
     return min(values, key=lambda dimension: dimension.bare)
 

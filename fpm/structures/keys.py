@@ -126,9 +126,12 @@ class VectorKey(Key):
         return f"three numbers [x, y, z]{f' in {self.unit}' if self.unit else ''}{COMMA}"
 
     def read(self, node, place):
+        dimension = unit(self.unit).dimension
+        if node.text:
+            vector = place.number(node, dimension._replace(vector=True), self.allowed)
+            return lambda build: build.number(vector, place.key)
         if len(node.items) != 3:
             place.refuse(node, self.allowed)
-        dimension = unit(self.unit).dimension
         bounds = [place.number(item, dimension, self.allowed) for item in node.items]
         return lambda build: np.array([build.number(bound, place.key) for bound in bounds])
 
@@ -155,14 +158,25 @@ class GravityKey(VectorKey):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """Key of a unit vector (3,): a letter (x, -x, ...), three numbers of one unit, two points."""
+    """Key of a unit vector (3,): a letter (x, -x, ...), three numbers of one unit, two points, or
+    an expression of vectors."""
 
-    allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
+    allowed = "x, y, z, -x, -y, -z, [x, y, z], {from: P, to: Q}, or a vector as Q - P"
 
     def read(self, node, place):
         if (letter := node.text.removeprefix("-")) in (*AXES,):
             axis = (1.0 - 2.0 * (letter != node.text)) * np.eye(3)[AXES.index(letter)]
             return lambda build: axis
+        if node.text.isidentifier():
+            try:
+                place.names.find_number(node.text, place, node.line)
+            except KeyError:
+                place.refuse(node, self.allowed)
+        if node.text:
+            vector = place.number(node, None, self.allowed, vector=True)
+            if vector.full.get(node.text, "").startswith("point "):
+                place.refuse(node, f"{self.allowed}: one point is no direction")
+            return lambda build: self._unit_vector(build.number(vector, place.key), place)
         if len(node.items) == 3:
             bounds = [place.number(item, None, self.allowed) for item in node.items]
             dimensions = [bound.dimension(place.names.numbers) for bound in bounds]

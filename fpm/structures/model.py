@@ -159,7 +159,7 @@ class FileStatements:
             for name, line in node.lines.items():
                 key = join_key(sheet.key, group, name)
                 if self.names.allows(name, key, line, number=group == "let"):
-                    self._name(sheet.context.prefix, name, group, key, line)
+                    self._name(sheet.context.prefix, name, group, key, node)
                 if group == "joints":
                     text = node.entries[name].entries.get("type", Node("")).text
                     type_ = text if text in GROUPS[group] else likely(text, GROUPS[group])
@@ -169,10 +169,11 @@ class FileStatements:
                         angles = {f"{full}{end}": (full, k) for k, end in enumerate(ANGLES)}
                         self.names.angles.update(angles)
 
-    def _name(self, prefix: str, name: str, group: str, key: str, line: int) -> None:
-        """Note one name of a group."""
+    def _name(self, prefix: str, name: str, group: str, key: str, node: Node) -> None:
+        """Note one name of a group, whose table is `node`."""
         numbers, names_of, full = self.names.numbers, self.names.groups, prefix + name
         lines = numbers if group == "let" else names_of.setdefault(group, {})
+        line = node.lines[name]
         if full in lines or name in lines:
             sentence = f"the name {name} is defined twice; allowed: each name once"
             self.problems.say(line, f"{key}: {sentence}")
@@ -185,7 +186,10 @@ class FileStatements:
             if group == "points":
                 self.points.append(full)
                 length = unit("m").dimension
-                numbers.update({f"{full}.{axis}": NamedNumber(key, line, length) for axis in "xyz"})
+                targets = {f"{full}.{axis}": length for axis in "xyz"}
+                if node.entries[name].text:  # of vectors
+                    targets = {f"point {full}": length._replace(vector=True)}
+                numbers.update({n: NamedNumber(key, line, power) for n, power in targets.items()})
 
     def _index(self, sheet: Sheet, node: Node) -> None:
         """The number of a unit under the name that the file gives it."""
@@ -204,12 +208,15 @@ class FileStatements:
             for name, entry in node.entries.items():
                 full = context.prefix + name
                 place = Place(join_key(sheet.key, group, name), context, self.names)
-                if group == "let":
-                    self._tie(place, [full], [entry])
+                if group == "let" and len(entry.items) == 3:
+                    text = ", ".join(item.text for item in entry.items)
+                    self._tie(place, [full], [Node(f"[{text}]", entry.line)])
+                elif group == "let" or entry.text:
+                    self._tie(place, [full if group == "let" else f"point {full}"], [entry])
                 elif len(entry.items) == 3:
                     self._tie(place, [f"{full}.{axis}" for axis in "xyz"], entry.items)
                 else:
-                    allowed = f"three coordinates [x, y, z]{COMMA}"
+                    allowed = f"three coordinates [x, y, z]{COMMA}, or a vector as (P + Q)/2"
                     self.problems.refuse(node.lines[name], place.key, entry.plain, allowed)
 
     def _tie(self, place: Place, targets: list[str], items: list[Node]) -> None:

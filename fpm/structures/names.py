@@ -5,6 +5,7 @@ Units of a `repeat` see their own names first, then the file's, and neighbours' 
 
 import re
 from collections.abc import Container, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
@@ -12,11 +13,12 @@ from pathlib import Path
 
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.expressions import RESERVED_NAMES, Expression, ExpressionError, parse
+from fpm.structures.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
 from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
+UNIT_VECTORS = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class Bound:
     expression: Expression
     full: dict[str, str]
 
-    def value(self, numbers: Mapping[str, float]) -> float:
+    def value(self, numbers: Mapping[str, Value]) -> Value:
         """Return the value of the expression in SI units. numbers: values (SI units) of all named
         numbers of the sample, by full name."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
@@ -90,7 +92,8 @@ class Bound:
 
 @dataclass
 class NamedNumber:
-    """A number with a name in a file: a parameter, a repeat's index, or one derived from others.
+    """A number or vector with a name in a file: a parameter, a repeat's index, a coordinate of a
+    point, or one derived from others.
     key, line: dotted path and line where it is defined; dimension: None while it is unknown, or if
     it is wrong; whole: whether it depends on whole numbers only, so that counts may depend on it;
     count: value of an index, else None; bound: expression of a derived one, else None."""
@@ -106,11 +109,12 @@ class NamedNumber:
 class Names:
     """All names of a structure file, filled as it is read. problems: where errors are noted; files:
     content of the files of curves that it names, by path. Attributes: numbers: each NamedNumber
-    (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", the line
-    of each entry by full name; types: of joints by full name, "" if unknown; angles: (joint, 0 or
-    1) by name of each angle of a universal joint; uses: names referred to, of numbers in full, of
-    entries as "bars:AB"; absent: (group, name) of entries left out; bad_names: given ones that
-    nothing may have; order: full names of numbers, each after those it depends on."""
+    (parameters, `let`, coordinates of points, vectors as "point P") by full name; groups: by group,
+    as "bars", the line of each entry by full name; types: of joints by full name, "" if unknown;
+    angles: (joint, 0 or 1) by name of each angle of a universal joint; uses: names referred to, of
+    numbers in full, of entries as "bars:AB"; absent: (group, name) of entries left out; bad_names:
+    given ones that nothing may have; order: full names of numbers, each after those it depends
+    on."""
 
     def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
         self.problems, self.files = problems, files
@@ -122,6 +126,7 @@ class Names:
         self.absent: set[tuple[str, str]] = set()
         self.bad_names: set[str] = set()
         self.order: list[str] = []
+        self._is_sorted = False
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
         """Return whether something may be called `name`; else a problem is noted. It must be of
@@ -159,6 +164,34 @@ class Names:
         options = commas(options, rest=", ...")
         self.problems.say(line, f"{key}: there is no {noun} {name!r}{hint}; allowed: {options}")
 
+    def find_number(self, name: str, place: "Place", line: int) -> str:
+        """Return the full name, in `numbers`, of a number or vector that is called `name` in an
+        expression: of one that has a name, of a point, of a component `v.x` of a vector, of a unit
+        vector x, y, z. place, line: where it is written. KeyError if there is none."""
+        with suppress(KeyError):
+            return place.context.find(name, self.numbers)
+        with suppress(KeyError):
+            point = place.context.find(name, self.groups.get("points", ()))
+            parts = {axis: f"{point}.{axis}" for axis in UNIT_VECTORS}
+            return self._derive(f"point {point}", "[x, y, z]", parts, place.key, line)
+        base, _, axis = name.rpartition(".")
+        if not base and name in UNIT_VECTORS:
+            return self._derive(f"axis {name}", UNIT_VECTORS[name], {}, place.key, line)
+        if not base or axis not in UNIT_VECTORS:
+            raise KeyError(name)
+        full = self.find_number(base, place, line)
+        text = f"dot({base}, {UNIT_VECTORS[axis]})"
+        return self._derive(f"{full} {axis}", text, {base: full}, place.key, line)
+
+    def _derive(self, full: str, text: str, names: dict[str, str], key: str, line: int) -> str:
+        """Note the number or vector `full` of others, unless it is there; returns `full`."""
+        if full not in self.numbers:
+            number = self.numbers[full] = NamedNumber(key, line, bound=Bound(parse(text), names))
+            if self._is_sorted:
+                self.order.append(full)
+                self._measure(number)
+        return full
+
     def sort(self) -> None:
         """Fill `order`, in which numbers can be computed one after the other, and find dimensions.
         Cycles and clashes of units become problems; what depends on them keeps None."""
@@ -176,6 +209,7 @@ class Names:
                 number, needs[ring[0]] = self.numbers[ring[0]], ()
                 allowed = f"({' -> '.join(ring)}); allowed: names that do not lead back"
                 self.problems.say(number.line, f"{number.key}: defined by itself {allowed}")
+        self._is_sorted = True
         for name in self.order:
             self._measure(self.numbers[name])
 
@@ -189,10 +223,12 @@ class Names:
             return
         except ExpressionError as error:
             self.problems.say(number.line, f"{number.key}: {text}: {error}")
+            number.bound = None
             return
         number.whole = bool(number.bound.full) and self.is_whole(number.bound)
         if target is not None and not actual.fits(target):
             self.problems.say(number.line, f"{number.key}: {text} is {actual}; allowed: {target}")
+            number.bound = None
         number.dimension = target or actual
 
     def is_whole(self, bound: Bound) -> bool:
@@ -238,27 +274,30 @@ class Place:
         full, numbers = {}, self.names.numbers
         for name in sorted(expression.names):
             try:
-                full[name] = self.context.find(name, numbers)
+                full[name] = self.names.find_number(name, self, node.line)
             except KeyError:
-                self.names.unknown(
-                    node.line, self.key, name, self.context.visible(numbers), "number called"
-                )
+                options = [*numbers, *self.names.groups.get("points", ())]
+                options = [n for n in self.context.visible(options) if " " not in n]
+                self.names.unknown(node.line, self.key, name, options, "number called")
         if len(full) < len(expression.names):
             raise SkippedError(self.key)
         self.names.uses.update(full.values())
         return Bound(expression, full)
 
-    def number(self, node: Node, dimension: Dimension | None, allowed: str, angle=False) -> Bound:
+    def number(
+        self, node: Node, dimension: Dimension | None, allowed: str, angle=False, vector=False
+    ) -> Bound:
         """Return the expression in `node` with its names found and its dimension checked; what is
-        wrong is noted, and SkippedError raised. dimension: required (None: any); allowed: what the
-        value may be, in words; angle: whether a number other than 0 needs a unit."""
+        wrong is noted, and SkippedError raised. dimension: required (None: with any unit, of a
+        number or, with `vector`, a vector); allowed: what the value may be, in words; angle:
+        whether a number other than 0 needs a unit."""
         bound = self.bind(node, allowed)
         try:
             actual = bound.dimension(self.names.numbers)
-            zero = bound.expression.bare and bound.value({}) == 0
+            zero = angle and bound.expression.bare and bound.value({}) == 0
         except ExpressionError as error:
             self._say(node, f": {error}")
-        if dimension is not None and not actual.fits(dimension):
+        if not actual.fits(actual._replace(vector=vector) if dimension is None else dimension):
             self._say(node, f" is {actual}; allowed: {allowed}")
         if angle and actual.bare and not zero:
             self.refuse(node, f"{allowed}, whose unit must be said, such as 90 deg or 1.5 rad")

@@ -183,7 +183,8 @@ def read(text: str, problems: Problems) -> Node:
 _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to do
     (r"'\\\\?t'", False, "a tab; allowed: spaces"),
     ("expected ':'", True, "a colon is missing; allowed: `key: value`"),
-    ("flow", True, "the bracket that opens here is not closed, or a comma is missing behind it"),
+    ("flow", True, "the bracket that opens here is not closed, a comma is missing behind it, or an "
+     "expression with brackets lacks quotes"),
     ("quoted", True, "the quotes that open here are not closed"),
     ("not allowed here", False, "a colon too many; allowed: one behind each key, and text with a "
      "colon in quotes"),

@@ -66,8 +66,9 @@ def _place(build: Builder, model: FileStatements) -> dict[str, np.ndarray]:
     """Store the points of a sample; returns their positions (3,), m, by name."""
     positions = {}
     for name in model.points:
-        axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
-        if None not in axes:
+        place = build.numbers.get(f"point {name}")
+        axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"] if place is None else place
+        if place is not None or None not in axes:
             positions[name] = np.array(axes)
             build.store("points", name, Point(name, positions[name]))
     if positions:

@@ -225,7 +225,12 @@ def read_entry(
             text = f"its keys stand one level too deep; allowed: directly below {place.key}"
             place.problems.say(node.lines[deep[0]], f"{place.key}.{deep[0]}: {text}")
             return None
-        statement = kinds.get("") or _statement(kinds, node, place)
+        plain, types = kinds.get(""), {type: kind for type, kind in kinds.items() if type}
+        type_keys = {"type", *(key for kind in types.values() for key in kind.keys)}
+        if plain is None or (types and (type_keys - plain.keys.keys()) & node.entries.keys()):
+            statement = _statement(types, node, place)
+        else:
+            statement = plain
         slides = _slides(statement, node, place)
         read = _read_keys(statement, slides, node, line, place)
     except SkippedError:

@@ -29,7 +29,7 @@ from fpm.structures.reading import (
     read_text,
 )
 from fpm.structures.sample import build_sample
-from fpm.structures.units import Unit, UnitError, unit
+from fpm.structures.units import NUMBER, Unit, UnitError, unit
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")
 NAME_RULE = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
@@ -202,7 +202,7 @@ def _number(key: str, node: Node, problems: Problems) -> float | None:
     allowed = "a number without unit; the unit goes to `unit`"
     try:
         expression = parse(node.text)
-        if not expression.names and not any(expression.dimension({}).powers):
+        if not expression.names and expression.dimension({}).fits(NUMBER):
             return expression.value({})
     except ExpressionError as error:
         allowed = f"{allowed}: {error}" if node.text else allowed

@@ -11,12 +11,14 @@ from fpm.errors import did_you_mean
 
 class Dimension(NamedTuple):
     """Physical dimension of a quantity, as powers. mass: of kg; length: of m; time: of s; bare:
-    whether it is of a plain number without unit, which fits any dimension and is in SI units."""
+    whether it is of a plain number without unit, which fits any dimension and is in SI units;
+    vector: whether of three such quantities, along x, y and z."""
 
     mass: float = 0
     length: float = 0
     time: float = 0
     bare: bool = False
+    vector: bool = False
 
     @property
     def powers(self) -> tuple[float, float, float]:
@@ -24,11 +26,16 @@ class Dimension(NamedTuple):
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:
-        """Return whether a number of this dimension may stand where `dimension` is required: if the
-        powers of kg, m and s are equal, or if this one is a number without unit, which fits all."""
-        return self.bare or self.powers == dimension.powers
+        """Return whether a value of this dimension may stand where `dimension` is required: if the
+        powers of kg, m and s are equal, or if this one is a number without unit, which fits all;
+        and if both are of vectors or both of numbers."""
+        is_one = self.vector == dimension.vector
+        return is_one and (self.bare or self.powers == dimension.powers)
 
     def __str__(self) -> str:
+        if self.vector:
+            unit_text = str(self._replace(vector=False))
+            return f"a vector in {unit_text}" if any(self.powers) else "a vector without unit"
         symbol = next((n for n, u in _UNITS.items() if u[2] == self.powers and u[0] == u[1]), None)
         symbol = "N m" if symbol == "J" else symbol  # of springs and torques
         if not any(self.powers):
@@ -53,7 +60,7 @@ def power(dimension: Dimension, exponent: float) -> Dimension:
 def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
     """Return the dimension of the product of two quantities (sign 1), or of their quotient (-1)."""
     powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
-    return Dimension(*powers, first.bare and second.bare)
+    return Dimension(*powers, first.bare and second.bare, first.vector or second.vector)
 
 
 class Unit(NamedTuple):

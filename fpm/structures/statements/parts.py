@@ -1,5 +1,6 @@
 """Parts: elastic bars, straight or through points, with materials and sections; rigid bodies."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +9,7 @@ from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.errors import SceneError
 from fpm.structures.builder import POINT_TOL, Body
+from fpm.structures.doubts import find_dense
 from fpm.structures.keys import (
     DirectionKey,
     ListKey,
@@ -21,6 +23,10 @@ from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
 """Directions (unit vectors) that differ by less are one."""
+
+LEAST_INERTIA = 1e-6
+"""Inertia about the axis of a body without width, as a share of that across: no moment turns
+anything that has none at all. A rod has it that is 1/1200 as thick as long."""
 
 POINT = ReferenceKey(group="points")
 
@@ -230,6 +236,9 @@ def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray,
 # -- bodies and masses -----------------------------------------------------------------------------
 
 
+POINTS = ListKey((), "points rigidly held at it", kind=POINT, units=True)
+
+
 @statement(
     "bodies",
     mass=_size("its mass", "kg"),
@@ -243,12 +252,12 @@ def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray,
         "through `about`", unit="kg m2",
     ),
     about=ReferenceKey(None, group="points", text="point through which the axes of `inertia` go"),
-    points=ListKey((), "points rigidly held at it", kind=POINT, units=True),
+    points=POINTS,
     x=DirectionKey(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
     up=DirectionKey(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
 )  # fmt: skip
 def body(build, args):
-    """A rigid body, free until something joins or holds it.
+    """A rigid body, without `type`, free until something joins or holds it.
 
     Adds a particle to the scene; returns a Body. build: Builder of the sample, with its scene;
     args: values of an entry: mass (kg), centre (Point), box (edges (3,) m) or inertia ((3,) kg m²,
@@ -259,14 +268,13 @@ def body(build, args):
         build.refuse("box", pair, "either `box` or `inertia`")
     inertia = args.inertia
     if args.box is not None:
-        if not (np.all(args.box >= 0) and np.count_nonzero(args.box) >= 2):
-            build.refuse("box", args.box.tolist(), "edges >= 0, at most one of them 0")
+        if not (np.all(args.box >= 0) and np.any(args.box)):
+            build.refuse("box", args.box.tolist(), "edges >= 0, at most two of them 0")
         squares = args.box**2
         inertia = args.mass / 12 * (squares.sum() - squares)
-    largest, total = float(np.max(inertia)), float(np.sum(inertia))
-    if not (np.min(inertia) > 0 and 2 * largest <= total * (1 + 1e-9)):
-        allowed = "values above 0, none of them more than the sum of the other two"
-        build.refuse("inertia", inertia.tolist(), allowed)
+    if not (np.all(_fill(inertia) > 0) and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
+        allowed = "values >= 0, at most one 0, none of them more than the sum of the other two"
+        build.refuse("inertia", np.array(inertia).tolist(), allowed)
     if abs(args.x @ args.up) > 1e-6:
         build.refuse("up", args.up.tolist(), f"a direction normal to x, {args.x.tolist()}")
     axes = triad(args.x, args.up)
@@ -276,7 +284,7 @@ def body(build, args):
         arm = args.about.position - args.centre.position
         tensor = axes * inertia @ axes.T - _point_inertia(args.mass, arm)
         inertia, axes = _principal_axes(tensor, axes)
-        if not (np.min(inertia) > 0 and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
+        if not (np.all(_fill(inertia) > 0) and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
             frame = triad(args.x, args.up)
             rest = np.diagonal(frame.T @ _point_inertia(args.mass, arm) @ frame)
             least = ", ".join(f"{value:.4g}" for value in rest)
@@ -285,12 +293,133 @@ def body(build, args):
             )
             allowed += "addition what a body may have about its centre; or no `about`"
             build.refuse("inertia", args.inertia.tolist(), allowed)
+    return _add_body(build, args, args.mass, args.centre.position, inertia, axes, [args.centre])
+
+
+def _fill(inertia) -> np.ndarray:
+    """Principal inertias (3,), with LEAST_INERTIA in the place of one that is 0 to rounding."""
+    largest = np.max(inertia)
+    return np.where(np.abs(inertia) <= 1e-12 * largest, LEAST_INERTIA * largest, inertia)
+
+
+def _add_body(build, args, mass, centre, inertia, axes, points) -> Body:
+    """Add a rigid body to the scene of `build`. mass (kg), centre (3,), principal inertias (3,) and
+    axes (3, 3); points: Points of its own, beside those in `args`."""
     try:
-        particles = build.scene.add_particles(args.centre.position, args.mass, inertia, axes)
+        particles = build.scene.add_particles(centre, mass, _fill(inertia), axes)
     except SceneError as error:
         build.refuse("mass", error.value, error.allowed)
     particle = build.scene.bodies[args.name] = int(particles[0])
-    return Body(args.name, {point.name: particle for point in (args.centre, *args.points)})
+    return Body(args.name, {point.name: particle for point in (*points, *args.points)})
+
+
+MASS = {
+    "mass": replace(_size("its mass, evenly in it; this or `density`", "kg"), default=None),
+    "density": replace(_size("of its material, in the place of `mass`", "kg/m3"), default=None),
+}
+LINE = {"from": replace(POINT, text="one of its points, an end of its axis"),
+        "to": replace(POINT, text="the other end"), **MASS}  # fmt: skip
+
+
+def _mass_of(build, args, volume: float, remedy: str) -> float:
+    """Mass (kg) of a body by its `mass` or `density`, which needs a volume (m³)."""
+    if (args.mass is None) == (args.density is None):
+        pair = None if args.mass is None else [args.mass, args.density]
+        build.refuse("mass", pair, "either `mass` or `density`")
+    if args.density and not volume > 0:
+        build.refuse("density", args.density, f"`mass`, or also {remedy}")
+    mass = args.mass or args.density * volume
+    build.scene.doubts += find_dense(args.name, mass, volume)
+    return mass
+
+
+def _cylinder(build, args, section: Section | None) -> Body:
+    """A round body from one point to another; section: across, None: none, of a line."""
+    start, end = (vars(args)[key].position for key in ("from", "to"))
+    direction, length = end - start, float(np.linalg.norm(end - start))
+    if not 0 < length < np.inf:
+        build.refuse("to", args.to.name, f"a point apart from {vars(args)['from'].name}")
+    area, second = (section.A, section.Iy) if section else (0.0, 0.0)
+    mass = _mass_of(build, args, area * length, "a `diameter`")
+    radius2 = second / area if area else 0.0  # square of the section's radius of gyration
+    inertia = mass * np.array([2 * radius2, *[radius2 + length**2 / 12] * 2])
+    axes = triad(direction, np.eye(3)[int(np.argmin(np.abs(direction)))])
+    ends = [vars(args)["from"], args.to]
+    return _add_body(build, args, mass, (start + end) / 2, inertia, axes, ends)
+
+
+@statement(
+    "bodies",
+    "rod",
+    **LINE,
+    diameter=replace(_size("of a solid round rod; left out: a line, which nothing may turn about "
+                           "itself"), default=None),
+    points=POINTS,
+)  # fmt: skip
+def rod(build, args):
+    """A straight rigid rod between two points, its mass evenly along it.
+
+    Adds a particle at its middle to the scene; returns a Body. build: Builder of the sample, with
+    its scene; args: values of an entry: from and to (Points of it), mass (kg) or density (kg/m³),
+    the other None, diameter (m, or None: its inertia about its axis is 1e-6 of that across),
+    points (further Points held at it)."""
+    return _cylinder(build, args, args.diameter and Section.circle(args.diameter / 2))
+
+
+@statement(
+    "bodies",
+    "tube",
+    **LINE,
+    diameter=_size("its outer diameter"),
+    thickness=_size("of the wall, at most half the diameter"),
+    points=POINTS,
+)
+def tube(build, args):
+    """A straight round rigid tube between two points, without lids.
+
+    Adds a particle at its middle to the scene; returns a Body. build: Builder of the sample, with
+    its scene; args: values of an entry: from and to (Points of it), mass (kg) or density (kg/m³),
+    the other None, diameter and thickness (m), points (further Points held at it)."""
+    return _cylinder(build, args, _tube(build, args))
+
+
+@statement(
+    "bodies",
+    "plate",
+    corners=ListKey(
+        kind=POINT, least=3, text="points of it in one plane, in order around it, each seen from "
+        "the first",
+    ),
+    **MASS,
+    thickness=NumberKey(0.0, "half to each side of its corners", unit="m", least=0),
+    points=POINTS,
+)  # fmt: skip
+def plate(build, args):
+    """A flat rigid plate between its corners, its mass evenly in it.
+
+    Adds a particle at its centre of mass to the scene; returns a Body. build: Builder of the
+    sample, with its scene; args: values of an entry: corners (Points of it), mass (kg) or density
+    (kg/m³), the other None, thickness (m), points (further Points held at it)."""
+    places = np.array([corner.position for corner in args.corners])
+    arms = places[1:] - places[0]
+    first, second = arms[:-1], arms[1:]  # sides of triangles that begin at the first corner
+    total = np.cross(first, second).sum(axis=0) / 2
+    area, names = float(np.linalg.norm(total)), ", ".join(corner.name for corner in args.corners)
+    normal = total / area
+    areas = np.cross(first, second) @ normal / 2
+    if not area > 0 or not np.all(areas > -POINT_TOL * area):
+        build.refuse("corners", names, "corners in order around an area, all seen from the first")
+    if not np.abs(arms @ normal).max() <= POINT_TOL * build.size:
+        build.refuse("corners", names, "corners in one plane")
+    mass = _mass_of(build, args, area * args.thickness, "a `thickness`")
+    sums, weights = first + second, areas / area
+    centre = weights @ sums / 3
+    squares = [np.einsum("ti,tj,t->ij", x, x, weights) for x in (first, second, sums)]
+    moments = sum(squares) / 12 - np.outer(centre, centre)  # of area, over it
+    moments += args.thickness**2 / 12 * np.outer(normal, normal)
+    tensor = mass * (np.trace(moments) * np.eye(3) - moments)
+    inertia, axes = _principal_axes(tensor, triad(arms[0], normal))
+    return _add_body(build, args, mass, places[0] + centre, inertia, axes, args.corners)
 
 
 @statement(

@@ -1,0 +1,252 @@
+"""Vectors in expressions, and bodies by their shape: rods, tubes, plates."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+from structures_for_tests import changed, problems_of, refused
+
+import fpm
+from fpm.structures import loads
+from fpm.structures.expressions import parse
+from fpm.structures.plausible import warnings
+
+NUMBERS = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)
+VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS).map(np.array)
+AXES = VECTORS.filter(lambda vector: np.linalg.norm(vector) > 1e-3)
+
+
+@given(VECTORS, AXES, st.floats(-20, 20))
+def test_functions_of_vectors_are_those_of_other_libraries(a, b, angle):
+    size = np.linalg.norm(a)
+    for text, exact, scale in (
+        ("a + 0.3*(b - a)/2 - -b", a + 0.3 * (b - a) / 2 + b, size + np.linalg.norm(b)),
+        ("cross(a, b)", np.cross(a, b), size * np.linalg.norm(b)),
+        ("dot(a, b)", a @ b, size * np.linalg.norm(b)),
+        ("norm(a)", size, size),
+        ("unit(b)", b / np.linalg.norm(b), 1.0),
+        ("rotate(a, b, angle)",
+         Rotation.from_rotvec(angle * b / np.linalg.norm(b)).apply(a), size),
+        ("[dot(a, [1, 0, 0]), a_y, a_z]", a, 0.0),
+    ):  # fmt: skip
+        value = parse(text).value({"a": a, "b": b, "angle": angle, "a_y": a[1], "a_z": a[2]})
+        np.testing.assert_allclose(value, exact, rtol=0, atol=4e-15 * scale)
+
+
+TEXT = """
+parameters:
+  L: {value: 2, unit: m}
+  stow: {value: 30, unit: deg}
+let:
+  span: Q - P
+  n: unit(cross(span, z))
+  w: [L, 0, 1 m]
+  k: w.x + norm(w)
+points:
+  P: [100 mm, 0, 0]
+  Q: P + rotate([L, 0, 0], -y, stow)
+  R: P + 0.3*(Q - P) + (10 mm)*n
+  S: [Q.x, R.y, k]
+bodies:
+  b: {mass: 1, centre: R, points: [P, Q], box: [1, 1, 1], x: span, up: n}
+joints:
+  j: {type: revolute, parts: [ground, b], at: P, axis: n}
+loads:
+  f: {part: b, at: Q, force: "(5 N)*n + [1 N, 0, 0]"}
+gravity: (-9.81 m/s2)*z
+record:
+  P: {part: b, at: P}
+  Q: {part: b, at: Q}
+  S: {part: ground, at: S}
+repeat:
+  bay:
+    count: 2
+    index: i
+    let: {step: "i*(0.5 m)*x"}
+    points:
+      A: P + step
+      B: A + (1 m)*y
+    bodies:
+      rod: {type: rod, from: A, to: B, mass: 1}
+    joints:
+      pin: {type: revolute, parts: [rod, ground], at: A, axis: z}
+    initial_velocities:
+      push: {part: rod, about: A, velocity: (1 /s)*(next.A - A)}
+"""
+
+
+def test_points_axes_and_forces_are_what_vectors_say():
+    scene = loads(TEXT).build(stow=60.0, L=1.0)
+    p, span, n = np.array([0.1, 0, 0]), np.array([0.5, 0, np.sqrt(0.75)]), np.array([0, -1.0, 0])
+    places = {
+        name: scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+        for name, beam in scene.points.items()
+    }
+    assert places["P"] == pytest.approx(p, abs=1e-15)
+    assert places["Q"] == pytest.approx(p + span, abs=1e-15)
+    assert places["S"] == pytest.approx([0.6, -0.01, 1 + np.sqrt(2)], abs=1e-15)
+    assert scene.position[scene.bodies["b"]] == pytest.approx(p + 0.3 * span + 0.01 * n)
+    assert scene.position[scene.bodies["bay2.rod"]] == pytest.approx([1.1, 0.5, 0])
+    assert scene.hinges[0].axes[0] == pytest.approx(n, abs=1e-15)
+    assert scene.frame[scene.bodies["b"]][:, 0] == pytest.approx(span)
+    assert scene.gravity == pytest.approx([0, 0, -9.81])
+    assert fpm.elements.Load.find(scene)[0].force == pytest.approx([1, -5, 0])
+    rods = [scene.bodies[f"bay{k}.rod"] for k in (1, 2)]  # the last has no neighbour
+    assert scene.velocity[rods] == pytest.approx(np.array([[0.5, 0, 0], [0, 0, 0]]))
+
+
+VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
+    ("k: w.x + norm(w)", "k: w.x*w", "points.S: k is a vector in m2; allowed: m"),
+    ("k: w.x + norm(w)", "k: L.x", "dot takes vectors such as [x, y, z] or Q - P, not m"),
+    ("k: w.x + norm(w)", "k: w**2", "a vector has no power; allowed: dot(v, v), norm(v)**2"),
+    ("k: w.x + norm(w)", "k: L/w", "nothing can be divided by a vector"),
+    ("k: w.x + norm(w)", "k: abs(w)", "abs takes numbers, not a vector in m; allowed: norm(v)"),
+    ("k: w.x + norm(w)", "k: dot(w)", "dot takes 2 values, not 1"),
+    ("w: [L, 0, 1 m]", "w: [L, 0, 1 s]", "m and s cannot be in one vector"),
+    ("w: [L, 0, 1 m]", "w: [L, span, 0]", "a vector [x, y, z] is of numbers"),
+    ("P + 0.3*(Q - P)", "P + 0.3*(R - P)", "points.R: defined by itself (point R -> point R)"),
+    ("P + 0.3*(Q - P)", "P*Q", "two vectors cannot be multiplied; allowed: dot(a, b)"),
+    ("P + 0.3*(Q - P)", "P + 0.3 m", "a vector in m and m cannot be added"),
+    ("P + 0.3*(Q - P)", "T", "there is no number called 'T'"),
+    ("P + 0.3*(Q - P) + (10 mm)*n", "n", "n is a vector without unit; allowed: a vector in m"),
+    ("[L, 0, 0], -y, stow", "[L, 0, 0], -y, 30", "rotate turns by an angle with a unit"),
+    ("[L, 0, 0], -y, stow", "[L, 0], -y, stow", "[...] of 2; allowed: a vector [x, y, z]"),
+    ("span: Q - P", "span: (0 m)*x", "the direction of a vector of length 0"),
+    ("axis: n", "axis: up", "axis: 'up' is not allowed; allowed: x, y, z"),
+    ("axis: n", "axis: L", "'L' is m; allowed: x, y, z"),
+    ("axis: n", "axis: Q", "one point is no direction"),
+    ("axis: n", "axis: 0*n", "a direction that is not zero"),
+    ("mass: 1,", "mass: w,", "'w' is a vector in m; allowed: a value in kg > 0"),
+    ("box: [1, 1, 1]", "box: [P, 1, 1]", "'P' is a vector in m; allowed: three numbers"),
+    ("gravity: (-9.81 m/s2)*z", "gravity: 9.81 m/s2", "'9.81 m/s2' is m s-2; allowed: three"),
+    ("{value: 2, unit: m}", "{value: 'cross([1, 0, 0], [0, 1, 0])'}", "a number without unit"),
+)
+
+
+@pytest.mark.parametrize(("old", "new", "words"), VECTOR_REFUSALS)
+def test_what_is_no_vector_or_number_is_refused(old, new, words):
+    refused(TEXT, old, new, words)
+
+
+def test_names_of_a_file_come_before_those_of_the_language():
+    text = changed(TEXT, ("  k: w.x", "  x: 2*z\n  cross: 1 m\n  k: w.x"))
+    assert loads(text).build().position[-1] == pytest.approx([0.1, 0.5, 2.0])
+    assert any("is a vector" in p for p in problems_of(changed(TEXT, ("P: [100 mm", "P: [w"))))
+
+
+SHAPE = """
+points: {A: [0, 0, 0], B: [0.3, 0, 0.4], C: [1, 0, 0], D: [1, 0.5, 0], E: [0, 0.5, 0]}
+let: {turn: 0 deg}
+bodies:
+  body: {BODY}
+joints: {ball: {type: spherical, parts: [ground, body], at: A}}
+"""
+
+
+def body(words: str, text: str = SHAPE):
+    """Mass, place and inertia tensor (3, 3) of a body about its centre."""
+    scene = loads(text.replace("BODY", words)).build()
+    i = scene.bodies["body"]
+    return scene.mass[i], scene.position[i], scene.frame[i] * scene.inertia[i] @ scene.frame[i].T
+
+
+def test_a_tube_is_a_rod_less_a_rod_and_a_rod_is_the_closed_form():
+    ends, along = "from: A, to: B, density: 1000", np.array([0.6, 0, 0.8])
+    across = np.eye(3) - np.outer(along, along)
+    outer, inner, tube = (
+        body(f"type: {words}, {ends}")
+        for words in ("rod, diameter: 0.2", "rod, diameter: 0.12",
+                      "tube, diameter: 0.2, thickness: 0.04")
+    )  # fmt: skip
+    mass = 1000 * np.pi * 0.1**2 * 0.5
+    assert outer[0] == pytest.approx(mass)
+    exact = mass * ((3 * 0.1**2 + 0.5**2) / 12 * across + 0.1**2 / 2 * np.outer(along, along))
+    assert outer[2] == pytest.approx(exact)
+    for k in (0, 2):
+        assert tube[k] == pytest.approx(outer[k] - inner[k])
+    mass, place, line = body("type: rod, from: A, to: B, mass: 2")
+    assert (mass, *place) == pytest.approx((2, 0.15, 0, 0.2))
+    assert across @ line == pytest.approx(2 * 0.5**2 / 12 * across, rel=1e-12)
+    for words in ("box: [0.5, 0, 0]", "inertia: [0, 2/48, 2/48]"):
+        same = body(f"mass: 2, centre: A, {words}, x: B - A, up: y")
+        assert same[2] == pytest.approx(line, rel=1e-12)
+
+
+@pytest.mark.parametrize("turn", ["0 deg", "130 deg"])
+def test_plates_are_what_a_fine_grid_of_them_is(turn):
+    """A trapezium, in any frame, and the box that a rectangle with a thickness is."""
+    axis, angle = np.array([1, 2, -2]) / 3, float(turn.split()[0])
+    turned = Rotation.from_rotvec(np.radians(angle) * axis).as_matrix()
+    places = {"A": "0, 0, 0", "C": "1 m, 0, 0", "D": "0.4 m, 0.5 m, 0", "E": "0, 0.5 m, 0"}
+    points = {n: f'"rotate([{p}], [1, 2, -2], {turn})"' for n, p in places.items()}
+    text = SHAPE.replace(SHAPE.splitlines()[1], f"points: {points}".replace("'", ""))
+    _, place, tensor = body("type: plate, corners: [A, C, D, E], mass: 3", text)
+    y = (np.arange(4000) + 0.5) / 8000
+    width = 1 - 1.2 * y
+    weight = 3 * width / width.sum()
+    centre = np.array([weight @ width / 2, weight @ y, 0]) / 3
+    xx, yy = weight @ (width**2 / 3) - 3 * centre[0] ** 2, weight @ y**2 - 3 * centre[1] ** 2
+    xy = weight @ (y * width / 2) - 3 * centre[0] * centre[1]
+    exact = np.array([[yy, -xy, 0], [-xy, xx, 0], [0, 0, xx + yy]])
+    assert place == pytest.approx(turned @ centre, abs=1e-7)
+    assert tensor == pytest.approx(turned @ exact @ turned.T, abs=1e-6)
+    plate = "type: plate, corners: [A, C, D, E], density: 100, thickness: 0.2"
+    box = "mass: 10, centre: A, box: [1, 0.5, 0.2]"
+    assert body(plate)[2] == pytest.approx(body(box)[2])
+    assert body(plate)[1] == pytest.approx([0.5, 0.25, 0])
+
+
+@pytest.mark.slow
+def test_a_line_swings_on_a_ball_joint_as_the_equations_say_at_the_second_order():
+    """A spherical pendulum of a rod without width, thrown sideways; its spin about itself is 0."""
+    text = changed(SHAPE, ("joints:", "gravity: (-9.81 m/s2)*z\nrecord: {B: {part: body, at: B}}\n"
+                           "initial_velocities: {w: {part: body, about: A, spin: [0, 0, 3]}}\n"
+                           "joints:"))  # fmt: skip
+    scene = loads(text.replace("BODY", "type: rod, from: A, to: B, mass: 2")).build()
+    start = np.array([0.3, 0, 0.4, 0, 0.9, 0])
+
+    def slopes(_, y):  # of its end, on a sphere: u'' = 3/2 g across u - |u'|²/|u|² u
+        u, v = y[:3], y[3:]
+        pull = np.array([0, 0, -1.5 * 9.81])
+        return [*v, *(pull - (u @ pull + v @ v) / (u @ u) * u)]
+
+    times = np.linspace(0, 1.0, 51)
+    exact = solve_ivp(slopes, (0, 1), start, "DOP853", times, rtol=1e-12, atol=1e-12).y[:3].T
+    errors = []
+    for step in (2e-3, 1e-3, 5e-4):
+        (outcome,) = fpm.simulate(scene, duration=1.0, instants=51, step=step)
+        errors.append(np.abs(outcome.points["B"][0] - exact).max())
+    assert errors[-1] < 1e-4
+    assert np.log2(errors[0] / errors[1]) > 1.9
+    assert np.log2(errors[1] / errors[2]) > 1.9
+
+
+SHAPE_REFUSALS = (
+    ("type: rod, from: A, to: A, mass: 1", "bodies.body.to: 'A' is not allowed"),
+    ("type: rod, from: A, to: B", "mass: missing; allowed: either `mass` or `density`"),
+    ("type: rod, from: A, to: B, mass: 1, density: 2", "either `mass` or `density`"),
+    ("type: rod, from: A, to: B, density: 2", "allowed: `mass`, or also a `diameter`"),
+    ("type: tube, from: A, to: B, mass: 2, diameter: 1 cm, thickness: 6 mm", "at most half"),
+    ("type: plate, corners: [A, C, D, E], density: 2", "`mass`, or also a `thickness`"),
+    ("type: plate, corners: [A, D, C, E], mass: 1", "corners in order around an area"),
+    ("type: plate, corners: [A, C, D, B], mass: 1", "corners in one plane"),
+    ("type: plate, corners: [A, C], mass: 1", "a list of 3 to 1000"),
+    ("type: rods, from: A, to: B", "'rods' is not allowed (did you mean rod?); allowed: rod, tube"),
+    ("from: A, to: B, mass: 1", "bodies.body.type: missing; allowed: rod, tube, plate"),
+    ("mass: 1, centre: A, inertia: [0, 0, 2]", "at most one 0"),
+    ("mass: 1, centre: A, box: [0, 0, 0]", "edges >= 0, at most two of them 0"),
+)
+
+
+@pytest.mark.parametrize(("words", "reason"), SHAPE_REFUSALS)
+def test_what_is_no_rod_tube_or_plate_is_refused(words, reason):
+    refused(SHAPE, "BODY", words, reason)
+
+
+def test_a_mass_in_g_is_told_of_any_shape():
+    for words in ("type: rod, from: A, to: B, mass: 2000, diameter: 1 cm",
+                  "type: plate, corners: [A, C, D], mass: 2000, thickness: 1 mm"):  # fmt: skip
+        scene = loads(SHAPE.replace("BODY", words)).build()
+        assert any("masses are in kg, not in g" in text for text in warnings(scene))

@@ -96,7 +96,7 @@ class Batch:
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
         of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]
         self.rows = Slices({kind: len(kind.names(self.scene)) for kind in of_kinds})
-        eventful = {k: len(k.names(self.scene)) for k in self.kinds if k.events}
+        eventful = {k: len(k.eventful(self.scene)) for k in self.kinds if k.events}
         self.eventful = Slices(eventful)
         self._peaks = self.blank(1, self.watches.count)
         self._rows = self.blank(self.rows.count, 1)
@@ -154,8 +154,8 @@ class Batch:
 
     def is_read(self, kind: type) -> bool:
         """Return whether another element type of these scenes needs the arrays of the type `kind`
-        in every step (lists it in its class attribute `reads`)."""
-        return any(kind in reader.reads for reader in self.kinds)
+        in every step (lists it in `reads_in`)."""
+        return any(kind in reader.reads_in(self.scene) for reader in self.kinds)
 
     def work_account(self, kind: type) -> int:
         """Return the column of World.accounts for the work (J) that elements of `kind` give."""

@@ -191,6 +191,12 @@ class ElementType:
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
+    def reads_in(cls, scene: SceneData) -> tuple[type["ElementType"], ...]:
+        """Return the types whose arrays this type's kernels need in every step of a scene: `reads`;
+        overridden where only some elements need them."""
+        return cls.reads
+
+    @classmethod
     def find(cls, scene: SceneData) -> list[Any]:
         """Elements of this type in a scene, in the order in which they were added."""
         return scene.kinds.get(cls, [])

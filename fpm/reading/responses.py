@@ -192,6 +192,24 @@ def _section(spec: Definition) -> Response:
     return spec.response((name, f"{fraction:g}"), size, spec.variable.unit, text, columns)
 
 
+def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
+    """The tension of a stretch of a cable, left out: its first, or the length that ran over a point
+    between its ends; both by their numbers from 1."""
+    name = spec.one_of(_cables(spec.scene))
+    count = next(len(cable.beams) - 1 for cable in spec.scene.cables if cable.name == name)
+    number, least = spec.data.get(key, 1), 1 if key == "stretch" else 2
+    if isinstance(number, bool) or number not in range(least, count + 1):
+        allowed = f"the number of a {key} of cable {name}, {least} to {count}"
+        allowed = allowed if count >= least else f"of a cable over points: {name} has its ends only"
+        raise SceneError(f"responses.{spec.name}.{key}", number, allowed)
+    if key not in spec.data or count == 1:
+        column, place = ("cable_tension", name), ""
+    else:
+        column, place = (variable, f"{name} {int(number)}"), f"{key} {int(number)} of "
+    words = "tension of" if key == "stretch" else "length that ran over"
+    return spec.response((column[1],), "", unit, f"{words} {place}cable {name}", (column,))
+
+
 def _opening(spec: Definition, unit: str, words: str) -> Response:
     """An opening of a hinge or slide, or its rate."""
     name, slides, place = spec.hinge()
@@ -379,8 +397,9 @@ KINDS = {
     "velocity": ResponseType(partial(_vector, names=_points, unit="m s-1"), partial(_of_point, 1),
                              ("component",)),
     "opening": ResponseType(partial(_opening, unit="rad", words="opening")),
-    "tension": ResponseType(partial(_by_name, unit="N", text="tension of cable {}", names=_cables,
-                                    variable="cable_tension"), positive=True),
+    "tension": ResponseType(partial(_of_cable, "stretch", "stretch_tension", "N"),
+                            optional=("stretch",), positive=True),
+    "slip": ResponseType(partial(_of_cable, "point", "cable_slip", "m"), mandatory=("point",)),
     "strut_force": ResponseType(partial(_by_name, unit="N", text="force of strut {}", names=_struts,
                                         variable="strut_force")),
     "strut_length": ResponseType(partial(_by_name, unit="m", text="length of strut {}",

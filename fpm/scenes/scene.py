@@ -319,7 +319,7 @@ class Scene:
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(
-        self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None
+        self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None, **drum
     ):
         """Add a cable through points of particles; returns its index.
 
@@ -332,8 +332,12 @@ class Scene:
         preload: tension (N) at the start; this or `rest`.
         reel: length (m) that a winch at the first point takes in where its curve is 1.
         curve: index of the winch's curve of time; -1: none.
-        friction: coefficient of friction at the points between the ends; None: they turn freely."""
-        return self.add(Cable.create(self, name, points, EA, rest, preload, reel, curve, friction))
+        friction: coefficient of friction at the points between the ends; None: they turn freely.
+        drum: keys drum (index of the hinge whose opening winds it at the first point), radius (m,
+            below 0 where a growing opening unwinds it), least (unstrained length in m down to which
+            it may be wound; None: a quarter of that at the start). None of them: no drum."""
+        fields = {"reel": float(reel), "curve": int(curve), "friction": friction, **drum}
+        return self.add(Cable.create(self, name, points, EA, rest, preload, **fields))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 

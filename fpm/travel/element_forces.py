@@ -33,7 +33,7 @@ class ElementForces:
     def __init__(self, scene, elements: list):
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
-        kinds = [*kind.reads, kind]
+        kinds = [*kind.reads_in(part_scene), kind]
         batch = Batch(
             [part_scene], kinds, energies_of(kinds), lanes_of_register(), np.float64, 1, 1
         )

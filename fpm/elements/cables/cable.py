@@ -9,6 +9,11 @@ Points between its ends are pulleys of no radius: the tension is one all along. 
 length may change with a curve of time, as when a winch takes cable in; the winch gives -T (1 + e/2)
 dR/dt, the pull on the strained cable less the strain energy that leaves it, at the first point.
 
+A drum of radius r on a joint winds it: R falls by r times the opening psi from the start on, and
+the cable turns the joint by -r T (1 + e/2), the derivative of its energy by psi, so that nothing is
+given or lost. Its point stays where it is: the cable leaves the drum at a point that does not move
+along with the winding, and on the drum lies no mass and no strain energy of it.
+
 A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
 over a point, where the cable turns by the angle a, as soon as T' on one side is more than T exp(mu
 a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves T' (1 +
@@ -20,9 +25,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.cables.cable_bounds import Piece, bounding_springs
+from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
 from fpm.elements.fields import index, number, topology
-from fpm.elements.kind import ElementType, Energy, Series, Watch
+from fpm.elements.kind import ElementType, Energy, Eventful, Series, Watch
+from fpm.elements.openings.opening import ANGLE_TYPES, Opening
 from fpm.errors import SceneError
 
 REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
@@ -40,12 +46,26 @@ def _describe_crowding(values: dict[str, float]) -> tuple[str, str]:
     )
 
 
+def _describe_winding(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        f"a drum winds a cable down to {1 / values['winding']:.3g} of its `shortest`",
+        "state a shorter `shortest`, for which the step is taken, or a stop on the drum's joint",
+    )
+
+
+SHORTEST = 0.25
+"""Share of a cable's unstrained length at the start down to which a drum may wind it."""
+
+
 @dataclass(frozen=True)
 class Cable(ElementType):
     """A cable through the free ends of two or more virtual beams (rigid arms from particles). name:
     no other cable's; beams: arms to its points; stiffness: EA (N); rest: unstrained length (m);
     reel: length (m) that a winch takes in where the curve of time of index `curve` is 1 (-1: no
-    winch); friction: coefficient at points between its ends, None: none."""
+    winch); friction: coefficient at points between its ends, None: none; drum: index of the hinge
+    whose opening winds it at the first point (-1: none); radius: of the drum (m), below 0 where a
+    growing opening unwinds it; start: opening (rad) at which `rest` is outside the drum; least:
+    unstrained length (m) outside the drum down to which it may be wound."""
 
     name: str = topology()
     beams: tuple[VirtualBeam, ...]
@@ -54,8 +74,13 @@ class Cable(ElementType):
     reel: float = number("m", default=0.0)
     curve: int = index("curves", -1, default=-1)
     friction: float | None = number(least=0.0, default=None)
+    drum: int = index("hinges", -1, default=-1)
+    radius: float = number("m", default=0.0, zero=False)
+    start: float = number("rad", default=0.0, is_shown=False)
+    least: float = number("m", 0.0, default=0.0, zero=False)
 
     noun = "cable"
+    acts_as = "cable"
     resists_as = "S"
     cost = 60.0
 
@@ -63,15 +88,18 @@ class Cable(ElementType):
     gives = REEL_WORK
     takes = FRICTION_LOSS
     events = ("tightens", "slackens")
-    watches = (Watch("crowding", 1.0, True, _describe_crowding),)
+    watches = (
+        Watch("crowding", 1.0, True, _describe_crowding),
+        Watch("winding", 1.0, True, _describe_winding),
+    )
 
     @staticmethod
-    def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
+    def create(scene, name, points, stiffness, rest, preload, **fields) -> "Cable":
         """Return a cable through points of a scene, as placed now; the caller adds it. name: no
         other cable's; points: pairs of a particle's index and a global position (3,) m, None: its
         own; stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at
-        the start (N), the other None; reel: length (m) taken in where the curve of index `curve` is
-        1 (-1: none); friction: coefficient or None. SceneError if they do not fit."""
+        the start (N), the other None; fields: others of Cable but `start`; least, if None: SHORTEST
+        of the unstrained length. SceneError if they do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -80,14 +108,19 @@ class Cable(ElementType):
             pair = (rest, preload)
             raise SceneError(f"rest, preload of cable {name}", pair, "one of the two")
         beams = tuple(scene.arm_to(int(p), place) for p, place in points)
-        curve, reel, stiffness = int(curve), float(reel), float(stiffness)
+        stiffness, curve = float(stiffness), int(fields.get("curve", -1))
         if rest is None:
             if not (stiffness > 0 and 0 <= preload < np.inf):
                 pair, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
                 raise SceneError(f"EA, preload of cable {name}", pair, allowed)
-            reel_length = reel * scene.curves[curve].value(0.0) if curve >= 0 else 0.0
+            factor = scene.curves[curve].value(0.0) if curve >= 0 else 0.0
+            reel_length = fields.get("reel", 0.0) * factor
             rest = length_through(scene, beams) / (1 + preload / stiffness) + reel_length
-        return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
+        if 0 <= (drum := fields.get("drum", -1)) < len(scene.hinges):
+            fields["start"] = scene.hinges[drum].opening
+            if fields.get("least") is None:
+                fields["least"] = SHORTEST * rest
+        return Cable(name, beams, stiffness, float(rest), **fields)
 
     def check(self, scene):
         """Check that the cable fits into a scene: its numbers, a name that no other cable has,
@@ -98,6 +131,16 @@ class Cable(ElementType):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
             raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
+        if self.drum >= 0 and scene.hinges[self.drum].type not in ANGLE_TYPES:
+            allowed = f"a joint that is {' or '.join(ANGLE_TYPES)}"
+            raise SceneError(f"drum {owner}", scene.hinges[self.drum].name, allowed)
+        if (self.drum >= 0) != (self.radius != 0):
+            raise SceneError(f"radius {owner}", self.radius, "a length (m) other than 0, of a drum")
+        if self.drum >= 0 and self.curve >= 0:
+            raise SceneError(f"reel {owner}", self.reel, "none, as a drum winds it")
+        if self.drum >= 0 and not 0 < self.least < (rest := self.rest_at(scene, 0.0)):
+            allowed = f"above 0 m, below the unstrained length at the start, {rest:.6g} m"
+            raise SceneError(f"shortest length {owner}", self.least, allowed)
         if self.has_friction and not self.lengths(scene).min() > 0:
             raise SceneError(f"stretches {owner}", self.lengths(scene).tolist(), "points apart")
         if len({beam.particle for beam in self.beams}) < 2:
@@ -109,14 +152,21 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """Unstrained length (m) outside the winch at a `time` (s). scene: has the winch's curve."""
+        """Unstrained length (m) outside the winch at a `time` (s), outside the drum at the start.
+        scene: has the winch's curve, and the drum's hinge."""
         factor = scene.curves[self.curve].value(time) if self.curve >= 0 else 0.0
-        return float(self.rest - self.reel * factor)
+        turn = scene.hinges[self.drum].opening - self.start if self.drum >= 0 else 0.0
+        return float(self.rest - self.reel * factor - self.radius * turn)
 
     def shortest(self, scene) -> float:
         """Return the least unstrained length (m) of the cable at any time. scene: has its curve."""
         factors = scene.curves[self.curve].extremes() if self.curve >= 0 else np.zeros(1)
+        if self.drum >= 0:
+            return self.least
         return float(self.rest - np.max(self.reel * np.array(factors)))
+
+    def acts_on(self):
+        return (self.drum,) if self.drum >= 0 else ()
 
     @property
     def has_friction(self) -> bool:
@@ -129,19 +179,30 @@ class Cable(ElementType):
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Yield the parts of the cable that have one tension each, as pairs (virtual beams, N/m of
-        stiffness at the least unstrained length): the whole, or with friction each stretch."""
+        """Yield the parts of the cable that have one tension each, at the least unstrained length:
+        the whole, or with friction each stretch; a drum winds the first."""
         shortest = self.shortest(scene)
         if not self.has_friction:
-            yield self.beams, self.stiffness / shortest
+            yield Piece(self.beams, self.stiffness / shortest, self.drum, self.radius)
             return
         lengths = self.lengths(scene)
         for i, length in enumerate(lengths):
-            yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
+            stiffness = self.stiffness * lengths.sum() / (shortest * length)
+            drum = self.drum if i == 0 else -1
+            yield Piece(self.beams[i : i + 2], stiffness, drum, self.radius)
+
+    def pulls(self, scene) -> Iterator[tuple[VirtualBeam, float]]:
+        """Yield the virtual beam of every point and the largest force (N) there at the start: the
+        tension, twice it between the ends."""
+        strain = self.lengths(scene).sum() / self.rest_at(scene, 0.0) - 1
+        for i, beam in enumerate(self.beams):
+            is_end = i in (0, len(self.beams) - 1)
+            yield beam, self.stiffness * max(strain, 0.0) * (1 if is_end else 2)
 
     def topology(self):
         """Return what must agree in scenes run side by side: name, particles, curve, friction."""
-        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.has_friction
+        particles = tuple(beam.particle for beam in self.beams)
+        return self.name, particles, self.curve, self.has_friction, self.drum
 
     @classmethod
     def names_of(cls, scene) -> tuple[str, ...]:
@@ -151,6 +212,21 @@ class Cable(ElementType):
     @classmethod
     def names(cls, scene):
         return [cable.title(scene) for cable in cls.find(scene)]
+
+    @classmethod
+    def reads_in(cls, scene):
+        return (Opening,) if any(cable.drum >= 0 for cable in cls.find(scene)) else ()
+
+    @classmethod
+    def eventful(cls, scene):
+        """Return what has events: all cables of a scene, then points between the ends of those with
+        friction, as "cable hoist point 2", counted from 1."""
+        points = [
+            Eventful(f"{cable.title(scene)} point {i}", ("sticks", "slips"))
+            for cable in cls.find(scene) if cable.has_friction
+            for i in range(2, len(cable.beams))
+        ]  # fmt: skip
+        return [*super().eventful(scene), *points]
 
     @classmethod
     def cost_in(cls, scene):
@@ -169,12 +245,16 @@ class Cable(ElementType):
     @classmethod
     def deformations(cls, scene):
         """Return springs (Deformations) at least as stiff as the cables of a scene can become, for
-        the stable time step; None without cables, or if all their points are held."""
-        return bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
+        the stable time step; None without cables, or if all their points are held. Arms bear the
+        tension at the start: one that grows to where arms are shorter than it is strained does not
+        count."""
+        bounds = bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
+        cables = enumerate(cls.find(scene))
+        return with_arms(bounds, ((i, *pull) for i, c in cables for pull in c.pulls(scene)))
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.cables.cable_kernels import CABLE, STATE, STRETCH, Cables
+        from fpm.elements.cables.cable_kernels import CABLE, NUMBERS, STATE, STRETCH, Cables
 
         cables = cls.find(batch.scene)
         count, ends = len(cables), np.cumsum([0, *(len(cable.beams) for cable in cables)])
@@ -183,7 +263,7 @@ class Cable(ElementType):
             particle=batch.integers(beam.particle for cable in cables for beam in cable.beams),
             curve=batch.integers(cable.curve for cable in cables),
             arms=batch.stack(ends[-1], 3, lambda s: [b.arm for c in cls.find(s) for b in c.beams]),
-            cables=batch.table(cls, CABLE, lambda c: [c.stiffness, c.rest, c.reel]),
+            cables=batch.table(cls, CABLE, lambda c: [getattr(c, name) for name in NUMBERS]),
             stretches=batch.blank(ends[-1], STRETCH),
             state=batch.blank(count, STATE),
             account=batch.work_account(cls),
@@ -191,20 +271,51 @@ class Cable(ElementType):
             rows=batch.rows_of(cls),
             log=batch.log_of(cls),
             track=batch.blank((batch.instants + 1) * count, 2),
+            stretch_track=batch.blank((batch.instants + 1) * ends[-1], 2),
+            drum=batch.integers(cable.drum for cable in cables),
+            openings=Opening.get_arrays(cls, batch) if cls.reads_in(batch.scene) else None,
         )
         return _with_friction(part, batch) if any(cable.has_friction for cable in cables) else part
 
     @classmethod
     def read_records(cls, part, scene, lane):
         """Return tension (N) and strained length (m) of all cables of one sample after a run,
-        Series (t, cables) named "cable_tension", "cable_length". part: kernel arrays (Cables);
-        scene: the sample's; lane: index of the sample among those simulated side by side."""
+        Series (t, cables) named "cable_tension", "cable_length"; where cables run over points
+        between their ends, tensions of the stretches before and after these ("stretch_tension"),
+        and the unstrained length (m) that has run over each ("cable_slip"), > 0 towards the end.
+        part: kernel arrays (Cables); scene: the sample's; lane: index of the sample among those
+        simulated side by side."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
             "cable_tension": Series(tension, "N", "tension of the cables", "cable", names),
             "cable_length": Series(length, "m", "length of the cables, strained", "cable", names),
+            **_stretch_records(part, cls.find(scene), lane),
         }
+
+
+def _stretch_records(part, cables, lane) -> dict[str, Series]:
+    """Tensions of stretches and slips over points of cables that run over points."""
+    pulls, lengths = part.stretch_track[:, :, lane].T.reshape(2, -1, len(part.particle))
+    columns = {"stretch_tension": {}, "cable_slip": {}}
+    for first, cable in zip(part.start, cables, strict=False):
+        count = len(cable.beams) - 1
+        stretches = slice(first, first + count)
+        rest = lengths[:, stretches] / (1 + pulls[:, stretches] / cable.stiffness)
+        beyond = np.cumsum(rest[:, ::-1], axis=1)[:, ::-1]  # unstrained, from each stretch on
+        for i in range(count if count > 1 else 0):
+            columns["stretch_tension"][f"{cable.name} {i + 1}"] = pulls[:, first + i]
+            if i > 0:
+                columns["cable_slip"][f"{cable.name} {i + 1}"] = beyond[:, i] - beyond[0, i]
+    texts = {
+        "stretch_tension": ("N", "tension of the stretches of cables", "stretch"),
+        "cable_slip": ("m", "length of cable that ran over its points", "cable_point"),
+    }
+    return {
+        name: Series(np.column_stack(list(values.values())), *texts[name], tuple(values))
+        for name, values in columns.items()
+        if values
+    }
 
 
 def _with_friction(part, batch):

@@ -18,6 +18,7 @@ from fpm.elements.cables.cable_kernels import (
     TINY,
     UNSTRAINED,
     UNSTRAINED_BEFORE,
+    WINCH,
     energy_of_cable,
     find_pull,
     find_unstrained_length,
@@ -26,6 +27,9 @@ from fpm.elements.cables.cable_kernels import (
     note_events,
     pull_points,
     record_cable,
+    record_stretch,
+    record_winding,
+    turn_drum,
     work_of_winch,
 )
 from fpm.elements.cables.cable_slip_kernels import (
@@ -35,6 +39,7 @@ from fpm.elements.cables.cable_slip_kernels import (
     MATERIAL,
     RATIO,
     SLIP,
+    SLIP_BEFORE,
     START,
     TENSION,
     TENSION_BEFORE,
@@ -42,21 +47,27 @@ from fpm.elements.cables.cable_slip_kernels import (
     positive,
     strain_before,
 )
+from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.angles import arctan2
+from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
 from fpm.kernels.vectors import cross, dot, get3, kernel, larger
 from fpm.kernels.world import Log
 
+STICK = 10 * CLOSE
+"""Largest slip in a step, as a share of the cable's unstrained length, that counts as none."""
+
 
 class RubbingCables(NamedTuple):
     """Arrays of all c cables, with p points, where some have friction (lanes: samples). start,
-    particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables;
-    has_friction (c,): 1 where a cable has friction; friction (c, 1, lanes): its coefficient; slip
-    (p, 8, lanes): of each point and the stretch that begins there, unstrained length (m) before
-    slipping in this step, strain if nothing slipped over the point at its end, largest ratio of
-    tensions, its inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained
-    length slipped over the point (m); loss: index of friction's loss in World.accounts."""
+    particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track,
+    stretch_track, drum, openings: as in Cables; has_friction (c,): 1 where a cable has friction;
+    friction (c, 1, lanes): its coefficient; slip (p, 9, lanes): of each point and the stretch that
+    begins there, unstrained length (m) before slipping in this step, strain if nothing slipped over
+    the point at its end, largest ratio of tensions, its inverse, unstrained length (m), tension
+    (N), tension a step ago (N), unstrained length slipped over the point (m), size of that a step
+    ago; loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     particle: np.ndarray
@@ -70,6 +81,9 @@ class RubbingCables(NamedTuple):
     rows: np.ndarray
     log: Log
     track: np.ndarray
+    stretch_track: np.ndarray
+    drum: np.ndarray
+    openings: Openings | None
     has_friction: np.ndarray  # (c,) whether each has friction
     friction: np.ndarray  # (c, 1, lanes) its coefficient
     slip: np.ndarray  # (p, SLIP_SIZE, lanes)
@@ -175,9 +189,13 @@ def forces(part, world, timing):
     for c in range(part.curve.shape[0]):
         if part.has_friction[c]:
             find_tensions(part, world, timing, c)
+            strain = load(part.slip, part.start[c], TENSION) / load(part.cables, c, EA)
+            pull = load(part.stretches, part.start[c], PULL) * (1.0 + 0.5 * strain)
+            store(part.state, c, WINCH, pull)
         else:
             find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
+        turn_drum(part.openings, part, world.state, c, load(part.state, c, WINCH))
 
 
 @kernel
@@ -195,11 +213,13 @@ def work_before(part, world, timing):
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.has_friction[c]:
-            work = work + work_of_winch(part, c)
+            if part.curve[c] >= 0:
+                work = work + work_of_winch(part, c)
             continue
         first, soft = part.start[c], 1.0 / load(part.cables, c, EA)
         last_gain = gain(part, first, soft)
-        work = work - load(part.slip, first, SLIP) * last_gain
+        if part.curve[c] >= 0:
+            work = work - load(part.slip, first, SLIP) * last_gain
         for j in range(first + 1, part.start[c + 1] - 1):
             factor = gain(part, j, soft)
             loss = loss + load(part.slip, j, SLIP) * (factor - last_gain)
@@ -229,12 +249,33 @@ def record(part, world, row):
     count = part.curve.shape[0]
     for c in range(count):
         if not part.has_friction[c]:
-            record_cable(part, c, row * count + c)
+            record_cable(part, c, row)
             continue
         length = load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED)
         store(part.track, row * count + c, 0, load(part.slip, part.start[c], TENSION))
         store(part.track, row * count + c, 1, length)
+        for j in range(part.start[c], part.start[c + 1] - 1):
+            record_stretch(part, j, row, load(part.slip, j, TENSION))
+        record_winding(part.openings, part, c)
 
 
-for _name, _kernel in {"note_events": note_events, "list_excess": list_excess}.items():
-    hook(RubbingCables, _name)(_kernel)
+@hook(RubbingCables, "note_events")
+def note_slips(part, world, timing):
+    """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
+    and over which points they stick (0) or slip (1) from it on. part: arrays of all cables
+    (RubbingCables); world: not used; timing (StepTime): times of the step (s)."""
+    note_events(part, world, timing)
+    number = part.curve.shape[0]
+    for c in range(part.curve.shape[0]):
+        if part.has_friction[c]:
+            tight = larger(load(part.state, c, LONGER), load(part.state, c, LONGER_BEFORE))
+            least = STICK * load(part.state, c, UNSTRAINED)
+            for j in range(part.start[c] + 1, part.start[c + 1] - 1):
+                size = where_negative(tight, 0.0, absolute(load(part.slip, j, SLIP)))
+                previous = load(part.slip, j, SLIP_BEFORE)
+                note_crossings(part.log, number, least - previous, least - size, timing)
+                store(part.slip, j, SLIP_BEFORE, size)
+                number += 1
+
+
+hook(RubbingCables, "list_excess")(list_excess)

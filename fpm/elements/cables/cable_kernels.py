@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.openings.opening_kernels import NEW, Openings, turn
 from fpm.kernels.curves import curve_value
 from fpm.kernels.events import edge, note_crossings
 from fpm.kernels.hooks import hook
@@ -14,8 +15,9 @@ from fpm.kernels.vectors import add3, cross, dot, get3, kernel, larger, put3, to
 from fpm.kernels.world import Log
 
 # Constants of a cable.
-EA, REST, REEL = 0, 1, 2
-CABLE = 3
+NUMBERS = "stiffness", "rest", "reel", "radius", "start", "least"
+EA, REST, REEL, RADIUS, OPENING, LEAST = range(6)
+CABLE = 6
 
 # Of the point at which a stretch begins; the last point of a cable has an arm only.
 DIRECTION = 0  # of the stretch (3)
@@ -43,12 +45,16 @@ class Cables(NamedTuple):
     """Arrays of all c cables (lanes: samples), one after the other, with p points; a stretch runs
     from a point to the next. start (c + 1,): first point of each cable; particle (p,): particle of
     each point; curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles
-    to points, in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length, length
-    that the winch takes in where its curve is 1 (m); stretches (p, 8, lanes): direction (3), length
-    (m), arm of the point (3, m), pull (N); state (c, 6, lanes): elongation, unstrained length (m),
-    winch force (N), each now and a step ago; account: index of the winches' work in World.accounts;
-    peaks (1, 1, lanes): largest crowding of all so far; rows (c, 1, lanes): that of each; log: of
-    events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length (m)."""
+    to points, in the particles' frames (m); cables (c, 6, lanes): EA (N), unstrained length, length
+    that the winch takes in where its curve is 1 (m), radius of the drum (m), opening at which the
+    unstrained length is outside it (rad), length down to which it winds (m); stretches (p, 8,
+    lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6, lanes):
+    elongation, unstrained length (m), winch force (N), each now and a step ago; account: index of
+    the winches' work in World.accounts;
+    peaks (1, 2, lanes): largest crowding and winding of all so far; rows (c, 1, lanes): the larger
+    one of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length
+    (m); stretch_track ((instants + 1) p, 2, lanes): those of the stretch that begins at each point;
+    drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no drums."""
 
     start: np.ndarray  # (c + 1,) first point of each
     particle: np.ndarray  # (p,) particles
@@ -58,10 +64,13 @@ class Cables(NamedTuple):
     stretches: np.ndarray  # (p, STRETCH, lanes)
     state: np.ndarray  # (c, STATE, lanes)
     account: int  # number of that of the winches' work
-    peaks: np.ndarray  # (1, 1, lanes)
+    peaks: np.ndarray  # (1, 2, lanes)
     rows: np.ndarray  # (c, 1, lanes)
     log: Log
     track: np.ndarray  # ((instants + 1) c, 2, lanes) recorded tension (N) and length (m)
+    stretch_track: np.ndarray  # ((instants + 1) p, 2, lanes) those of stretches
+    drum: np.ndarray  # (c,) hinges
+    openings: Openings | None
 
 
 @kernel
@@ -87,11 +96,31 @@ def measure_path(part, state, c):
 @kernel
 def find_unstrained_length(part, world, timing, c):
     """Return the unstrained length (m, lanes) of cable c (index) at timing.time, less what its
-    winch has taken in. part: Cables or RubbingCables; world: with curves."""
+    winch or drum has taken in. part: Cables or RubbingCables; world: with curves."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
+    return find_length_outside(part.openings, part, c, rest)
+
+
+@kernel
+def find_length_outside(openings, part, c, rest):
+    """Return the unstrained length (m, lanes) of cable c outside its drum. openings: joint
+    coordinates, None where the scene has no drums; rest: length (m) at the drum's opening at the
+    start."""
+    if openings is not None and part.drum[c] >= 0:
+        turns = load(openings.angles, part.drum[c], NEW) - load(part.cables, c, OPENING)
+        rest = rest - load(part.cables, c, RADIUS) * turns
     return rest
+
+
+@kernel
+def turn_drum(openings, part, state, c, pull):
+    """Turn the joint of the drum of cable c by -r F, r being its radius. openings: joint
+    coordinates, None where the scene has no drums; part: Cables or RubbingCables; state:
+    World.state, changed; pull: F (N), the tension T (1 + e/2) where the cable is strained by e."""
+    if openings is not None and part.drum[c] >= 0:
+        turn(openings, state, part.drum[c], -1.0 * load(part.cables, c, RADIUS) * pull)
 
 
 @kernel
@@ -136,6 +165,7 @@ def forces(part, world, timing):
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
+        turn_drum(part.openings, part, world.state, c, load(part.state, c, WINCH))
 
 
 @hook(Cables)
@@ -200,27 +230,57 @@ def crowding_of(part, c):
 
 
 @kernel
+def winding_of(part, c):
+    """Return the length down to which the drum of cable c may wind it, over that which is outside
+    now, 0 without a drum; a run fails above 1. part: Cables or RubbingCables."""
+    return load(part.cables, c, LEAST) / load(part.state, c, UNSTRAINED)
+
+
+@kernel
+def record_winding(openings, part, c):
+    """Raise part.peaks to the winding of cable c. openings: joint coordinates, None where the scene
+    has no drums; part: arrays of all cables (Cables or RubbingCables)."""
+    if openings is not None:
+        store(part.peaks, 0, 1, larger(load(part.peaks, 0, 1), winding_of(part, c)))
+
+
+@kernel
+def record_stretch(part, j, row, tension):
+    """Store `tension` (N) and length (m) of stretch j in part.stretch_track. part: Cables or
+    RubbingCables; row: index of the recorded instant."""
+    index = row * part.particle.shape[0] + j
+    store(part.stretch_track, index, 0, tension)
+    store(part.stretch_track, index, 1, load(part.stretches, j, LENGTH))
+
+
+@kernel
 def record_cable(part, c, row):
-    """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
-    of part.track, and raise part.peaks to its crowding. part: Cables or RubbingCables."""
-    store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
-    store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
+    """Store tension (N) and strained length (m) of cable c in part.track, of its stretches in
+    part.stretch_track, and raise part.peaks to its crowding and winding. part: Cables or
+    RubbingCables; row: index of the recorded instant."""
+    index, tension = row * part.curve.shape[0] + c, load(part.cables, c, EA) * strain_of(part, c)
+    store(part.track, index, 0, tension)
+    store(part.track, index, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding_of(part, c)))
+    for j in range(part.start[c], part.start[c + 1] - 1):
+        record_stretch(part, j, row, tension)
+    record_winding(part.openings, part, c)
 
 
 @hook(Cables)
 def record(part, world, row):
-    """Store tension (N) and strained length (m) of each cable in part.track, and raise part.peaks
-    (one for all cables) to the largest crowding, elongation over the length of the shortest
-    stretch. part: all cables (Cables); world: not used; row: index of the recorded instant."""
-    count = part.curve.shape[0]
-    for c in range(count):
-        record_cable(part, c, row * count + c)
+    """Store tension (N) and strained length (m) of each cable and stretch in part.track and
+    part.stretch_track, and raise part.peaks (one for all cables) to the largest crowding,
+    elongation over the length of the shortest stretch, and winding. part: all cables (Cables);
+    world: not used; row: index of the recorded instant."""
+    for c in range(part.curve.shape[0]):
+        record_cable(part, c, row)
 
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store each cable's crowding, elongation over the length of its shortest stretch, in
-    part.rows, to name the worst when a run failed. part: all cables (Cables); world: not used."""
+    """Store each cable's crowding, elongation over the length of its shortest stretch, or its
+    winding, if that is larger, in part.rows, to name the worst when a run failed. part: all cables
+    (Cables); world: not used."""
     for c in range(part.curve.shape[0]):
-        store(part.rows, c, 0, crowding_of(part, c))
+        store(part.rows, c, 0, larger(crowding_of(part, c), winding_of(part, c)))

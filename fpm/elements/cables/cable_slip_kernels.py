@@ -18,7 +18,8 @@ RATIO, INVERSE = 2, 3  # of the tensions on either side when it slips
 MATERIAL = 4  # unstrained length; the length, where the cable is slack
 TENSION, TENSION_BEFORE = 5, 6
 SLIP = 7  # unstrained length that came over the point, or from the winch, while tight
-SLIP_SIZE = 8
+SLIP_BEFORE = 8  # size of that in the step before, for events
+SLIP_SIZE = 9
 
 CLOSE = 1e-13
 """What may be left over in the search for a strain, as a share of the cable's unstrained length."""

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.cables.cable_bounds import bounding_springs
+from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
 from fpm.elements.fields import number, topology
-from fpm.elements.kind import Deformations, ElementType, Energy, Series
+from fpm.elements.kind import ElementType, Energy, Series
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.openings.table_spring import table_array
 from fpm.elements.particles.damping import Damping
@@ -119,18 +119,9 @@ class Strut(ElementType):
             max(-s.all_slopes.min(), force / s.distance(scene), 0.0)
             for s, force in zip(struts, forces, strict=True)
         ]
-        bounds = cls._bounds(scene, stiffness)
-        rows = []
-        for index, (strut, force) in enumerate(zip(struts, forces, strict=True)):
-            for beam in strut.beams:
-                turns, arm = np.zeros((3, 12)), float(np.linalg.norm(beam.arm))
-                turns[:, 3:6] = np.eye(3)
-                dofs = np.tile(6 * beam.particle + np.arange(6), (3, 2))
-                rows.append((dofs, turns, np.full(3, force * arm), np.full(3, index)))
-        arms = Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True)))
-        if bounds is None or not arms.stiffness.any():
-            return bounds
-        return Deformations(*(np.concatenate(x) for x in zip(bounds, arms, strict=True)))
+        pairs = enumerate(zip(struts, forces, strict=True))
+        pulls = ((i, beam, force) for i, (strut, force) in pairs for beam in strut.beams)
+        return with_arms(cls._bounds(scene, stiffness), pulls)
 
     @classmethod
     def dampings(cls, scene):
@@ -141,7 +132,7 @@ class Strut(ElementType):
     @classmethod
     def _bounds(cls, scene, values):
         pieces = zip(cls.find(scene), values, strict=True)
-        return bounding_springs(scene, ([(s.beams, x)] if x > 0 else [] for s, x in pieces))
+        return bounding_springs(scene, ([Piece(s.beams, x)] if x > 0 else [] for s, x in pieces))
 
     @classmethod
     def array(cls, name, batch):

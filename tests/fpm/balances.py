@@ -145,6 +145,10 @@ SCENES = {
     "motor": on(k.Motor(0, 50.0, 1.0, 0.0, 1.0, 0)),
     "motor by its rate": on(k.Motor(0, 50.0, 1.0, 0.0, 1.0, 0, True), rate=0.0),
     "torque motor": on(k.TorqueMotor(0, 2.0, 0, 5.0)),
+    "motor with backlash": on(k.Motor(0, 50.0, 1.0, 0.0, 1.0, 0, backlash=0.1)),
+    "loop with backlash": on(
+        k.SyncLoop("belt", (0, 1), (0.2, 0.1), 500.0, backlash=0.02), second=True
+    ),
     "loop": on(k.SyncLoop("belt", (0, 1), (0.2, 0.1), 2000.0), second=True),
     "cable": cable,
     "rubbing cable": lambda: cable(0.2),

@@ -99,6 +99,23 @@ def onset(new, old):
 
 
 @kernel
+def dead_band(backlash, i, value, old):
+    """Return two lanes: by how much `value` is outside the dead band of element i, below 0 where it
+    is below, and the same with what `edge` adds as it enters or leaves the band. value, old: now
+    and a step ago (rad or m, as the results); backlash (elements, 1, lanes): width of each band, 0:
+    `value` itself twice; None: no element has one, and so too."""
+    excess, force_excess = value, value
+    if backlash is not None:
+        half = 0.5 * load(backlash, i, 0)
+        upper, lower = value - half, -1.0 * value - half
+        excess = where_negative(upper, 0.0, upper) - where_negative(lower, 0.0, lower)
+        passes = edge(upper, old - half) - edge(lower, -1.0 * old - half)
+        force_excess = where_negative(-half, excess + passes, value)
+        excess = where_negative(-half, excess, value)
+    return excess, force_excess
+
+
+@kernel
 def press(new, old, rate, stiffness, damping):
     """Return two forces of a one-sided stop, of its spring and of its damper (N m, on slides N), in
     sum at least 0: it never pulls; that of the damper is 0 where the overlap `new` is not above 0.

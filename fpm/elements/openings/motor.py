@@ -5,14 +5,23 @@ being a curve of time, or the integral of one from t = 0 on, and the hinge follo
 
     moment M = k (target - psi) + c (target' - psi'),   work given M target'
 
-of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there."""
+of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there. With
+backlash b, target - psi is less by b/2 on either side: within, no moment acts, and outside the
+damper never pulls the drive train's teeth apart."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
 from fpm.elements.fields import damping, index, number, stiffness, topology
 from fpm.elements.kind import Energy, Series
-from fpm.elements.openings.opening import JOINT_LOSS, Connector, by_unit, on_hinge
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    ONSET,
+    Connector,
+    backlashes,
+    by_unit,
+    on_hinge,
+)
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
@@ -47,7 +56,8 @@ class Motor(AnyMotor):
     """Motor that prescribes the joint coordinate of a hinge through an elastic drive train: start +
     turn times a curve of time. hinge: index; stiffness (N m/rad), damping (N m s/rad): of the drive
     train; start, turn (rad); curve: index in Scene.curves, -1: constant 1; by_rate: whether turn
-    (rad/s) times the curve is the coordinate's rate instead; on slides m for rad, N for N m."""
+    (rad/s) times the curve is the coordinate's rate instead; backlash: of the drive train, all its
+    play (rad), None: none; on slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="of its drive train")
@@ -58,7 +68,26 @@ class Motor(AnyMotor):
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)
     by_rate: bool = topology(False)
+    backlash: float | None = number(
+        "rad",
+        0.0,
+        default=None,
+        is_shown=False,
+        text="of its drive train: all its play, within which no moment acts; left out: none",
+    )
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     takes = JOINT_LOSS
     resists_as = ""
+
+    def topology(self):
+        return *super().topology(), self.backlash is None
+
+    def damping_in(self, scene):
+        """Return the damping (N m s/rad) by which the motor limits the stable time step: with
+        backlash ONSET times its own, as that of a stop. scene: not used."""
+        return self.damping * (1.0 if self.backlash is None else ONSET)
+
+    @classmethod
+    def array(cls, name, batch):
+        return backlashes(batch, cls) if name == "backlash" else super().array(name, batch)

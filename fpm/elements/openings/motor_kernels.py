@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import follow_rate
+from fpm.elements.openings.losses_kernels import dead_band, follow_rate, onset
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.curves import travel_factor
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import load, store
+from fpm.kernels.lanes import load, store, where_negative
+from fpm.kernels.vectors import kernel
 
 # Constants of a motor.
 NUMBERS = "stiffness", "damping", "start", "turn"
@@ -17,10 +18,11 @@ STIFFNESS, DAMPING, START, TURN = range(4)
 # Of a motor, at the last forces and a step before.
 MOMENT, MOMENT_BEFORE = 0, 1
 VISCOUS, VISCOUS_BEFORE = 2, 3  # its part by damping
-ERROR = 4  # target less opening
+ERROR = 4  # target less opening,
 ADVANCE = 5  # of the target over the last step
 TARGET = 6
-STATE = 7
+EXCESS = 7  # of the error outside the backlash
+STATE = 8
 
 TRACK = 1
 
@@ -29,10 +31,11 @@ class Motors(NamedTuple):
     """Arrays of all m motors (lanes: samples). hinge (m,): index of its hinge; curve (m,): index of
     its curve of time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m,
     4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes):
-    first, rate of the last step; state (m, 7, lanes): moment, a step ago, moment of damping, a step
-    ago (N m), target less opening, change of the target, target (rad); openings: joint coordinates
-    of all hinges; work_account, loss_account: indices in World.accounts of work and loss; rows (m,
-    1, lanes): energy of each; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    first, rate of the last step; state (m, 8, lanes): moment, a step ago, moment of damping, a step
+    ago (N m), target less opening, change of the target, target, what of the first is outside the
+    backlash (rad); openings: joint coordinates of all hinges; work_account, loss_account: indices
+    in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track ((instants + 1) m,
+    1, lanes): recorded moment (N m); backlash (m, 1, lanes): of each (rad), None: of none."""
 
     hinge: np.ndarray
     curve: np.ndarray
@@ -45,6 +48,24 @@ class Motors(NamedTuple):
     loss_account: int
     rows: np.ndarray
     track: np.ndarray
+    backlash: np.ndarray | None = None
+
+
+@kernel
+def grip(backlash, i, viscous, spring, error, old):
+    """Return what of the moment `viscous` (N m) of a drive train's damper acts: 0 within its
+    backlash, and no more against its spring than that has, so that teeth never pull. backlash
+    (motors, 1, lanes): rad, None or 0: all of it; i: index of the motor; spring: moment (N m);
+    error, old: target less opening now and a step ago (rad)."""
+    if backlash is not None:
+        half = 0.5 * load(backlash, i, 0)
+        sign = where_negative(error, -1.0, 1.0)
+        damper = sign * viscous * onset(sign * error - half, sign * old - half)
+        bound = sign * spring
+        damper = where_negative(damper + bound, -bound, damper)
+        damper = where_negative(-bound, sign * damper, 0.0)
+        viscous = where_negative(-half, damper, viscous)
+    return viscous
 
 
 @hook(Motors)
@@ -66,7 +87,12 @@ def forces(part, world, timing):
         target_rate = (1.0 / timing.step) * (1.5 * advance - 0.5 * load(part.state, i, ADVANCE))
         rate = follow_rate(part.openings, part.rates, i, h, timing)
         viscous = load(part.numbers, i, DAMPING) * (target_rate - rate)
-        moment = load(part.numbers, i, STIFFNESS) * error + viscous
+        stiffness, old = load(part.numbers, i, STIFFNESS), load(part.state, i, ERROR)
+        old = error if timing.time == 0.0 else old
+        excess, force_excess = dead_band(part.backlash, i, error, old)
+        viscous = grip(part.backlash, i, viscous, stiffness * excess, error, old)
+        moment = stiffness * force_excess + viscous
+        store(part.state, i, EXCESS, excess)
         store(part.state, i, ERROR, error)
         store(part.state, i, ADVANCE, advance)
         store(part.state, i, TARGET, target)
@@ -98,8 +124,8 @@ def work_before(part, world, timing):
 def energy_of(part, world, i):
     """Return the strain energy (J, lanes) of the drive train of motor i when forces were last
     computed. part: arrays of all motors (Motors); world: not used."""
-    error = load(part.state, i, ERROR)
-    return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
+    excess = load(part.state, i, EXCESS)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * excess * excess
 
 
 @hook(Motors)

@@ -240,6 +240,15 @@ def _sides(scene) -> np.ndarray:
     return np.hstack([axes, ends, cross(axes, ends)])
 
 
+def backlashes(batch, kind: type[ElementType]) -> np.ndarray | None:
+    """Return the width of the dead bands (field `backlash`, rad or m; 0 where it is None) of the
+    elements of a type `kind`, an array (elements, 1, lanes); None: no element has one. batch: the
+    scenes simulated side by side."""
+    if all(element.backlash is None for element in kind.find(batch.scene)):
+        return None
+    return batch.table(kind, 1, lambda element: [element.backlash or 0.0])
+
+
 def relative_turn(scene, hinges, stiffness) -> Deformations:
     """Return the linear strains of springs on joint coordinates by small motions of their hinges'
     particles, for the stable time step (Deformations). hinges: index in `scene` of each spring's

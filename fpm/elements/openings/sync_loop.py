@@ -14,7 +14,13 @@ import numpy as np
 
 from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
-from fpm.elements.openings.opening import ANGLE_TYPES, ConnectorElement, mobility, relative_turn
+from fpm.elements.openings.opening import (
+    ANGLE_TYPES,
+    ConnectorElement,
+    backlashes,
+    mobility,
+    relative_turn,
+)
 from fpm.errors import SceneError
 
 
@@ -25,7 +31,8 @@ class SyncLoop(ConnectorElement):
     (psi1 - rest1) - r2 (psi2 - rest2) (m). name: its own; hinges: indices of both; radii: of the
     two pulleys (m), opposite in sign where the loop is crossed; stiffness: of both strands together
     (N/m); rest: both openings without slip (rad); preload: tension of each strand without slip (N);
-    one is slack above a slip of 2 preload / stiffness; infinite: never."""
+    one is slack above a slip of 2 preload / stiffness; infinite: never; backlash: slip (m), half to
+    either side, that takes no pull, as between teeth (no preload then); None: none."""
 
     name: str = topology()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=ANGLE_TYPES)
@@ -45,6 +52,13 @@ class SyncLoop(ConnectorElement):
         default=np.inf,
         text="tension of each strand; left out: never slack",
     )
+    backlash: float | None = number(
+        "m",
+        0.0,
+        default=None,
+        is_shown=False,
+        text="at the rims, as between teeth: all its play; without `preload`; left out: none",
+    )
 
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")
@@ -63,6 +77,13 @@ class SyncLoop(ConnectorElement):
             raise SceneError(f"hinges of {title}", self.hinges, "two different ones")
         if not np.all(self.radii):
             raise SceneError(f"radii of {title}", self.radii, "lengths (m) other than 0")
+
+        if self.backlash is not None and self.preload < np.inf:
+            allowed = "none, with a backlash"
+            raise SceneError(f"preload of {title}", self.preload, allowed)
+
+    def topology(self):
+        return *super().topology(), self.backlash is None
 
     def acts_on(self):
         return self.hinges
@@ -102,6 +123,8 @@ class SyncLoop(ConnectorElement):
         indices of both hinges of each loop; else as ConnectorElement.array. batch: the scenes."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
+        if name == "backlash":
+            return backlashes(batch, cls)
         return super().array(name, batch)
 
     @classmethod

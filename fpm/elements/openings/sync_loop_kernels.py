@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.openings.losses_kernels import dead_band
 from fpm.elements.openings.opening_kernels import NEW, Openings, turn
 from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
@@ -16,9 +17,10 @@ NUMBERS = "stiffness", "radii", "rest", "tight"
 STIFFNESS, RADII, REST, TIGHT = 0, 1, 3, 5  # radii and rest of both hinges
 
 # Of a loop, at the last forces and a step before.
-SLIP = 0
+SLIP = 0  # outside the backlash
 SLACK, SLACK_BEFORE = 1, 2  # slip that is left before a strand gets slack
-STATE = 3
+WHOLE, PULL_SLIP = 3, 4  # slip with the backlash; that by which the strands pull
+STATE = 5
 
 TRACK = 1
 
@@ -29,10 +31,11 @@ TOUCH = 1e-9
 class Loops(NamedTuple):
     """Arrays of all l synchronising loops. hinge (l, 2): indices of both hinges; numbers (l, 6,
     lanes): stiffness (N/m), radii of both pulleys (m), openings of both hinges without slip (rad),
-    slip at which a strand turns slack (m); state (l, 3, lanes): slip (m), slip that is left until a
-    strand is slack (m), the same a step before; openings: arrays of all openings; rows (l, 1,
-    lanes): energy of each (J), to find the worst one for a message; log: of events; track
-    ((instants + 1) l, 1, lanes): recorded pull (N), l rows for each instant."""
+    slip at which a strand turns slack (m); state (l, 5, lanes): slip outside the backlash, slip
+    that is left until a strand is slack, the same a step before, slip with the backlash, slip by
+    which it pulls (m); openings: arrays of all openings; rows (l, 1, lanes): energy of each (J), to
+    find the worst one for a message; log: of events; track ((instants + 1) l, 1, lanes): recorded
+    pull (N), l rows for each instant; backlash (l, 1, lanes): of each (m), None: of none."""
 
     hinge: np.ndarray
     numbers: np.ndarray
@@ -41,6 +44,7 @@ class Loops(NamedTuple):
     rows: np.ndarray
     log: Log
     track: np.ndarray
+    backlash: np.ndarray | None = None
 
 
 @kernel
@@ -55,7 +59,7 @@ def excess(part, i):
 def pull(part, i):
     """Return the difference of the tensions (N, lanes) of the two strands of loop i, with the sign
     of the slip that `forces` last stored. part: arrays of all loops (Loops)."""
-    slip = load(part.state, i, SLIP)
+    slip = load(part.state, i, PULL_SLIP)
     extra = excess(part, i)
     return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
 
@@ -64,14 +68,18 @@ def pull(part, i):
 def forces(part, world, timing):
     """Add the moments (N m) of loops on both their hinges, against the slip, to the forces on
     particles; store slip, and what is left of it until a strand is slack, in part.state. part:
-    arrays of all loops (Loops); world: solver state, whose forces change; timing: not used."""
+    arrays of all loops (Loops); world: solver state, whose forces change; timing: times (s)."""
     for i in range(part.hinge.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.hinge[i, 0], part.hinge[i, 1]
         first, second = load(part.numbers, i, RADII), load(part.numbers, i, RADII + 1)
         angle = load(angles, h1, NEW) - load(part.numbers, i, REST)
         slip = first * angle - second * (load(angles, h2, NEW) - load(part.numbers, i, REST + 1))
+        old = slip if timing.time == 0.0 else load(part.state, i, WHOLE)
+        store(part.state, i, WHOLE, slip)
+        slip, pull_slip = dead_band(part.backlash, i, slip, old)
         store(part.state, i, SLIP, slip)
+        store(part.state, i, PULL_SLIP, pull_slip)
         store(part.state, i, SLACK_BEFORE, load(part.state, i, SLACK))
         touch = TOUCH * (absolute(first) + absolute(second))
         store(part.state, i, SLACK, load(part.numbers, i, TIGHT) + touch - absolute(slip))

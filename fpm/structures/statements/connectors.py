@@ -279,11 +279,12 @@ def motor(build, args):
     Adds a Motor to the scene, or a RigidMotor where stiffness is None. build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), start (joint
     coordinate, rad; m on a slide; None: that at the start), turn (change of it, rad; m) or rate
-    (rad/s; m/s), which the curve (index) scales, stiffness, damping."""
+    (rad/s; m/s), which the curve (index) scales, stiffness, damping, backlash (rad; m; or None)."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
-    kind = RigidMotor if _rigid(build, args, damping=args.damping > 0) else Motor
+    rigid = _rigid(build, args, damping=args.damping > 0, backlash=args.backlash is not None)
+    kind = RigidMotor if rigid else Motor
     by_rate = args.turn is None
     turn = args.rate if by_rate else args.turn
     build.scene.add(element(kind, args, start=start, turn=turn, by_rate=by_rate))

@@ -11,6 +11,9 @@ Importing is cheap: numba and xarray are loaded when first needed."""
 import fpm.kernels.sources  # noqa: F401
 
 # isort: split
+from importlib import import_module
+from typing import Any
+
 from fpm.elements.bars.beam import Material, Section
 from fpm.errors import InstabilityError, SceneError
 from fpm.files import trajectory
@@ -30,6 +33,7 @@ __all__ = [
     "SceneError",
     "Section",
     "StableStep",
+    "Structure",
     "divide_time",
     "find_stable_step",
     "is_compiled",
@@ -39,3 +43,9 @@ __all__ = [
     "trajectory",
     "warm_up",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name != "Structure":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return import_module("fpm.structures.structure").Structure

@@ -12,17 +12,19 @@ from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.opened_files import DATA_HINT, Build, FileRecord, Loader, current_record
 from fpm.structures.reading import Problem, StructureError, read_text
+from fpm.structures.structure import Structure
 
 
 def load_python(path: Path) -> SceneType:
     """Return the structure (SceneType) in the Python file at `path`, which is run.
 
     The file has PARAMETERS (dict of fpm.scenes.scene_type.Parameter by name) and
-    build(**parameters), which returns an fpm.Scene; perhaps MESH (name of the parameter that sets
-    the mesh) and DATA (glob patterns in its folder of files read at other values only or unseen).
-    Its docstring is the description. Raises StructureError for anything else. The structure's
-    digest covers all files opened while it is loaded and built at its defaults, code imported from
-    below its folder, and DATA. A process loads it once, and again when one of these changed."""
+    build(**parameters), which returns an fpm.Scene, perhaps MESH (name of the parameter that sets
+    the mesh), and the description as its docstring; or it has STRUCTURE, a fpm.Structure. Either
+    may have DATA (glob patterns in its folder of files read at other values only or unseen). Raises
+    StructureError for anything else. The structure's digest covers all files opened while it is
+    loaded and built at its defaults, code imported from below its folder, and DATA. A process loads
+    it once, and again when one of these changed."""
     read_text(path)  # which tells what is no file, before Python waits for it
     place = path.absolute()
     if place not in _CACHE or not _CACHE[place][1].is_same():
@@ -65,11 +67,18 @@ HIDDEN_READS = "what this reads is not seen, and results are named after all tha
 def _build_type(path: Path, module: ModuleType) -> SceneType:
     """The structure, built at its defaults, with the digest of no code yet."""
     parameters, build = getattr(module, "PARAMETERS", None), getattr(module, "build", None)
+    if (structure := getattr(module, "STRUCTURE", None)) is not None:
+        if not isinstance(structure, Structure) or parameters is not None:
+            _refuse(path, "STRUCTURE: not allowed; allowed: an fpm.Structure, without PARAMETERS")
+        structure.source = str(path)
+        return structure.scene_type
     mesh = getattr(module, "MESH", None)
     values = parameters.values() if isinstance(parameters, dict) else [None]
     if not all(isinstance(value, Parameter) for value in values):
         _refuse(
-            path, "PARAMETERS: missing; allowed: a dict of fpm.scenes.scene_type.Parameter by name"
+            path,
+            "PARAMETERS: missing; allowed: a dict of fpm.scenes.scene_type.Parameter by name, or "
+            "STRUCTURE in its place",
         )
     if not callable(build):
         _refuse(path, "build: missing; allowed: a function of the parameters that gives a Scene")

@@ -100,7 +100,13 @@ def loads(text: str, source: str = "structure") -> SceneType:
     """Return the structure (SceneType) in the text of a YAML file. source: name of the text in
     messages. Raises StructureError, which lists all that is wrong with it."""
     problems = Problems(source)
-    node = read(text, problems)
+    return build_type(read(text, problems), problems)
+
+
+def build_type(node: Node, problems: Problems) -> SceneType:
+    """Return the structure (SceneType) that the top table `node` of a file states. problems: of the
+    file; with what is wrong they are raised as StructureError."""
+    source = problems.source
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
         remedy = "use `check` or `run` with it; allowed: a structure's, such as the one its `scene`"
         problems.say(0, f"this is a campaign's file: {remedy} names")

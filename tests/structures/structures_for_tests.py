@@ -1,9 +1,12 @@
 """Files of structures, and what is said about those that are wrong."""
 
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
 from fpm.structures import StructureError, load, loads
 
@@ -65,6 +68,12 @@ record:
 def structure(name: str) -> SceneType:
     """A structure of the library."""
     return load(FOLDER / f"{name}.yaml")
+
+
+def content(scene: Scene) -> str:
+    """All that a scene has, to the last bit."""
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        return repr(vars(scene))
 
 
 def changed(text: str, *changes: tuple[str, str]) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from structures_for_tests import problems_of
+from structures_for_tests import content, problems_of
 
 from fpm.structures import load, loads
 
@@ -31,7 +31,7 @@ def merged(base, more):
 
 def test_the_page_has_examples():
     assert len(YAML) == 15
-    assert len(PYTHON) == 2
+    assert len(PYTHON) == 3
 
 
 @pytest.mark.parametrize("text", YAML, ids=[text.split(":")[0] for text in YAML])
@@ -52,8 +52,23 @@ def test_the_examples_in_python_run(tmp_path, monkeypatch):
     exec(PYTHON[0], space)
     assert space["scene"].springs[0].stiffness == 0.2
     path = tmp_path / "hanging.py"
-    path.write_text(PYTHON[1])
+    path.write_text(PYTHON[2])
     assert load(path).points == ("tip",)
+
+
+def test_the_first_structure_is_the_same_in_python(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(PYTHON[1], space := {})
+    for stow in (10, 45):
+        scene, expected = (
+            load("flap.yaml").build(k=0.2, stow=stow),
+            loads(YAML[0]).build(k=0.2, stow=stow),
+        )
+        assert content(scene) == content(expected)
+    assert content(space["scene"]) != content(scene)
+    assert space["flap"].scene_type.digest == load("flap.yaml").digest
+    Path("wing.py").write_text(f"{PYTHON[1]}\nSTRUCTURE = flap")
+    assert content(load("wing.py").build(k=0.2, stow=45)) == content(scene)
 
 
 def test_the_messages_of_the_page_are_those_of_the_program():

@@ -125,6 +125,7 @@ class _RestSearch:
         self._scene, self._start, self._hold = scene, start, hold
         self._conditions = conditions
         self._elastic, self._unstressed = elastic, elastic.unstressed
+        self._can_fall, self._key = len(elastic.nodes) > 0, "assembly"
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._free = np.flatnonzero(~scene.fixed.ravel())
@@ -145,29 +146,30 @@ class _RestSearch:
             return self._start, 0
         state, impulses, count = self._rest(self._start)
         self._check_strains(state)
-        step = self._find_descent(state, impulses) if len(self._elastic.nodes) else None
+        step = self._find_descent(state, impulses) if self._can_fall else None
         if step is None:
             return state, count
         sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
         sides = sorted((side for side in sides if side), key=lambda side: side[0])
-        energy = self._elastic.energy(state)
-        if sides and not self._differ(sides, energy):
+        if sides and not self._differ(sides):
             self._check_strains(sides[0][1])
             return sides[0][1], count + sum(side[2] for side in sides)
         requirement = "a stable position; this one snaps, and none was found downhill of it"
         if sides:
+            energy = self._elastic.energy(sides[0][1])
             requirement = (
-                f"a stable position; this one snaps to either of two with {sides[0][0]:.4g} J, as "
+                f"a stable position; this one snaps to either of two with {energy:.4g} J, as "
                 "a straight bar pressed beyond its buckling load: `curvature` of the bar says to "
                 "which"
             )
-        raise MisfitError("assembly", f"{energy:.4g} J in an unstable position", requirement)
+        energy = self._elastic.energy(state)
+        raise MisfitError(self._key, f"{energy:.4g} J in an unstable position", requirement)
 
-    def _differ(self, sides: Sequence[tuple], energy: float) -> bool:
-        """Whether both sides, lower first, end in different poses of one energy below `energy`."""
+    def _differ(self, sides: Sequence[tuple]) -> bool:
+        """Whether both sides, lower first, end in different poses and fall by the same energy."""
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
-        return high - low <= SAME_TOL * (energy - low) and shift > SAME_TOL * self._size
+        return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
 
     def _system(self, poses, bars, impulses, ratio):
         rules = self._scales, self._free, self._weight
@@ -182,7 +184,7 @@ class _RestSearch:
     def _rest(self, poses):
         """Newton's method: poses in balance, the impulses there and the rounds."""
         tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
-        tries = tries[: 1 + (len(self._elastic.nodes) > 0)] if len(self._free) else []
+        tries = tries[: 1 + self._can_fall] if len(self._free) else []
         count, largest, state = 0, 0.0, poses
         for most, ratio, radius in tries:
             state, impulses, largest = poses, self._no_gaps, np.inf
@@ -210,11 +212,15 @@ class _RestSearch:
         _, stiffness = self._elastic.derivatives(poses)
         _, curvature = self._conditions.derivatives(poses, self._weight * impulses)
         motions = scales[:, None] * steps
-        largest = abs(stiffness.multiply(scales[:, None]).multiply(scales)).max()
         falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
-        steps = steps[:, falls < -INSTABILITY * largest * np.sum(steps**2, axis=0)]
+        least = self._least_curvature(poses, stiffness)
+        steps = steps[:, falls < -least * np.sum(steps**2, axis=0)]
         step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
         return step if step.any() else None
+
+    def _least_curvature(self, poses, stiffness) -> float:
+        """Curvature of the energy by scaled motions (N m) that is told from zero."""
+        return INSTABILITY * abs(scale_matrix(stiffness, self._scales, self._scales)).max()
 
     def _close(self, poses):
         """The poses next to these at which the joints are closed, or None."""
@@ -230,17 +236,16 @@ class _RestSearch:
 
     def _downhill(self, poses, step):
         """From unstable poses along a motion, then by Gauss-Newton rounds of falling energy."""
-        energy = self._elastic.energy(poses)
         for _ in range(SOFT_ROUNDS):
             fraction = min(1.0, FARTHEST / np.abs(step).max())
             for _ in range(HALVINGS):
                 trial = self._close(poses.displace(fraction * self._scales * step))
-                if trial is not None and self._elastic.energy(trial) < energy:
+                if trial is not None and self._elastic.change(poses, trial) < 0:
                     break
                 fraction /= 2
             else:
                 break
-            poses, energy = trial, self._elastic.energy(trial)
+            poses = trial
             solve, gradient = self._system(poses, self._unstressed, self._no_gaps, SOFT_SHARE)
             step, _ = solve(-gradient, self._no_gaps)
             if not np.abs(step).max() > SOFT_NEAR:
@@ -248,8 +253,9 @@ class _RestSearch:
         return poses
 
     def _follow(self, poses, impulses, step):
-        """Stable poses downhill of unstable ones to a motion's side, and the rounds; None: none."""
-        count = 0
+        """Stable poses downhill of unstable ones to a motion's side, by how much energy, and the
+        rounds; None: none."""
+        count, start = 0, poses
         for _ in range(FALLS):
             try:
                 poses, impulses, rounds = self._rest(self._downhill(poses, step))
@@ -258,7 +264,7 @@ class _RestSearch:
             count += rounds
             step = self._find_descent(poses, impulses)
             if step is None:
-                return self._elastic.energy(poses), poses, count
+                return self._elastic.change(start, poses), poses, count
         return None
 
     def _check_strains(self, poses: ParticlePoses) -> None:

@@ -42,6 +42,10 @@ class Elastic(NamedTuple):
             total = total + stiff * (angle1**2 + angle1 * angle2 + angle2**2)
         return float(np.sum(total))
 
+    def change(self, first: ParticlePoses, last: ParticlePoses) -> float:
+        """Return by how much (J) the strain energy is more at the last poses than at the first."""
+        return self.energy(last) - self.energy(first)
+
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
         """Return two largest values over all elements at poses of all particles: of a bend (sine of
         an end's angle) or twist (sine), and of the strain at a surface."""

@@ -143,6 +143,9 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     if outcome.scene.assembly is not None:
         assembly = outcome.scene.assembly
         header |= {"assembly_energy": assembly.energy, "assembly_gap": assembly.gap}
+    if outcome.scene.equilibrium is not None:
+        balance = outcome.scene.equilibrium
+        header |= {"equilibrium_energy": balance.energy, "equilibrium_imbalance": balance.imbalance}
     if limit is not None:
         header |= {"time_step_limit": limit.step, "limiting_element": limit.element}
     return Contents({**header, **(attributes or {})}, variables)

@@ -74,11 +74,12 @@ class Scene:
     of Curve, of time; points: named ones (VirtualBeam), for responses; supports: those held or
     driven; bodies: index of the particle of each named rigid body; unstrained, unstrained_position:
     frames and positions before fpm.assembly strained the scene, None: as they are; assembly: what
-    that did, or None; opening_rates: rates of joint coordinates stated for the start (rad/s, of
-    slides m/s), by hinge; bearings: friction of joints in quasi-static travel, by hinge: mu r (m;
-    slides: mu); classes, action_names: of elements by (type, index): class in torque margins where
-    it is not its type's, and name in the structure's file; doubts: sentences on what the file has
-    that is hardly meant, for structures.plausible.
+    that did, or None; equilibrium: likewise of fpm.assembly.equilibrium; opening_rates: rates of
+    joint coordinates stated for the start (rad/s, of slides m/s), by hinge; bearings: friction of
+    joints in quasi-static travel, by hinge: mu r (m; slides: mu); classes, action_names: of
+    elements by (type, index): class in torque margins where it is not its type's, and name in the
+    structure's file; doubts: sentences on what the file has that is hardly meant, for
+    structures.plausible.
 
     Parameters
     ----------
@@ -93,6 +94,7 @@ class Scene:
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
         self.unstrained_position: np.ndarray | None = None  # and positions (n, 3); None: `position`
         self.assembly: Any = None  # what forced it together, an fpm.assembly.Assembly
+        self.equilibrium: Any = None  # in which it starts, an fpm.assembly.equilibrium.Equilibrium
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)

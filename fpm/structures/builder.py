@@ -60,10 +60,13 @@ class Builder:
     numbers: all named numbers (SI units) by full name, as "bay1.width"; size: largest extent of the
     structure (m); joints_of: names of the joints at each particle, by index; hold: None or, if
     parts are forced together, a function of this Builder: indices of hinges whose openings stay;
-    gravity_curve: None or, alike, a function: index of the curve of time that scales gravity."""
+    gravity_curve: None or, alike, a function: index of the curve of time that scales gravity;
+    is_balanced: whether the run starts in equilibrium; openings: at which releases hold hinges
+    exactly then, by index."""
 
     hold: Callable[["Builder"], list[int]] | None = None
     gravity_curve: Callable[["Builder"], int] | None = None
+    is_balanced: bool = False
     scene: Scene
     size: float = 0.0
 
@@ -71,6 +74,7 @@ class Builder:
         self.problems = problems
         self.numbers: dict[str, Value] = {}
         self.joints_of: dict[int, list[str]] = {}
+        self.openings: dict[int, float] = {}
         self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> Value:

@@ -45,7 +45,8 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 
 def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
     """Titles, and what there is of each in a scene."""
-    start = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
+    moved = scene.assembly or scene.equilibrium
+    start = moved.openings if moved else [h.opening for h in scene.hinges]
     joints = [f"{h.name} ({_opening(h, psi)})" for h, psi in zip(scene.hinges, start, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     yield "bars", bars_of(scene) if scene.beams else ()
@@ -74,6 +75,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     yield "mobility", f"{freedom} to move: {parts}, {conditions}"
     yield "redundant", ", ".join(report.redundant(scene))
     yield "assembled", _describe_misfit(scene) if scene.assembly is not None else ""
+    yield "equilibrium", _describe_balance(scene) if scene.equilibrium is not None else ""
     start = consistent_scene(scene)
     energy = report.kinetic_energy(start, start.velocity, start.spin)
     yield "at the start", f"kinetic energy {energy:.4g} J" if energy else ""
@@ -167,6 +169,13 @@ def _describe_misfit(scene: Scene) -> str:
     parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
     text = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
     return f"{text}; {scene.assembly.energy:.4g} J of strain energy are left"
+
+
+def _describe_balance(scene: Scene) -> str:
+    """What the equilibrium at the start took, and how exact it is."""
+    _, left, largest, energy, motion, _ = scene.equilibrium
+    text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
+    return f"{text}; {left:.2g} of forces up to {largest:.4g} (N, N m) is left"
 
 
 def _row(parameter: Parameter, is_mesh: bool) -> list[str]:

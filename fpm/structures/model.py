@@ -12,7 +12,7 @@ from fpm.elements.joints.hinge import ANGLES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
-from fpm.structures.keys import COMMA, MOST, AssemblyKey, GravityKey, NumberKey, WholeKey
+from fpm.structures.keys import COMMA, MOST, AssemblyKey, ChoiceKey, GravityKey, NumberKey, WholeKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
 from fpm.structures.reading import Node, SkippedError, check_keys, join_key, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
@@ -39,14 +39,19 @@ MOST_STATEMENTS = 20_000
         None, "whether parts are forced together whose points do not meet at their joints; `hold`: "
         "joints that keep their opening"
     ),
+    start=ChoiceKey(
+        "as stated", "where the run begins; `equilibrium`: where all that acts at t = 0 is in "
+        "balance",
+        options=("as stated", "equilibrium"),
+    ),
 )  # fmt: skip
 def overall(build, args):
     """What holds for the whole structure.
 
-    build: Builder of the sample, whose `hold` and `gravity_curve` are set; args: name, gravity
-    (vector (3,) m/s², curve), damping (1/s), viscosity (share of critical damping), assemble.
-    Returns an empty Scene."""
-    build.hold = args.assemble
+    build: Builder of the sample, whose `hold`, `gravity_curve` and `is_balanced` are set; args:
+    name, gravity (vector (3,) m/s², curve), damping (1/s), viscosity (share of critical damping),
+    assemble, start. Returns an empty Scene."""
+    build.hold, build.is_balanced = args.assemble, args.start == "equilibrium"
     gravity, build.gravity_curve = args.gravity
     scene = Scene(args.name, gravity, args.damping)
     if args.viscosity:

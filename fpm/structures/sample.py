@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fpm.assembly import MisfitError, assemble
+from fpm.assembly.equilibrium import balance
 from fpm.elements import Gravity
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
@@ -24,6 +25,9 @@ RATE_TOL = 1e-6
 FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
 """Groups that are built before parts are forced together."""
 
+MOTIONS = "initial_velocities"
+"""Group that is built last: as rigid bodies, from where the parts are."""
+
 
 def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
     """Build the scene of one sample of a structure file, at one set of parameter values; returns
@@ -40,7 +44,11 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
                 _build(build, entry)
         _assemble(build, model)
         for entry in sorted(model.entries, key=lambda entry: entry.statement.type == "release"):
-            if entry.statement.group not in FIRST_GROUPS:  # releases last: they may watch a latch
+            if entry.statement.group not in (*FIRST_GROUPS, MOTIONS):
+                _build(build, entry)  # releases last: they may watch a latch
+        _balance(build, model)
+        for entry in model.entries:
+            if entry.statement.group == MOTIONS:
                 _build(build, entry)
         _finish(build, model)
     return build
@@ -130,6 +138,20 @@ def _assemble(build: Builder, model: FileStatements) -> None:
         _note(build, line, f"assemble: {error.key}", error)
     except SceneError as error:
         _note(build, line, error.key, error)
+
+
+def _balance(build: Builder, model: FileStatements) -> None:
+    """Bring the sample into equilibrium, if the file asks for it."""
+    scene = build.scene
+    if not build.is_balanced or build.problems:
+        return
+    held = [holder.hinge for holder in Turn.find(scene) if holder.rate_at_start(scene) is not None]
+    held += build.hold(build) if build.hold else []
+    openings = {h: build.openings.get(h, scene.hinges[h].opening) for h in held}
+    try:
+        balance(scene, {scene.hinges[h].name: opening for h, opening in openings.items()})
+    except MisfitError as error:
+        _note(build, model.overall.node.lines.get("start", 0), error.key, error)
 
 
 def _finish(build: Builder, model: FileStatements) -> None:

@@ -1,5 +1,6 @@
 """Forces of chosen elements on all particles, by the elements' own kernels."""
 
+from collections.abc import Sequence
 from copy import copy
 from typing import Any
 
@@ -28,9 +29,10 @@ class ElementForces:
     """Computes the forces of elements of one type on the n particles of a scene, by their kernels.
     `forces(poses)` returns (6n,): force (N), then moment (N m), global, on each particle in turn;
     `linearise(poses)` these and their stiffness (6n, 6n). scene: theirs; elements: list, of one
-    type. Their memory, as of a bristle's deflection, goes on from call to call of `forces`."""
+    type; stiff: degrees of freedom by which forces may change, beside those by which springs are
+    strained. Their memory, as of a bristle's deflection, goes on from call to call of `forces`."""
 
-    def __init__(self, scene, elements: list):
+    def __init__(self, scene, elements: list, stiff: Sequence[int] = ()):
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads_in(part_scene), kind]
@@ -39,7 +41,8 @@ class ElementForces:
         )
         self.parts, self.world = batch.parts(), batch.world()
         deformations = kind.deformations(part_scene)
-        self._stiff = np.zeros(0, int) if deformations is None else np.unique(deformations.dofs)
+        strained = () if deformations is None else deformations.dofs.ravel()
+        self._stiff = np.unique([*strained, *stiff]).astype(int)
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:

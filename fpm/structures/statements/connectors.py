@@ -322,9 +322,15 @@ def release(build, args):
     start = _at_start(build, args.joint)
     hold = start if args.hold is None else args.hold
     rigid = _rigid(build, args, damping=args.damping > 0)
-    if rigid and abs(hold - start) > AT_START:
+    if rigid and build.is_balanced:
+        build.openings[args.joint] = hold
+    elif rigid and abs(hold - start) > AT_START:
         unit = unit_of(build.scene, args.joint, "rad")
-        build.refuse("hold", hold, f"the opening at the start, {start:g} {unit}, or a `stiffness`")
+        build.refuse(
+            "hold",
+            hold,
+            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`",
+        )
     watch = None if latch else args.watch
     kind = RigidRelease if rigid else Release
     build.scene.add(element(kind, args, hold=hold, watch=watch, latch=latch))

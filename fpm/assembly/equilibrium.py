@@ -1,0 +1,344 @@
+"""Static equilibrium at the start: the nearest stable one, downhill in energy from a position.
+
+Weight, loads at t = 0, springs, stops, struts, cables, elastic motors and releases and the strain
+of bars are in balance then; what holds openings exactly holds them. From position to position
+
+    dU(x) + G'λ + ε M (x - x₀) = 0,   g(x) = 0
+
+is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
+energy U against a drag in proportion to the masses (pseudo-transient continuation: Kelley and
+Keyes, SIAM J. Numer. Anal. 35 (1998) 508). ε falls while that succeeds, so that the steps become
+Newton's own; it grows where Newton's method does not converge, moves too far, or where U + ε M (x -
+x₀)²/2 is not less than at x₀. What U changes by is the strain energy of bars, less the work of all
+other forces on the way, which need no potential. They come from the elements' own kernels, their
+stiffness from differences of these. Friction and dampers give no force at rest; latches have not
+caught."""
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from fpm.assembly import (
+    FARTHEST,
+    GAP_TOL,
+    HALVINGS,
+    SOFT_SHARE,
+    STEP_TOL,
+    MisfitError,
+    _RestSearch,
+    linearise,
+    masses,
+)
+from fpm.assembly.conditions import ParticlePoses, conditions_of, scale_matrix
+from fpm.assembly.elastic import elastic_of
+from fpm.elements import Drag, Load, Motor, Release, TorsionSpring, kinds_of
+from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.openings.opening import opening_at
+from fpm.travel.element_forces import ElementForces, acts
+
+POSITIONS, FIRM_POSITIONS, ROUNDS, AWAY = 300, 60, 12, 20
+"""Most positions on the way down; number of them in which ε may not fall to what differences of
+forces do not resolve; most rounds of Newton's method for each; and how many times its size the
+structure may move."""
+
+REACH = 0.3
+"""Largest motion from one position to the next, as a share of the size, or turn (rad)."""
+
+CLOSE, SMALL = 1e-3, 1e-7
+"""Share of a motion by which Newton's method may still move at its end; and motion (share of the
+size, rad) by which the energy changes as little as it is rounded."""
+
+RESOLUTION, ROUNDING = 1e-9, 1e-14
+"""Share of the largest stiffness of elements that differences of their forces resolve, and share of
+the largest force that may be left."""
+
+FIRST, LESS, MORE = 1e-2, 1 / 30, 10.0
+"""ε at first, as a share of the largest force; its factors after a position that was found, and
+after one that was not."""
+
+PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3) * np.array([[0.5], [0.5]]) + [[0.5], [0.0]]
+"""Places between 0 and 1, and weights, of three points that integrate polynomials of degree 5."""
+
+
+class Equilibrium(NamedTuple):
+    """Result of bringing a scene into static equilibrium (`balance`). openings: joint coordinates
+    of scene.hinges before (rad; m of slides); imbalance: largest force (N) or moment (N m) left on
+    a particle; largest: that elements of one type give on one; energy: strain energy of bars (J);
+    motion: farthest that a particle moved (m); positions: on the way."""
+
+    openings: tuple[float, ...]
+    imbalance: float
+    largest: float
+    energy: float
+    motion: float
+    positions: int
+
+
+def balance(scene, hold: Mapping[str, float]) -> None:
+    """Bring a scene (changed in place) into static equilibrium, at the nearest stable position
+    downhill in energy; scene.equilibrium becomes the result (Equilibrium).
+
+    Joints stay closed, and beams keep lengths and axes without stress. hold: joint coordinates
+    (rad; m of slides) of hinges, by name, that are held, to which they are led where they are
+    elsewhere; what moves or keeps openings exactly has to be among them. MisfitError where nothing
+    comes to rest, as a body that falls."""
+    search = _EquilibriumSearch(scene, hold)
+    with np.errstate(over="ignore", invalid="ignore"):
+        poses, positions = search.relax()
+    openings = tuple(hinge.opening for hinge in scene.hinges)
+    motion = float(np.linalg.norm(poses.position - scene.position, axis=1).max(initial=0.0))
+    scene.equilibrium = Equilibrium(openings, *search.measure(poses), motion, positions)
+    if scene.unstrained is None:
+        scene.unstrained, scene.unstrained_position = scene.frame, scene.position
+    scene.position, scene.frame = poses.position, poses.frame
+    scene.hinges = [
+        replace(hinge, opening=hold.get(hinge.name, hinge.opening))
+        for hinge in search.potential.reopen(poses)
+    ]
+
+
+class Potential:
+    """What enters the static equilibrium at the start of a scene: bars, and all elements that store
+    energy or load it, but friction and latches. Its methods take `poses`, positions and frames of
+    all n particles; elements with memory, as of full turns, go on from the poses followed last."""
+
+    def __init__(self, scene):
+        self.bars, self._hinges = elastic_of(scene), list(scene.hinges)
+        self.nodes, self.unstressed = self.bars.nodes, self.bars.unstressed
+        self.energy = self.bars.energy
+        elements = {
+            kind: kind.sweep_elements(scene)
+            for kind in kinds_of([scene])
+            if acts(kind) and (kind.stores or kind.gives) and kind.resists_as not in ("", "FR")
+        }
+        elements[TorsionSpring] = [*TorsionSpring.find(scene), *_springs_at_start(scene)]
+        elements[Drag] = [drag for drag in Drag.find(scene) if np.any(drag.wind)]
+        self._sources = [
+            ElementForces(scene, group, _turns(group) if kind in (Load, Drag) else ())
+            for kind, group in elements.items()
+            if group
+        ]
+
+    def derivatives(self, poses: ParticlePoses):
+        """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of all
+        particles, and the stiffness, its derivatives, sparse (6n, 6n)."""
+        gradient, stiffness = self.bars.derivatives(poses)
+        for source in self._sources:
+            forces, slopes = source.linearise(poses)
+            gradient, stiffness = gradient - forces, stiffness + slopes
+        return gradient, stiffness
+
+    def change(self, first: ParticlePoses, last: ParticlePoses) -> float:
+        """Return by how much (J) the potential energy is more at the last poses than at the first:
+        the strain energy of bars, less the work of elements on the straight way there."""
+        motion = _motion(first, last)
+        largest = float(np.abs(motion).max(initial=0.0))
+        if not np.isfinite(largest):
+            return np.inf
+        panels, work, memory = max(1, int(np.ceil(largest / REACH))), 0.0, self.memory()
+        for panel in range(panels):
+            for place, weight in zip(PLACES, WEIGHTS, strict=True):
+                poses = first.displace((panel + place) / panels * motion)
+                forces = sum((source.forces(poses) for source in self._sources), 0.0 * motion)
+                work += weight / panels * float(forces @ motion)
+        self.restore(memory)
+        return self.bars.change(first, last) - work
+
+    def reopen(self, poses: ParticlePoses) -> list:
+        """Return the scene's hinges with their joint coordinates at `poses`."""
+        return [replace(hinge, opening=opening_at(poses, hinge)) for hinge in self._hinges]
+
+    def follow(self, poses: ParticlePoses) -> None:
+        """Move hinges and elements on to `poses`, from which full turns are counted next time."""
+        self._hinges = self.reopen(poses)
+        for source in self._sources:
+            source.forces(poses)
+
+    def memory(self) -> tuple:
+        """Return the state from which hinges and elements go on, for `restore`."""
+        return self._hinges, [source.copy_history() for source in self._sources]
+
+    def restore(self, memory: tuple) -> None:
+        """Let hinges and elements go on from the state that `memory` returned."""
+        self._hinges = memory[0]
+        for source, history in zip(self._sources, memory[1], strict=True):
+            source.restore(history)
+
+    def sizes(self, poses: ParticlePoses, scales: np.ndarray) -> tuple[float, float, np.ndarray]:
+        """Return the largest stiffness (N m) of bars and of elements, and the largest force (N m)
+        that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
+        (m) or angle (rad) that is the unit of each."""
+        pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self._sources)]
+        bars, *others = (
+            float(abs(scale_matrix(k, scales, scales)).max()) if k.nnz else 0.0 for _, k in pairs
+        )
+        return bars, max(others, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
+
+
+def _springs_at_start(scene) -> list[TorsionSpring]:
+    """Springs for motors and releases that give, which are nothing else at the start."""
+    springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
+    for motor in Motor.find(scene):
+        factor = scene.curves[motor.curve].value(0.0) if motor.curve >= 0 else 1.0
+        rest = motor.start + (0.0 if motor.by_rate else motor.turn * float(factor))
+        springs.append(TorsionSpring(motor.hinge, motor.stiffness, rest))
+    return springs
+
+
+def _turns(elements) -> np.ndarray:
+    """Degrees of freedom of turns that change what elements at the ends of arms give."""
+    return (6 * np.array([element.particle for element in elements])[:, None] + (3, 4, 5)).ravel()
+
+
+def _motion(first: ParticlePoses, last: ParticlePoses) -> np.ndarray:
+    """Motion (6n,), m and rad, by which `first.displace` gives `last`."""
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_matrix(last.frame @ first.frame.transpose(0, 2, 1)).as_rotvec()
+    return np.stack([last.position - first.position, turn], axis=1).ravel()
+
+
+class _EquilibriumSearch(_RestSearch):
+    """Search of poses in stable equilibrium of a scene with hinges held at openings, by name."""
+
+    def __init__(self, scene, hold: Mapping[str, float]):
+        start = ParticlePoses(scene.position.copy(), scene.frame.copy())
+        self.potential, self._targets, self._is_led = Potential(scene), dict(hold), False
+        conditions = conditions_of(scene, list(hold))
+        super().__init__(scene, start, conditions, self.potential, list(hold))
+        mass = scale_matrix(masses(scene, start), self._scales, self._scales)
+        self._can_fall, self._key, self._mass = True, "start", mass / mass.max()
+
+    def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
+        """Return the largest force or moment (N, N m) that is left at `poses` and that acts there,
+        and the strain energy (J) of bars."""
+        impulses = self._no_gaps
+        for _ in range(2):
+            solve, gradient = self._system(poses, self.potential, impulses, SOFT_SHARE)
+            impulses = impulses + solve(-gradient, self._no_gaps)[1]
+        left = np.abs(gradient[self._free]).max(initial=0.0)
+        forces = self.potential.sizes(poses, np.ones_like(self._scales))[2]
+        return float(left), float(forces.max(initial=0.0)), self.potential.energy(poses)
+
+    def _rest(self, poses):
+        """Poses downhill in balance, the impulses there and the number of positions."""
+        poses, impulses, count = self._descend(poses, self._no_gaps)
+        if self._is_led:
+            return poses, impulses, count
+        self._is_led, hinges = True, self._scene.hinges
+        held = [hinge for hinge in hinges if hinge.name in self._targets]
+        ways = {h.name: self._targets[h.name] - h.opening for h in held}
+        lengths = [abs(ways[h.name]) / (self._size if h.slides else 1.0) for h in held]
+        steps = int(np.ceil(max(lengths, default=0.0) / FARTHEST))
+        for step in range(1, steps + 1):
+            scene = copy(self._scene)
+            scene.hinges = [
+                replace(h, opening=h.opening + ways.get(h.name, 0.0) * step / steps) for h in hinges
+            ]
+            self._conditions = conditions_of(scene, list(ways))
+            poses, impulses, rounds = self._descend(poses, impulses, is_led=step < steps)
+            count += rounds
+        return poses, impulses, count
+
+    def _descend(self, poses, impulses, is_led: bool = False):
+        """Poses downhill in balance, impulses, count; is_led: one step, whatever its energy."""
+        bars, others, forces = self.potential.sizes(poses, self._scales)
+        force = float(forces[self._free].max(initial=0.0))
+        stiffest, ease, motion = max(bars, others, force), FIRST * force, self._no_force
+        start = poses.position
+        for count in range(1, POSITIONS + 1):
+            share = RESOLUTION if count <= FIRM_POSITIONS else SOFT_SHARE
+            floor = max(SOFT_SHARE * bars, share * max(others, force)) or 1.0
+            ease = max(ease, floor)
+            found = self._approach(poses, impulses, ease, ROUNDING * force)
+            if found is None or not (is_led or self._falls(poses, *found, ease)):
+                if ease > 1e6 * (stiffest or 1.0):
+                    break
+                ease *= MORE
+                continue
+            poses, impulses, motion = found
+            self.potential.follow(poses)
+            largest = np.abs(motion).max(initial=0.0)
+            is_closed = self._gap(poses) <= GAP_TOL
+            if np.abs(poses.position - start).max() > AWAY * self._size:
+                break
+            if is_led or (largest <= STEP_TOL and is_closed and ease <= floor):
+                return poses, impulses, count
+            ease *= LESS if largest < REACH / 10 else 0.3
+        self._refuse_motion(motion)
+
+    def _approach(self, poses, impulses, ease: float, rounding: float):
+        """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion; or None.
+        Where forces are left of `rounding` (N m) only, nothing moves."""
+        motion = self._no_force
+        for count in range(ROUNDS):
+            rules = self._scales, self._free, self._weight, ease
+            solve, gradient = linearise(
+                self._scene, poses, self._conditions, self.potential, impulses, *rules
+            )
+            lacks = self._lacks(poses)
+            left = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
+            if not count and left <= rounding and self._gap(poses) <= GAP_TOL:
+                return poses, impulses, motion
+            step, change = solve(-gradient - ease * (self._mass @ motion) / self._scales, lacks)
+            motion, poses = motion + step, poses.displace(self._scales * step)
+            largest, size = (np.abs(x).max(initial=0.0) for x in (step, motion))
+            if not (np.isfinite(largest) and max(largest, size) <= REACH):
+                return None
+            impulses = impulses + change
+            if largest <= max(CLOSE * size, STEP_TOL) and self._gap(poses) <= max(
+                CLOSE * size**2, GAP_TOL
+            ):
+                return poses, impulses, motion
+        return None
+
+    def _falls(self, first, last, _, motion, ease: float) -> bool:
+        """Whether the energy falls from first to last poses, and by as much as the drag takes."""
+        if np.abs(motion).max(initial=0.0) <= SMALL:
+            return True
+        return self.potential.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
+
+    def _least_curvature(self, poses, stiffness) -> float:
+        _, others, forces = self.potential.sizes(poses, self._scales)
+        return super()._least_curvature(poses, stiffness) + RESOLUTION * max(others, *forces)
+
+    def _downhill(self, poses, step):
+        """Poses of less energy along a motion from unstable ones."""
+        for halving in range(HALVINGS):
+            trial = self._close(poses.displace(0.5**halving * FARTHEST * self._scales * step))
+            if trial is not None and self.potential.change(poses, trial) < 0:
+                return trial
+        return poses
+
+    def _follow(self, poses, impulses, step):
+        memory = self.potential.memory()
+        side = super()._follow(poses, impulses, step / np.abs(step).max())
+        self.potential.restore(memory)
+        return side
+
+    def _check_strains(self, poses):
+        words = ("bent or twisted", "strained")
+        sizes = zip((BEND, STRAIN), self.potential.bars.largest(poses), words, strict=True)
+        for watch, value, word in sizes:
+            if not value <= watch.most:
+                allowed = f"equilibrium, of bars that it leaves {word} by at most {watch.most:g}"
+                raise MisfitError("start", f"{value:.2g} in bars that are {word}", allowed)
+
+    def _refuse_motion(self, motion: np.ndarray) -> NoReturn:
+        """Raise MisfitError for the part that moves most, on a way along which is no balance."""
+        ways = motion.reshape(-1, 2, 3)
+        particle, kind = np.unravel_index(np.linalg.norm(ways, axis=2).argmax(), ways.shape[:2])
+        names = {
+            int(p): f"bar {beams.name.partition(' from ')[0]}"
+            for beams in self._scene.beams
+            for p in beams.nodes.ravel()
+        } | {p: f"body {name}" for name, p in self._scene.bodies.items()}
+        way = ways[particle, kind] / (np.linalg.norm(ways[particle, kind]) or 1.0)
+        part = names.get(int(particle), f"particle {particle}")
+        verb = ("moves on along", "turns on about")[kind]
+        text = f"{part} {verb} ({', '.join(f'{x:.3g}' for x in np.round(way, 6) + 0.0)})"
+        allowed = "what comes to rest: by a support, joint, spring or other load against that"
+        raise MisfitError("start", text, allowed)

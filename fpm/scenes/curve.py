@@ -20,14 +20,15 @@ from numpy.polynomial import Chebyshev, Polynomial
 TOL = 1e-12
 """Largest error of a function's polynomials, as a share of its largest absolute value."""
 
-PLACES, MOST_PIECES = 1000, 4000
-"""Number of places at which a function is compared with its polynomials, at least; and of these, at
-most."""
+PLACES = 1000
+"""Number of places at which a function is compared with its polynomials, at least."""
 
-SHORTEST = 2.0**-50
-"""Shortest piece, as a share of all; where a function then still errs by STEEP, it jumps."""
+MOST_PIECES = 4000
+"""Number of polynomials of a curve, at most."""
 
-STEEP = 1e-9
+SHORTEST, STEEP = 2.0**-50, 1e-9
+"""Length of the shortest polynomial, as a share of the whole, and error (as TOL) above which the
+function jumps there."""
 
 KINK = 1e-6
 """Jump of the rate of a smooth curve that counts as a kink, as a share of its largest rate."""
@@ -92,9 +93,9 @@ class Curve:
             (u0, v0), (u1, v1) = points[-1], rest[-1]
             fractions, width = np.concatenate([NODES, (np.arange(7) + 0.5) / 7]), u1 - u0
             values = np.array([function(u0 + width * f) for f in fractions])
-            inside = slice(*np.searchsorted(places, [u0, u1]))
-            fractions = np.append(fractions, (places[inside] - u0) / width)
-            deviations = np.append(values, samples[inside]) - v0 - fractions * (v1 - v0)
+            span = slice(*np.searchsorted(places, [u0, u1]))
+            fractions = np.append(fractions, (places[span] - u0) / width)
+            deviations = np.append(values, samples[span]) - v0 - fractions * (v1 - v0)
             nodes = deviations[: len(NODES)] / (NODES * (1 - NODES))
             coefficients = _TO_CHEBYSHEV @ nodes
             coefficients = _TO_POWERS @ np.where(np.abs(coefficients) > 1e-3 * tol, coefficients, 0)
@@ -104,11 +105,11 @@ class Curve:
             if error <= tol or (width < 2 * shortest and error <= STEEP / TOL * tol):
                 points.append(rest.pop())
                 powers.append(piece)
-            elif width < 2 * shortest:
-                place = start + u0 * (end - start)
-                raise CurveError(f"at {place:.9g} s it jumps, or is infinitely steep")
-            elif len(points) + len(rest) > MOST_PIECES:
-                raise CurveError(f"it takes more than {MOST_PIECES} polynomials")
+            elif width < 2 * shortest or len(points) + len(rest) > MOST_PIECES:
+                text = "jumps, or is infinitely steep"
+                if width >= 2 * shortest:
+                    text = f"has taken {MOST_PIECES} polynomials already, the most there may be"
+                raise CurveError(f"at {start + u0 * (end - start):.9g} s it {text}")
             else:
                 rest.append(((u0 + u1) / 2, function((u0 + u1) / 2)))
         places, values = np.transpose(points)
@@ -121,26 +122,10 @@ class Curve:
         value = np.interp(time, self.times, self.values)
         if not self.powers.size:
             return value
-        k, f = self._place(time)
-        return value + f * np.polynomial.polynomial.polyval(f, self.powers[k].T, tensor=False)
-
-    def _place(self, time) -> tuple[np.ndarray, np.ndarray]:
-        """Indices of the pieces at times (s), and fractions of the way through them, 0 to 1."""
         time = np.clip(time, self.times[0], self.times[-1])
         k = np.searchsorted(self.times[1:-1], time, side="right")
-        steps = np.append(np.diff(self.times), 1.0)
-        return k, (time - self.times[k]) / steps[k]
-
-    @cached_property
-    def rates(self) -> np.ndarray:
-        """Rates (p + 1, 2), 1/s: at the start and at the end of each piece, that before the first
-        point being the first piece, that after the last point the last; both have rate 0."""
-        order = np.arange(1, self.powers.shape[1] + 1)
-        rises, steps = np.diff(self.values), np.diff(self.times)
-        powers = self.powers[:-1]
-        first = powers[:, 0] if powers.shape[1] else np.zeros(len(rises))
-        rates = np.transpose([rises + first, rises + powers @ order]) / steps[:, None]
-        return np.pad(rates, ((1, 1), (0, 0)))
+        f = (time - self.times[k]) / np.append(np.diff(self.times), 1.0)[k]
+        return value + f * np.polynomial.polynomial.polyval(f, self.powers[k].T, tensor=False)
 
     def rate_after(self, time: float, factor: float = 1.0) -> float:
         """Return the rate (1/s) just after a time (s), times a factor."""
@@ -176,8 +161,8 @@ class Curve:
         if time <= self.times[0]:
             return float(self.values[0] * time)
         if time >= self.times[-1]:
-            after = time - max(self.times[-1], 0.0)
-            return float(self.sums[-1] + self.values[-1] * after)
+            duration = time - max(self.times[-1], 0.0)
+            return float(self.sums[-1] + self.values[-1] * duration)
         k = int(np.searchsorted(self.times, time, side="right")) - 1
         return float(self.sums[k] + self._area(k, time))
 
@@ -187,24 +172,26 @@ class Curve:
         table with linear pieces every point is one. Infinite: none follows."""
         if not self.powers.shape[1]:
             return self.times
-        jumps = np.abs(self.rates[1:, 0] - self.rates[:-1, 1])
-        steps = np.diff(self.times)
-        changes = np.abs(np.diff(self.values)) + np.abs(self.powers[:-1]).sum(axis=1)
+        rises, steps, powers = np.diff(self.values), np.diff(self.times), self.powers[:-1]
+        first = np.append((rises + powers[:, 0]) / steps, 0.0)  # rates after and before points
+        last = np.append(0.0, (rises + powers @ np.arange(1, powers.shape[1] + 1)) / steps)
+        changes = np.abs(rises) + np.abs(powers).sum(axis=1)
         changes[steps < KINK * steps.sum()] = 0.0  # about a kink, where these are rounding
-        is_kink = jumps > KINK * (changes / steps).max(initial=0.0)
+        is_kink = np.abs(last - first) > KINK * (changes / steps).max(initial=0.0)
         kinks = np.where(is_kink, self.times, np.inf)
         return np.minimum.accumulate(kinks[::-1])[::-1]
 
     def extremes(self, start: float = -np.inf) -> tuple[float, float]:
         """Return the least and the largest value from a time `start` (s) on."""
         values = [self.value(max(start, self.times[0])), *self.values[self.times > start]]
-        pieces = np.flatnonzero(np.abs(self.powers).max(axis=1, initial=0.0) > 0)
-        for k in pieces[self.times[np.minimum(pieces + 1, len(self.times) - 1)] > start]:
-            slope = np.append(self.values[k + 1] - self.values[k], 0.0 * self.powers[k, 1:])
-            roots = np.polynomial.polynomial.polyroots(
-                slope + self.powers[k] * np.arange(1, len(slope) + 1)
-            ).real
-            times = self.times[k] + np.clip(roots, 0, 1) * (self.times[k + 1] - self.times[k])
+        ends = np.sort([self.values[:-1], self.values[1:]], axis=0)
+        reach = np.abs(self.powers[:-1]).sum(axis=1)
+        is_beyond = (ends[0] - reach < min(values)) | (ends[1] + reach > max(values))
+        for k in np.flatnonzero((reach > 0) & is_beyond & (self.times[1:] > start)):
+            slope = self.powers[k] * np.arange(1, self.powers.shape[1] + 1)
+            slope[0] += self.values[k + 1] - self.values[k]
+            roots = np.clip(np.polynomial.polynomial.polyroots(slope).real, 0, 1)
+            times = self.times[k] + roots * (self.times[k + 1] - self.times[k])
             values.extend(self.value(times[times > start]))
         return float(min(values)), float(max(values))
 

@@ -15,16 +15,22 @@ MOST_ROOM = 1 << 16
 
 
 def topology(scene: Scene) -> tuple:
-    """Return what must be equal in all scenes that are simulated side by side, as a hashable tuple:
-    particles, what element types ask for, points, held axes, curves."""
+    """Return what must be equal in all scenes of a batch, as a hashable tuple: particles, what
+    element types ask for, points, held axes, the number of curves."""
     of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
     return (
         len(scene.position),
         tuple((kind, value) for kind, value in of_kinds.items() if value is not None),
         tuple((name, p.particle) for name, p in scene.points.items()),
         scene.fixed.tobytes(),
-        tuple((c.times.tobytes(), c.values.tobytes(), c.powers.tobytes()) for c in scene.curves),
+        len(scene.curves),
     )
+
+
+def curve_bytes(scene: Scene) -> tuple:
+    """Return the content of a scene's curves of time, as a hashable tuple: scenes of a batch whose
+    curves differ run one after the other, as curves are one for all lanes."""
+    return tuple((c.times.tobytes(), c.values.tobytes(), c.powers.tobytes()) for c in scene.curves)
 
 
 def check_topology(scenes: Sequence[Scene]) -> None:

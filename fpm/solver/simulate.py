@@ -97,14 +97,19 @@ def simulate(
     division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
 
-    outcomes = []
+    outcomes, groups = {}, {}
+    for i, scene in enumerate(scenes):
+        groups.setdefault(pack.curve_bytes(scene), []).append(i)
     width = lanes_of(dtype)
-    for first in range(0, len(scenes), width):
-        group = slice(first, first + width)
-        run = _integrate(scenes[group], width, dtype, instants, division, energy_tolerance)
-        for lane, limit in enumerate(limits[group]):
-            outcomes.append(outcome_of(run, lane, times, division, limit, record))
-    return outcomes
+    for indices, first in (
+        (g, first) for g in groups.values() for first in range(0, len(g), width)
+    ):
+        lanes = indices[first : first + width]
+        group = [scenes[i] for i in lanes]
+        run = _integrate(group, width, dtype, instants, division, energy_tolerance)
+        for lane, i in enumerate(lanes):
+            outcomes[i] = outcome_of(run, lane, times, division, limits[i], record)
+    return [outcomes[i] for i in range(len(scenes))]
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):

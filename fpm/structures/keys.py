@@ -440,8 +440,8 @@ class CurveExpressionKey(Key):
 
     def read(self, node, place):
         names, inputs = copy(place.names), CURVE_INPUTS.items()
-        own = {name: NamedNumber(place.key, node.line, dimension) for name, dimension in inputs}
-        names.numbers = {**names.numbers, **own}
+        numbers = {name: NamedNumber(place.key, node.line, dimension) for name, dimension in inputs}
+        names.numbers = {**names.numbers, **numbers}
         bound = replace(place, names=names).number(node, NUMBER, self.allowed)
         full = {name: n for name, n in bound.full.items() if name not in CURVE_INPUTS}
         for name in CURVE_INPUTS.keys() & bound.full.keys():

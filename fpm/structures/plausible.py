@@ -29,6 +29,7 @@ from fpm.elements.joints.rigid import RigidFriction
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.latch import SIDES
 from fpm.elements.openings.release import AnyRelease
+from fpm.elements.particles.gravity import Gravity
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.solver.start import consistent_scene
@@ -363,6 +364,7 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
     fastest = _acceleration(scene, hinge, abs(push))
     least = np.sqrt(2 * abs(travel) / fastest) if fastest else np.inf
     is_moved = scene.opening_rates or Load.find(scene) or scene.cables or Strut.find(scene)
+    is_moved = is_moved or Gravity.curve_of(scene) >= 0
     is_alone = not (scene.velocity.any() or scene.spin.any() or is_moved)
     if duration is not None and is_alone and duration < least / 2 < np.inf:
         weight = " and the weight" if np.any(scene.gravity) else ""

@@ -6,9 +6,10 @@ import math
 import os
 
 from deployable.campaign.config.disk import count_curves
-from deployable.campaign.config.sections import Campaign, Experiment
+from deployable.campaign.config.sections import Campaign, Experiment, corners
 from deployable.campaign.plan.plan import TimeStep, choose_step
 from fpm.scenes import effort
+from fpm.solver.pack import curve_bytes
 
 LANES = 8
 """Runs that are integrated side by side; fewer take as long."""
@@ -23,11 +24,13 @@ PROGRAM, PROCESS = 600.0, 150.0
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Estimate the core seconds of a run that is one of eight side by side, on the reference core
     of `fpm.scenes.effort` instead of this one, so that the rounds of an `accuracy` are the same
-    everywhere. time: time step of the plan."""
-    instants = experiment.solver.instants
-    return effort.run_seconds(
-        experiment.nominal_scene, time.output_steps * (instants - 1), instants
-    )
+    everywhere. Runs whose curves of time differ take as long as eight. time: time step of the
+    plan."""
+    instants, scene = experiment.solver.instants, experiment.nominal_scene
+    places = corners(experiment.intervals) if scene.curves else ()
+    differs = any(curve_bytes(experiment.build(x)) != curve_bytes(scene) for x in places)
+    seconds = effort.run_seconds(scene, time.output_steps * (instants - 1), instants)
+    return LANES * seconds if differs else seconds
 
 
 def runs_in_job(campaign: Campaign) -> int:

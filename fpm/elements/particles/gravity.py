@@ -34,8 +34,8 @@ class Gravity(ElementType):
         """Check that the curve exists, and that gravity with one is the only one in the scene; if
         not, raises SceneError."""
         super().check(scene)
-        others = [g.curve for g in scene.kinds.get(Gravity, []) if np.any(g.acceleration)]
-        if others and max(self.curve, *others) >= 0:
+        curves = [g.curve for g in scene.kinds.get(Gravity, []) if np.any(g.acceleration)]
+        if curves and max(self.curve, *curves) >= 0:
             raise SceneError("gravity", self.acceleration.tolist(), "one, where it has a curve")
 
     @classmethod

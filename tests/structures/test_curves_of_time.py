@@ -1,0 +1,242 @@
+"""Curves of time by expressions and smooth tables: exact values, integrals and rates; what they
+move, against closed forms and another solver; and what is refused."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from fpm.scenes.curve import Curve
+from fpm.solver.simulate import simulate
+from fpm.structures import StructureError
+from fpm.structures.text_file import loads
+from fpm.travel.components import components_of
+
+STEP = "10*u**3 - 15*u**4 + 6*u**5"
+TRIANGLE = "abs(2*u - 0.6)"
+FUNCTIONS = {
+    "polynomial": (lambda u: 10 * u**3 - 15 * u**4 + 6 * u**5, 2),
+    "thirteenth": (lambda u: u**13, 2),
+    "sine": (lambda u: np.sin(20 * np.pi * u), 60),
+    "pulse": (lambda u: np.exp(-(((u - 0.31) / 0.01) ** 2)), 40),
+    "kink": (lambda u: abs(2 * u - 0.6), 100),
+    "zero": (lambda u: 0.0, 2),
+    "large": (lambda u: 1e6 + np.sin(6 * u), 10),
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_are_followed_to_their_bound_with_integral_rate_and_extremes(name):
+    function, most = FUNCTIONS[name]
+    curve = Curve.fit(function, -0.3, 1.2)
+    times = np.linspace(-0.5, 1.5, 2001)
+    exact = np.array([function(u) for u in np.clip((times + 0.3) / 1.5, 0, 1)])
+    assert curve.value(times) == pytest.approx(exact, rel=0, abs=4e-12 * np.abs(exact).max())
+    assert len(curve.times) <= most
+    low, high = curve.extremes()
+    assert low <= exact.min() + 1e-9 * abs(low) + 1e-12 and high >= exact.max() * (1 - 1e-11)
+    for time in (0.0, 0.4, 1.4):
+        value = quad(curve.value, 0, time, points=(0.12, 0.15, 0.18, 1.2), limit=200)[0]
+        assert curve.integral(time) == pytest.approx(value, rel=1e-9, abs=1e-9)
+        slope = (curve.value(time + 1e-6) - curve.value(time + 1e-9)) / (1e-6 - 1e-9)
+        assert curve.rate_after(time) == pytest.approx(slope, rel=1e-3, abs=1e-3 * high)
+
+
+def test_kinks_are_where_the_rate_jumps_and_nowhere_else():
+    smooth, kink, hat = (
+        Curve.fit(function, 0.0, 1.0)
+        for function in (
+            FUNCTIONS["polynomial"][0],
+            FUNCTIONS["kink"][0],
+            lambda u: u**2 * (1 - u) ** 2,
+        )
+    )
+    assert np.isinf(smooth.kinks).all() and np.isinf(hat.kinks).all()
+    places = np.unique(kink.kinks)
+    assert {0.0, 1.0} <= {*places} and np.abs(places[1:-1] - 0.3).max() < 1e-5
+    assert places[np.searchsorted(places, 0.29)] == pytest.approx(0.3, abs=1e-8)
+
+
+def test_a_smooth_table_passes_no_value_and_has_a_rate_that_is_continuous():
+    rng = np.random.default_rng(5)
+    for count in (1, 2, 3, 40):
+        times, values = np.cumsum(rng.uniform(0.01, 1.0, count)) - 1.0, rng.normal(size=count)
+        curve = Curve.smooth(times, values)
+        assert curve.value(times) == pytest.approx(values, abs=1e-14)
+        assert np.isinf(curve.kinks).all()
+        assert curve.extremes() == pytest.approx((values.min(), values.max()), abs=1e-12)
+        for k in range(count - 1):
+            piece = curve.value(np.linspace(times[k], times[k + 1], 50))
+            assert (np.diff(piece) * np.sign(values[k + 1] - values[k]) > -1e-14).all()
+
+
+SLIDER = """
+parameters: {{height: {{value: 0.3, unit: m}}, high: {{value: 1, description: share}}}}
+points: {{c: [0, 0, 0]}}
+bodies: {{ball: {{mass: 2, centre: c, inertia: [1, 1, 1]}}}}
+joints: {{rail: {{type: prismatic, parts: [ground, ball], at: c, axis: x}}}}
+curves: {{lift: {{{curve}}}}}
+actions: {{drive: {{type: motor, joint: rail, {motor}, curve: lift}}}}
+loads: {{none: {{part: ball, at: c, force: [0, height*high*(0 N/m), 0]}}}}
+"""
+LIFTS = {
+    "turn": (f"expression: {STEP}, over: [0.2 s, 1200 ms]", "travel: height"),
+    "rate": ("expression: 30*u**2*(1 - u)**2, over: [0.2 s, 1.2 s]", "rate: height/(1 s)"),
+    "time": ("expression: '10*((t - 0.2 s)/(1 s))**3 - 15*((t - 0.2 s)/(1 s))**4 + 6*((t - 0.2 s)"
+             "/(1 s))**5', over: [0.2 s, 1.2 s]", "travel: height"),
+    "parameter": (f"expression: high*({STEP}), over: [0.2 s, 1.2 s]", "travel: height"),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", LIFTS)
+def test_an_exact_motor_leads_without_a_blow_at_its_ends(kind):
+    curve, motor = LIFTS[kind]
+    scene, errors, at_ends = loads(SLIDER.format(curve=curve, motor=motor)).build(), [], []
+    for step in (4e-3, 2e-3):
+        (outcome,) = simulate(scene, duration=1.6, instants=201, step=step)
+        u = np.clip(outcome.time - 0.2, 0, 1)
+        force = 2 * 0.3 * (60 * u - 180 * u**2 + 120 * u**3)
+        error = np.abs(outcome.records["slide_motor_force"].values[:, 0] - force)
+        is_end = np.abs(u * (1 - u)) < 5e-3
+        errors.append(error[~is_end].max())
+        at_ends.append(error.max())
+        assert outcome.openings["rail"] == pytest.approx(0.3 * FUNCTIONS["polynomial"][0](u),
+                                                         abs=1e-13)  # fmt: skip
+    assert errors[1] < 0.26 * errors[0] and errors[1] < 1e-4
+    assert at_ends[0] < 2 * 0.3 * 60 * 4e-3 / 5  # a sixth of what the force grows by in a step
+    energies = dict(outcome.energies)
+    assert np.abs(energies["balance"]).max() < 1e-12 * energies["motor_work"].max()
+
+
+PENDULUM = """
+gravity: {{acceleration: [0, 0, -9.81], curve: g}}
+points: {{O: [0, 0, 0], C: [0.1, 0, 0]}}
+bodies: {{arm: {{mass: 1, centre: C, points: [O], inertia: [0.01, 0.01, 0.01]}}}}
+joints: {{hinge: {{type: revolute, parts: [ground, arm], at: O, axis: -y}}}}
+curves:
+  g: {{expression: 1 + sin(5 rad/s * t), over: [0, 2 s]}}
+  swing: {{expression: sin(2*pi*u)*exp(-u), over: [0, 1 s]}}
+actions: {{a: {{type: {action}, joint: hinge, curve: swing}}}}
+"""
+ACTIONS = {
+    "torque motor, torque: 2 N m": lambda t, psi, rate: 2 * swing(t),
+    "motor, turn: 40 deg, stiffness: 9 N m/rad, damping: 0.2 N m s/rad": lambda t, psi, rate: (
+        9 * (np.radians(40) * swing(t) - psi)
+        + 0.2 * (np.radians(40) * (swing(t + 1e-6) - swing(t - 1e-6)) / 2e-6 * (0 < t < 1) - rate)
+    ),
+}
+
+
+def swing(time):
+    u = np.clip(time, 0, 1)
+    return np.sin(2 * np.pi * u) * np.exp(-u)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("action", ACTIONS)
+def test_gravity_and_motors_by_expressions_move_a_pendulum_as_another_solver_does(action):
+    def slopes(t, state):
+        weight = -9.81 * (1 + np.sin(5 * t)) * 0.1 * np.cos(state[0])
+        return [state[1], (ACTIONS[action](t, *state) + weight) / 0.02]
+
+    scene, errors = loads(PENDULUM.format(action=action)).build(), []
+    for step in (2e-3, 1e-3):
+        (outcome,) = simulate(scene, duration=1.2, instants=25, step=step)
+        exact = []
+        for start, end in ((0.0, 1.0), (1.0, 1.2)):  # the curve ends with a kink
+            last = exact[-1].y[:, -1] if exact else [0, 0]
+            exact.append(solve_ivp(slopes, (start, end), last, rtol=1e-9, atol=1e-11,
+                                   dense_output=True, max_step=0.01))  # fmt: skip
+        values = [exact[int(t > 1)].sol(t)[0] for t in outcome.time]
+        errors.append(np.abs(outcome.openings["hinge"] - values).max())
+    energies = dict(outcome.energies)
+    assert errors[1] < 0.3 * errors[0] and errors[1] < 2e-4
+    assert np.abs(energies["balance"]).max() < 2e-4 * np.abs(energies["load_work"]).max()
+
+
+BALL = """
+points: {{c: [0, 0, 0], d: [2, 0, 0]}}
+bodies: {{ball: {{mass: 2, centre: c, inertia: [1, 1, 1]}}}}
+curves: {{f: {{{curve}}}}}
+record: {{c: {{part: ball, at: c}}}}
+{rest}
+"""
+
+
+@pytest.mark.slow
+def test_a_free_body_moves_as_the_integrals_of_its_load_and_as_its_drive_says():
+    load = "loads: {push: {part: ball, at: c, force: [3 N, 0, 0], curve: f}}"
+    text = BALL.format(curve="expression: sin(pi*u), over: [0, 1 s]", rest=load)
+    (outcome,) = simulate(loads(text).build(), duration=1.5, instants=31, step=1e-3)
+    t, late = np.minimum(outcome.time, 1.0), np.maximum(outcome.time - 1.0, 0.0)
+    speed = 1.5 / np.pi * (1 - np.cos(np.pi * t))
+    exact = 1.5 / np.pi * (t - np.sin(np.pi * t) / np.pi) + late * speed
+    assert outcome.points["c"][0][:, 0] == pytest.approx(exact, abs=1e-6)
+    times, values = [0.1, 0.3, 0.5, 1.2], [0.0, 2.0, 1.0, -1.0]
+    drive = "drives: {go: {part: ball, at: c, velocity: [1, 0, 0], curve: f}}"
+    text = BALL.format(curve=f"times: {times}, values: {values}, smooth: true", rest=drive)
+    (outcome,) = simulate(loads(text).build(), duration=1.5, instants=31, step=1e-3)
+    curve = Curve.smooth(np.array(times), np.array(values))
+    assert outcome.points["c"][1][:, 0] == pytest.approx(curve.value(outcome.time), abs=1e-13)
+    exact = [curve.integral(t) for t in outcome.time]
+    assert outcome.points["c"][0][:, 0] == pytest.approx(exact, abs=2e-5)
+
+
+def test_margins_and_the_step_count_curves_at_their_extremes_between_points():
+    text = PENDULUM.format(action="torque motor, torque: 2 N m, no_load: 3 rad/s")
+    scene = loads(text).build()
+    parts = {part.name: part for part in components_of(scene)}
+    weights = [e.acceleration[2] for e in parts["weight 0"].elements]
+    assert weights == pytest.approx([0.0, -2 * 9.81], abs=1e-11)
+    peak = np.abs(swing(np.linspace(0, 1, 100001))).max()
+    assert parts["a"].element.torque == pytest.approx(2 * peak, rel=1e-9)
+    (motor,) = scene.kinds[type(parts["a"].element)]
+    assert motor.damping_in(scene) == pytest.approx(2 * peak / 3, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("curve", "words"),
+    [
+        ("expression: u", "expression: 'expression' is not allowed; .*`expression` and `over`"),
+        ("expression: u, over: [1 s, 1 s]", r"over: \[1.0, 1.0\] is not allowed; .* later"),
+        ("expression: u, over: [1 m, 2 m]", "over: '1 m' is m; allowed"),
+        ("expression: t, over: [0, 1 s]", "expression: 't' is s; allowed: a number, by arithmetic"),
+        ("expression: 1/u, over: [0, 1 s]", "expression: '1/u' .* at 0 s it is no finite number"),
+        ("expression: sqrt(u), over: [3 s, 4 s]", r"'sqrt\(u\)' .* at 3 s .* infinitely steep"),
+        ("expression: 1/(u - 0.3), over: [0, 1 s]", r"at 0\.299\d* s it has taken 4000"),
+        ("expression: sin(1e5*pi*u), over: [0, 1 s]", "it has taken 4000 polynomials"),
+        ("expression: v, over: [0, 1 s]", "there is no number called 'v'"),
+        ("expression: u, over: [0, 1 s], smooth: true", "smooth: 'true' is not allowed"),
+        ("times: [0, 1], values: [0, 1], smooth: yes", "smooth: 'yes' .* allowed: true, false"),
+        ("times: [0, 1], values: [0, 1], over: [0, 1]", "over: 'times, values, over'"),
+    ],
+)
+def test_what_is_refused_of_a_curve(curve, words):
+    with pytest.raises(StructureError, match=words):
+        loads(BALL.format(curve=curve, rest=""))
+
+
+@pytest.mark.parametrize(
+    ("rest", "words"),
+    [
+        ("gravity: {acceleration: [0, 0, 1], curve: h}", "there is no curve 'h'"),
+        ("gravity: {curve: f}", "gravity: .* is not allowed; .*{acceleration: such numbers, curve"),
+        ("gravity: {acceleration: [0, 0, 1 m], curve: f}", "gravity.acceleration: '1 m' is m"),
+        ("let: {u: 3, three: u}", "here|structure's own number u"),
+    ],
+)
+def test_what_is_refused_of_gravity_and_names(rest, words):
+    with pytest.raises(StructureError, match=words):
+        loads(BALL.format(curve="expression: u, over: [0, 1 s]", rest=rest))
+
+
+@pytest.mark.slow
+def test_samples_whose_curves_differ_run_as_each_alone():
+    curve = "expression: high*u**2, over: [0, height*(1 s/m)]"
+    structure = loads(SLIDER.format(curve=curve, motor="travel: 1 m"))
+    scenes = [structure.build(height=h, high=k) for h, k in ((0.3, 1), (0.2, 2), (0.3, 1))]
+    outcomes = simulate(scenes, duration=0.4, instants=5, step=1e-3)
+    for scene, outcome in zip(scenes, outcomes, strict=True):
+        (alone,) = simulate(scene, duration=0.4, instants=5, step=1e-3)
+        assert (outcome.openings["rail"] == alone.openings["rail"]).all()
+    assert outcomes[1].openings["rail"][-1] == pytest.approx(2.0, abs=1e-12)

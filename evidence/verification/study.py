@@ -24,6 +24,7 @@ from evidence.verification import (
     rigid_motors,
     rotation,
     slides,
+    squeezer,
     statics,
     vibration,
 )
@@ -45,6 +46,7 @@ FAMILIES = (
     rigid_motors,
     slides,
     mechanisms,
+    squeezer,
     deployables,
     cables,
     bennett,

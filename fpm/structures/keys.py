@@ -123,7 +123,8 @@ class VectorKey(Key):
 
     @property
     def allowed(self) -> str:
-        return f"three numbers [x, y, z]{f' in {self.unit}' if self.unit else ''}{COMMA}"
+        suffix = f" in {self.unit}" if self.unit else ""
+        return f"three numbers [x, y, z]{suffix}{COMMA}, or a vector"
 
     def read(self, node, place):
         dimension = unit(self.unit).dimension

@@ -151,7 +151,7 @@ class Names:
         may be meant; nothing of a name that is refused where it is given. line: where it stands;
         key: dotted path of its key; name: as written; options: those allowed; noun: what it should
         name, as "bar"."""
-        if name in self.bad_names:
+        if self.bad_names & {name, name.rpartition(".")[0]}:
             return
         unit_names = [full for full in options if full.endswith(f".{name}")]
         group = next((g for g, names in self.groups.items() if g != "parts" and name in names), "")
@@ -323,8 +323,10 @@ class Place:
         """Return the full name of the entry of a `group`, such as "bars", to which `node` refers by
         name; if there is none, a problem is noted, and SkippedError raised."""
         noun = group.removesuffix("s")
-        if not isinstance(node.value, str):
-            self.refuse(node, f"the name of a {noun}")
+        is_place = group == "points" and not re.fullmatch(r"[\w.]+", node.text)
+        if not isinstance(node.value, str) or is_place:
+            remedy = ", which stands under `points`" if is_place else ""
+            self.refuse(node, f"the name of a {noun}{remedy}")
         names = self.names.groups.get(group, {})
         try:
             full = self.context.find(node.text, names)

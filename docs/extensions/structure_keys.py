@@ -16,7 +16,7 @@ def keys_table() -> str:
 def _section(one: Statement) -> str:
     what = f"`{one.group}`" if one.group else "at the top of the file"
     title = f"{what}, `type: {one.type}`" if one.type else what
-    both = any(len(opening.types) == 3 for opening in one.openings.values())
+    both = any(opening.slides is None for opening in one.openings.values())
     slides = one.for_slides(["joint", "watch"] if both else [])
     rows = [
         f"| `{name}`{_if(other, name, '`')} | {key.text} | {key.allowed}"

@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.joints import joint_arrays as bits
 from fpm.elements.joints.joint import Joint, as_joints
+from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import AXES
 from fpm.errors import SceneError
 
@@ -107,7 +109,9 @@ class Conditions(NamedTuple):
     BODY_FIXED, gap along a direction that is global or fixed to the first particle, or NORMAL, two
     directions at right angles; axis1 (c, 3): the direction; axis2 (c, 3): for NORMAL that on the
     second, in its frame; arms (c, 2, 3) m: from particles to points, in their frames; is_on_second
-    (c,): 1, or 0 where the point is held at `place` (c, 3) m, global, instead."""
+    (c,): 1, or 0 where the point is held at `place` (c, 3) m, global, instead; lead (c,): of a
+    thread (m/rad), with which the gap grows by the angle from `reference` (c, 3), fixed to the
+    first, to axis2."""
 
     joint: list[str]
     pairs: np.ndarray
@@ -117,6 +121,8 @@ class Conditions(NamedTuple):
     arms: np.ndarray
     is_on_second: np.ndarray
     place: np.ndarray
+    reference: np.ndarray
+    lead: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
         """Return factors (c,) that make residuals dimensionless: of gaps 1/size (m), others 1."""
@@ -176,7 +182,17 @@ class Conditions(NamedTuple):
         """Residuals (..., c, 1), as of `gaps`, for poses of both particles."""
         axis1, axis2, _, offset = self._parts(first, second)
         vector = np.where((self.axis_types == NORMAL)[:, None], axis2, offset)
-        return np.sum(axis1 * vector, axis=1, keepdims=True)
+        residuals = np.sum(axis1 * vector, axis=1, keepdims=True)
+        if (rows := np.flatnonzero(self.lead)).size:
+            lead, axis, second_reference = self.lead[rows], axis1[rows], axis2[rows]
+            first = np.einsum("cij,cj->ci", first.frame[rows], self.reference[rows])
+            sine = np.sum(np.cross(axis, first) * second_reference, axis=1)
+            gap = residuals[rows, 0] + lead * np.arctan2(
+                sine, np.sum(first * second_reference, axis=1)
+            )
+            pitch = 2 * np.pi * lead  # all turns of a thread are alike
+            residuals[rows, 0] = gap - pitch * np.round(gap / pitch)
+        return residuals
 
     def _rows(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
         """Derivatives (..., c, 12) by the motions of both particles."""
@@ -184,14 +200,15 @@ class Conditions(NamedTuple):
         types = self.axis_types[:, None]
         normal, is_body_fixed = types == NORMAL, types == BODY_FIXED
         factor, turn = self.is_on_second[:, None], np.cross(axis1, axis2)
+        thread = self.lead[:, None] * axis1
         shift = np.where(normal, 0.0, axis1)
         lever = np.cross(arms[0], axis1) + np.where(is_body_fixed, np.cross(axis1, offset), 0.0)
         return np.concatenate(
             [
                 shift,
-                np.where(normal, turn, lever),
+                np.where(normal, turn, lever) - thread,
                 -factor * shift,
-                np.where(normal, -turn, -factor * np.cross(arms[1], axis1)),
+                np.where(normal, -turn, -factor * np.cross(arms[1], axis1)) + thread,
             ],
             axis=-1,
         )
@@ -216,9 +233,10 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
         rows.append(
             (name, hinge.particles, NORMAL, normal, hinge.references[1], no_arms, 1.0, no_arms[0])
         )
-    columns = list(zip(*rows, strict=True)) or [()] * 8
-    shapes = [None, (-1, 2), (-1,), (-1, 3), (-1, 3), (-1, 2, 3), (-1,), (-1, 3)]
-    kinds = [None, int, int, float, float, float, float, float]
+    rows = [(*row, np.zeros(3), 0.0)[:10] for row in rows]
+    columns = list(zip(*rows, strict=True)) or [()] * 10
+    shapes = [None, (-1, 2), (-1,), (-1, 3), (-1, 3), (-1, 2, 3), (-1,), (-1, 3), (-1, 3), (-1,)]
+    kinds = [None, int, int, *[float] * 7]
     arrays = [
         np.array(c, k).reshape(s) for c, k, s in zip(columns, kinds, shapes, strict=True) if k
     ]
@@ -231,9 +249,9 @@ def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, fl
     universal joints. hold: hinges, by name, of which directions at the stated opening count."""
     directions = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
-        if joint.type not in ("held", "spherical", "universal"):
+        if TYPES[joint.type].bits & bits.PARALLEL:
             directions.append((joint.name, joint.particles, joint.axes))
-        if joint.type not in ("held", "spherical", "universal", "revolute"):
+        if TYPES[joint.type].bits & bits.TWIST:
             directions.append((joint.name, joint.particles, joint.references))
     for hinge in scene.hinges:
         if hinge.name in hold and not hinge.slides:
@@ -270,16 +288,16 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
         return [(joint.name, pair, GLOBAL, axis, zero, arms, 0.0, place) for axis in axes]
     axis, reference = joint.axes[0], joint.references[0]
     third, axis2, reference2 = np.cross(axis, reference), joint.axes[1], joint.references[1]
-    points = [(BODY_FIXED, e) for e in (reference, third)]
-    if not joint.slides:
-        points = [(GLOBAL, e) for e in np.eye(3)]
-    tilts = {
-        "spherical": [],
-        "universal": [(axis, axis2)],
-        "revolute": [(reference, axis2), (third, axis2)],
-    }.get(joint.type, [(reference, axis2), (third, axis2), (third, reference2)])
-    pair = joint.particles
+    pair, type_bits, ends = joint.particles, TYPES[joint.type].bits, (arms, 1.0, zero)
+    normals = (bits.ACROSS_X, reference), (bits.ACROSS_Y, third), (bits.ACROSS_AXIS, axis)
+    points = [(BODY_FIXED, e) for bit, e in normals if type_bits & bit]
+    points += [(GLOBAL, e) for e in np.eye(3) if type_bits & bits.POINT]
+    tilts = [(axis, axis2)] if type_bits & bits.CROSS else []
+    tilts += [(reference, axis2), (third, axis2)] if type_bits & bits.PARALLEL else []
+    tilts += [(third, reference2)] if type_bits & bits.TWIST else []
+    thread = (joint.name, pair, BODY_FIXED, axis, reference2, *ends, reference, joint.lead)
     return [
-        *((joint.name, pair, axis_type, e, zero, arms, 1.0, zero) for axis_type, e in points),
+        *((joint.name, pair, axis_type, e, zero, *ends) for axis_type, e in points),
         *((joint.name, pair, NORMAL, u, w, np.zeros((2, 3)), 1.0, zero) for u, w in tilts),
+        *([thread] if type_bits & bits.THREAD else []),
     ]

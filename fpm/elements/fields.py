@@ -71,11 +71,13 @@ class Word(FieldSpec):
 class Index(FieldSpec):
     """Spec of a field that holds an index into a list of the scene. group: name of the list, as
     "hinges"; least: -1 where that is allowed and means none, else 0; types: if the list is of
-    hinges, which of them the field may refer to ("revolute", ...), empty: all."""
+    hinges, which of them the field may refer to ("revolute", ...), empty: all; only_angles: whether
+    none whose opening is a length."""
 
     group: str = ""
     least: int = 0
     types: tuple[str, ...] = ()
+    only_angles: bool = False
 
 
 def _field(spec: FieldSpec, default: Any) -> Any:

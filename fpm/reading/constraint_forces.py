@@ -33,8 +33,8 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
 
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
     """Return the position (t, 3) m, in global axes, at which a joint's forces act at the t instants
-    of a recorded `run`: its point on the first body, of a slide on the second."""
-    beam = joint.beams[1 if joint.slides else 0]
+    of a recorded `run`: its point on the first body, on the second where that may leave it."""
+    beam = joint.beams[1 if joint.acts_at_second else 0]
     return run.place(beam.particle) + run.arm(beam)
 
 

@@ -290,6 +290,27 @@ class Scene:
         hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
+    def add_sliding_joint(
+        self, name, type, particles, point, axis, openings, x=None, lead=0.0
+    ) -> int:
+        """Join two particles by a joint whose second part slides and turns; returns the index of
+        the first of its openings, the hinge `<name>_turn`; the next are `_slide`, or `_x` and `_y`.
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        type: "cylindrical"; "planar", normal to `axis`; "pin in slot", which is along `x`; "screw",
+            whose one opening, the turn, has the joint's name.
+        particles: indices of the first and the second particle.
+        point: position of the joint (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins
+            them.
+        axis: direction (3,), global, about which the second turns.
+        openings: at the start (rad; m), in that order.
+        x: direction (3,) of the slot, or first direction in the plane, normal to `axis`; None: any.
+        lead: of a screw (m/rad), not 0."""
+        values = name, type, particles, point, axis, x, openings, lead
+        return min(self.add(hinge) for hinge in Joint.create_openings(self, *values))
+
     def hold_point(self, name, particle: int, point, axes: str) -> int:
         """Hold a point of a particle along global axes; returns the index among the joints. To hold
         the particle itself, `fix` costs nothing.

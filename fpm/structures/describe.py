@@ -86,12 +86,12 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
 
 def _opening(hinge: Hinge, specified_opening: float) -> str:
     """The opening of a hinge at the start, and the stated one if parts were forced to another."""
-    kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
+    kind = {"revolute": "", "prismatic": "slide, "}
     text, specified_text = (
         opening_text(hinge, opening) for opening in (hinge.opening, specified_opening)
     )
     suffix = f", stated as {specified_text}" if text != specified_text else ""
-    return f"{kind.get(hinge.type, '')}opening {text}{suffix}"
+    return f"{kind.get(hinge.type, f'{hinge.type}, ')}opening {text}{suffix}"
 
 
 def _count_text(count: int, noun: str) -> str:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.hinge import ANGLES
+from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, hint_new
@@ -165,7 +165,7 @@ class DirectionKey(Key):
 class GroupMember(NamedTuple):
     """Reference to an entry of a structure file; called with a Builder, it returns what was built
     for it. group: section of the file, as "bars"; name: full name; number: added to that, if it is
-    an index (1 for a universal joint's second hinge), None: nothing."""
+    an index (1 for the second of a joint's openings), None: nothing."""
 
     group: str
     name: str
@@ -199,22 +199,34 @@ class ReferenceKey(Key):
 
 @dataclass(frozen=True)
 class OpeningKey(Key):
-    """Key whose value is the index of a hinge, given by the name of a joint with an opening. types:
-    joint types that are allowed; hint: text to add to `allowed`, for messages."""
+    """Key whose value is the index of a hinge, given by the name of an opening. types: of joints
+    that are allowed, (): all; slides: whether it must be a length, or must not, None: either; hint:
+    text to add to `allowed`, for messages."""
 
-    types: tuple[str, ...] = ("revolute", "prismatic", "universal")
+    types: tuple[str, ...] = ()
+    slides: bool | None = None
     hint: str = ""
+
+    def _fits(self, type: str, number: int) -> bool:
+        opening = TYPES[type].openings[number]
+        is_allowed = type in (self.types or TYPES)
+        return is_allowed and self.slides in (None, bool(opening.direction))
 
     @property
     def allowed(self) -> str:
-        names = " or ".join(type for type in self.types if type != "universal")
-        angle = f", or of a universal one with {' or '.join(ANGLES)} behind it"
-        return f"the name of a {names} joint{angle if 'universal' in self.types else ''}{self.hint}"
+        suffixes: dict[str, list[str]] = {}
+        for type, joint_type in TYPES.items():
+            for k, (suffix, _) in enumerate(joint_type.openings):
+                if self._fits(type, k):
+                    suffixes.setdefault(suffix, []).append(type)
+        names = " or ".join(suffixes.pop("", []))
+        text = f", or of a joint of several openings with {' or '.join(suffixes)} behind it"
+        return f"the name of a {names} joint{text if suffixes else ''}{self.hint}"
 
     def read(self, node, place):
-        names, angle, name = place.names, None, node
+        names, number, name = place.names, None, node
         try:
-            joint, angle = names.angles[place.context.find(node.text, names.angles)]
+            joint, number = names.openings[place.context.find(node.text, names.openings)]
             name = Node(joint, node.line)
         except KeyError:
             pass
@@ -222,11 +234,13 @@ class OpeningKey(Key):
         type = names.types.get(full, "")
         if not type:  # which is told of the joint
             raise SkippedError(full)
-        if type == "universal" and type in self.types and angle is None:
-            place.refuse(node, f"one of its two angles, {' or '.join(full + e for e in ANGLES)}")
-        if type not in self.types:
+        fits = [k for k in range(len(TYPES[type].openings)) if self._fits(type, k)]
+        if type in SUFFIXES and number is None and fits:
+            options = " or ".join(full + SUFFIXES[type][k] for k in fits)
+            place.refuse(node, f"one of its openings, {options}")
+        if (number or 0) not in fits:
             place.refuse(node, self.allowed)
-        return GroupMember("joints", full, angle or 0)
+        return GroupMember("joints", full, number or 0)
 
 
 @dataclass(frozen=True)
@@ -244,7 +258,7 @@ class WatchKey(OpeningKey):
             latch = place.reference(node, "actions")
             return lambda build: latch
         with suppress(KeyError):
-            place.context.find(node.text, names.types.keys() | names.angles.keys())
+            place.context.find(node.text, names.types.keys() | names.openings.keys())
             return super().read(node, place)
         options = place.context.visible([*names.types, *actions])
         names.unknown(node.line, place.key, node.text, options, "joint or latch")

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.elements.bars.viscosity import Viscosity
-from fpm.elements.joints.hinge import ANGLES
+from fpm.elements.joints.joint_types import SUFFIXES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
@@ -161,9 +161,8 @@ class FileStatements:
                     type_ = text if text in GROUPS[group] else likely(text, GROUPS[group])
                     full = sheet.context.prefix + name
                     self.names.types[full] = type_
-                    if type_ == "universal":
-                        angles = {f"{full}{end}": (full, k) for k, end in enumerate(ANGLES)}
-                        self.names.angles.update(angles)
+                    for k, suffix in enumerate(SUFFIXES.get(type_, ())):
+                        self.names.openings[full + suffix] = full, k
 
     def _name(self, prefix: str, name: str, group: str, key: str, line: int) -> None:
         """Note one name of a group."""

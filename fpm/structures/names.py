@@ -107,17 +107,17 @@ class Names:
     """All names of a structure file, filled as it is read. problems: where errors are noted; files:
     content of the files of curves that it names, by path. Attributes: numbers: each NamedNumber
     (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", the line
-    of each entry by full name; types: of joints by full name, "" if unknown; angles: (joint, 0 or
-    1) by name of each angle of a universal joint; uses: names referred to, of numbers in full, of
-    entries as "bars:AB"; absent: (group, name) of entries left out; bad_names: given ones that
-    nothing may have; order: full names of numbers, each after those it depends on."""
+    of each entry by full name; types: of joints by full name, "" if unknown; openings: (joint,
+    number) by name of each opening of joints with several; uses: names referred to, of numbers in
+    full, of entries as "bars:AB"; absent: (group, name) of entries left out; bad_names: given ones
+    that nothing may have; order: full names of numbers, each after those it depends on."""
 
     def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
         self.problems, self.files = problems, files
         self.numbers: dict[str, NamedNumber] = {}
         self.groups: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
         self.types: dict[str, str] = {}
-        self.angles: dict[str, tuple[str, int]] = {}
+        self.openings: dict[str, tuple[str, int]] = {}
         self.uses: set[str] = set()
         self.absent: set[tuple[str, str]] = set()
         self.bad_names: set[str] = set()

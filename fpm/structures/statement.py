@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fpm.elements.fields import Index, Word, specs
+from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import ElementType
 from fpm.errors import SceneError, did_you_mean, likely
 from fpm.reading.standards import CLASSES
@@ -71,9 +72,11 @@ class Statement:
 
     @cached_property
     def openings(self) -> dict[str, OpeningKey]:
-        """Keys of the statement, by name, whose value may be the name of a prismatic joint."""
+        """Keys of the statement, by name, whose value may be an opening that is a length."""
         keys = {n: k for n, k in self.keys.items() if isinstance(k, OpeningKey)}
-        return {name: key for name, key in keys.items() if SLIDE in key.types}
+        return {
+            name: key for name, key in keys.items() if key.slides is not False and not key.types
+        }
 
 
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
@@ -106,7 +109,7 @@ def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes
     default = {f.name: f.default for f in fields(kind)}[name]
     default = NO_VALUE if default is MISSING else default
     if isinstance(field, Index) and field.group == "hinges":
-        return replace(JOINT, types=field.types or JOINT.types)
+        return replace(JOINT, types=field.types, slides=False if field.only_angles else None)
     if isinstance(field, Index):
         default = None if default == -1 else default
         key: Key = ReferenceKey(default, field.text, group=field.group)
@@ -248,18 +251,20 @@ def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Stat
 
 def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
     """Keys of an entry that name slides; SkippedError if one names a joint of unknown type."""
-    keys, types = [], place.names.types
+    keys, types, openings = [], place.names.types, place.names.openings
     for key in statement.openings.keys() & node.entries.keys():
         text = node.entries[key].text
         try:
-            full = place.context.find(text, types)
+            full = place.context.find(text, types.keys() | openings.keys())
         except SkippedError:  # of a neighbour that is not there: as of the unit itself
             full = place.context.prefix + text.partition(".")[2]
         except KeyError:
             continue
-        if not types.get(full):
+        joint, number = openings.get(full, (full, 0))
+        if not types.get(joint):
             raise SkippedError(full)
-        keys += [key] * (types[full] == SLIDE)
+        kinds = TYPES[types[joint]].openings
+        keys += [key] * any(kind.direction for kind in kinds[number : number + 1])
     return keys
 
 

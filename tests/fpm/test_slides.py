@@ -77,8 +77,8 @@ def test_assembly_closes_a_slide_across_its_axis_and_tells_where_it_is():
     ("kind", "said"),
     [
         (lambda s: Contact(s, 1.0), "one that is revolute"),
-        (lambda s: RigidFriction(s, 1.0), "one that is revolute or universal or cross"),
-        (lambda s: SyncLoop("belt", (s, s + 1), (1.0, 1.0), 1.0), "one that is revolute or univ"),
+        (lambda s: RigidFriction(s, 1.0), "an angle"),
+        (lambda s: SyncLoop("belt", (s, s + 1), (1.0, 1.0), 1.0), "an angle"),
         (lambda s: Damper(s, -1.0), r"N s/m"),
         (lambda s: Latch(s, np.nan, 1.0), r"\(m\)"),
         (lambda s: Latch(s, 0.0, -1.0), r"N/m"),

@@ -7,8 +7,8 @@ here for rigid arms and rotations. The impulses are equal and opposite, so momen
 scheme stays symplectic, and no drift builds up. A hinge point may be held along global axes
 (`support`), e.g. "z" lets it slide in a plane.
 
-A slide and both angles of a universal joint are hinges too, in that they have an opening, on which
-all that acts on hinges acts; what they keep together is solved with the coupled joints (joint.py).
+All other openings of joints (joint_types.py) are hinges too, on which all that acts on hinges acts;
+what joints of other types keep together is solved with the coupled joints (joint.py).
 A universal joint is two: the angle about its axis on the first particle, from a reference of the
 first to the axis on the second; and that about the axis on the second, from the axis on the first
 to a reference of the second. The rate of each is the relative spin about its axis, as of any hinge,
@@ -27,13 +27,12 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cross import cross, length
 from fpm.elements.joints import hinge_arrays as arrays
 from fpm.elements.joints.hinge_arrays import MOST_GAP, MOST_TILT
+from fpm.elements.joints.joint_arrays import POINT
+from fpm.elements.joints.joint_types import TYPES, OpeningType
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, ElementType, Series, Watch
 from fpm.elements.openings.opening import opening_angle
 from fpm.errors import SceneError
-
-ANGLES = "_axis", "_other"
-"""What the names of the first and the second angle of a universal joint end with."""
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
@@ -61,13 +60,13 @@ class JointBase(ElementType):
         return tuple(beam.particle for beam in self.beams)
 
     @property
-    def slides(self) -> bool:
-        """Whether the joint is a slide, so that its joint coordinate is a length (m)."""
-        return self.type == "prismatic"
+    def acts_at_second(self) -> bool:
+        """Whether its forces act at the second's point, which may leave the first's."""
+        return not TYPES[self.type].bits & POINT
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint: its own; of angles of a universal joint that joint's."""
+        """Name of the whole joint: its own; of one of several openings that joint's."""
         return self.name
 
     @staticmethod
@@ -78,8 +77,10 @@ class JointBase(ElementType):
     def check(self, scene):
         """Check, before the joint is added, that no hinge or joint of the scene has its name; else
         raises SceneError. scene: the joint is not yet in it."""
-        names = {self.name} if self.type == "cross" else {self.name, self.joint}
-        if names & list_names(scene):  # the first angle has checked for the second
+        names = {self.name, self.joint}
+        if isinstance(self, Hinge) and self.number:
+            names = {self.name}  # the first opening has checked for the joint
+        if names & list_names(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
     @classmethod
@@ -110,9 +111,10 @@ class Hinge(JointBase):
     3): directions normal to the axis, one in each frame, that coincide at opening 0; opening (rad):
     at the start, with full turns; it grows when the second particle turns by the right-hand rule
     about the axis against the first; support: global axes along which the hinge point is held, as
-    "xz". type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis
-    from the first arm's end to the second's, plus `offset` (m); "universal" and "cross": the first
-    and the second angle of a universal joint; each axis is fixed in its first particle."""
+    "xz". type: of the joint, a key of TYPES; number: which of its openings. One that is a length
+    (m) is the distance along the axis from the first arm's end to the second's, plus `offset` (m);
+    each axis is fixed in its first particle. lead: of a screw, m/rad, whose arms' ends are apart by
+    lead times opening less `offset`."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]
@@ -122,6 +124,8 @@ class Hinge(JointBase):
     support: str
     type: str = "revolute"
     offset: float = 0.0
+    number: int = 0
+    lead: float = 0.0
 
     holds_opening = False  # as a joint that is an opening (joint.py)
     cost = 390.0  # solved alone
@@ -169,6 +173,16 @@ class Hinge(JointBase):
         )
 
     @property
+    def opening_type(self) -> OpeningType:
+        """Which opening of its joint it is, and whether that is a length or an angle."""
+        return TYPES[self.type].openings[self.number]
+
+    @property
+    def slides(self) -> bool:
+        """Whether its joint coordinate is a length (m)."""
+        return bool(self.opening_type.direction)
+
+    @property
     def ends(self) -> np.ndarray:
         """Vectors (2, 3), in the particles' frames, between which the joint coordinate is measured:
         references; or of a slide arms (m) to points, whose distance along the axis it is."""
@@ -179,9 +193,8 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint: the hinge's; of universal joints without "_axis" or "_other"."""
-        suffix = {"universal": ANGLES[0], "cross": ANGLES[1]}.get(self.type, "")
-        return self.name.removesuffix(suffix)
+        """Name of the whole joint: the hinge's without the suffix of one of several openings."""
+        return self.name.removesuffix(self.opening_type.suffix)
 
     @classmethod
     def find(cls, scene):

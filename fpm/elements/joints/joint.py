@@ -1,15 +1,15 @@
 """Joints that are solved together: those that share bodies, and those that are no hinges.
 
 A hinge whose two particles nothing else uses is solved alone (hinge.py), which is cheaper. All
-other hinges, and spherical, universal, prismatic and fixed joints, go here: their impulses are
-found from one system of equations for the whole structure (joint_matrix.py). A particle is a rigid
-body with a mass and three inertias, and joints sit at the ends of its virtual beams; so these are
-the joints of rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where
-they agree; the impulses are then the smallest that keep the joints closed."""
+other hinges, and joints of all other types (joint_types.py), go here: their impulses are found from
+one system of equations for the whole structure (joint_matrix.py). A particle is a rigid body with a
+mass and three inertias, and joints sit at the ends of its virtual beams; so these are the joints of
+rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where they agree;
+the impulses are then the smallest that keep the joints closed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.fields import Number, check_number
 from fpm.elements.joints import joint_arrays as arrays
 from fpm.elements.joints.hinge import (
-    ANGLES,
     Hinge,
     JointBase,
     are_alone,
@@ -29,6 +28,7 @@ from fpm.elements.joints.hinge import (
     unit,
 )
 from fpm.elements.joints.hinge_arrays import SUMS
+from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import opening_at
@@ -42,26 +42,6 @@ CONDITION, MULTIPLY_ADD = 240.0, 1.5
 chains, pairs, and platforms on 2 to 30 cranks."""
 
 
-class JointType(NamedTuple):
-    """Type of joint, as "revolute". number: the kernels' constant for it (joint_arrays.py);
-    conditions: how many scalar constraint equations; None: it varies, or users cannot state it."""
-
-    number: int
-    conditions: int | None = None
-
-
-TYPES = {
-    "revolute": JointType(arrays.REVOLUTE, 5),
-    "spherical": JointType(arrays.SPHERICAL, 3),
-    "fixed": JointType(arrays.FIXED, 6),
-    "universal": JointType(arrays.UNIVERSAL, 4),
-    "prismatic": JointType(arrays.PRISMATIC, 5),
-    "held": JointType(arrays.SUPPORT),
-    "opening": JointType(arrays.OPENING),
-    "slid": JointType(arrays.SLIDE),
-}
-"""The types of joints, by name: those users state, and three that the program makes."""
-
 EASE = {8: 1e-10, 4: 1e-5}
 """Share by which the diagonal is raised, by the bytes of a number."""
 
@@ -71,8 +51,9 @@ class Joint(JointBase):
     """A joint between the free ends of two virtual beams (rigid arms from particles). name: no
     other joint's; type: a key of TYPES, as "fixed"; beams: the arms; axes (2, 3): the axis in each
     particle's frame, the same but for universal joints, where they are normal to each other;
-    references (2, 3): a direction normal to the axis in each frame, the same at the start. A "held"
-    joint has one virtual beam, held at its end along global axes `support_axes`, as "xz"."""
+    references (2, 3): a direction normal to the axis in each frame, the same at the start; lead: of
+    a screw (m/rad). A "held" joint has one virtual beam, held at its end along global axes
+    `support_axes`, as "xz"."""
 
     name: str
     type: str
@@ -80,6 +61,7 @@ class Joint(JointBase):
     axes: np.ndarray
     references: np.ndarray
     support_axes: str = ""
+    lead: float = 0.0
 
     gives = LOAD_WORK
     gaps: ClassVar = {
@@ -101,7 +83,7 @@ class Joint(JointBase):
         particles: indices of both; point: position (3,), m, global, or (2, 3), one for each
         particle; axis (3,): direction, of any length; axis2 (3,): of a universal joint, the axis on
         the second particle, normal to `axis`, None: any that is. SceneError if they do not fit."""
-        allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]
+        allowed = "revolute", "spherical", "fixed", "universal", "prismatic"
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
         pair = two_of(scene, particles, f"joint {name}")
@@ -134,6 +116,53 @@ class Joint(JointBase):
         return replace(hinge, opening=opening_at(scene, hinge))
 
     @staticmethod
+    def create_openings(scene, name, type, particles, point, axis, x, openings, lead=0.0) -> tuple:
+        """Return all openings (joint coordinates) of a joint between two particles of a scene as
+        placed now, each a Hinge, not added to it.
+
+        Parameters
+        ----------
+        name: no other joint's.
+        type: "cylindrical", "planar", "pin in slot" or "screw".
+        particles: pair of indices.
+        point: position of the joint (3,), m, global, or (2, 3), one for each particle.
+        axis: direction (3,), global.
+        x: direction (3,) of the slot, or of the first slide in a plane, normal to the axis; None:
+            any.
+        openings: joint coordinates now (rad; m), in the order of the type's openings.
+        lead: of a screw, how far the second goes along the axis (m/rad), not 0."""
+        pair = two_of(scene, particles, f"joint {name}")
+        axis = unit(axis, f"axis of joint {name}")
+        x = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]) if x is None else x, "x")
+        if abs(x @ axis) > 1e-9:
+            raise SceneError(f"x of joint {name}", x, "a direction normal to the axis")
+        if type == "screw" and not (np.isfinite(lead) and lead):
+            raise SceneError(f"lead of joint {name}", lead, "a finite number (m/rad) that is not 0")
+        frames, beams = [scene.frame[p].T for p in pair], arms(scene, pair, point)
+        directions, hinges = {"axis": axis, "x": x, "y": np.cross(axis, x)}, []
+        for number, (suffix, direction) in enumerate(TYPES[type].openings):
+            opening = float(openings[number])
+            unit_text = "m" if direction else "rad"
+            check_number(f"opening of joint {name}{suffix}", opening, Number(), unit_text)
+            ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
+            if direction == "x":
+                ends = axis, axis
+            hinge = Hinge(
+                name + suffix,
+                beams,
+                axes=np.array([frame @ directions[direction or "axis"] for frame in frames]),
+                references=np.array([f @ end for f, end in zip(frames, ends, strict=True)]),
+                opening=opening,
+                support="",
+                type=type,
+                offset=opening if direction else lead * opening,
+                number=number,
+                lead=lead,
+            )
+            hinges.append(replace(hinge, opening=opening_at(scene, hinge)) if direction else hinge)
+        return tuple(hinges)
+
+    @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
         """Return both angles of a universal joint, each a Hinge, not added to the scene. name: no
         other's; particles: pair of indices; point (3,) m; axis, axis2 (3,): fixed in the first and
@@ -149,13 +178,14 @@ class Joint(JointBase):
             frames = [scene.frame[beam.particle].T for beam in beams]
             hinges.append(
                 Hinge(
-                    name + ANGLES[k],
+                    name + SUFFIXES["universal"][k],
                     beams,
                     axes=np.array([frame @ e for frame in frames]),
                     references=np.array([frames[0] @ zero, frames[1] @ to_zero]),
                     opening=float(openings[k]),
                     support="",
-                    type=("universal", "cross")[k],
+                    type="universal",
+                    number=k,
                 )
             )
         return tuple(hinges)
@@ -173,7 +203,7 @@ class Joint(JointBase):
     @property
     def conditions(self) -> int:
         """Number of scalar constraint equations that the joint imposes, 1 to 6."""
-        return 1 if self.holds_opening else TYPES[self.type].conditions or len(self.support_axes)
+        return TYPES[self.type].conditions or len(self.support_axes)
 
     @property
     def holds_opening(self) -> bool:
@@ -246,7 +276,7 @@ class Joint(JointBase):
         driven_particles = set(Drive.moved_particles(scene))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
         joint_arrays = arrays.Joints(
-            types=batch.integers(TYPES[j.type].number for j in joints),
+            types=batch.integers(TYPES[j.type].bits for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
             sides=batch.stack(2 * len(joints), arrays.SIDE, lambda s: _sides(s, order)),
@@ -280,13 +310,15 @@ class Joint(JointBase):
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
     """Return the joints solved in place of a `hinge`: itself as a Joint and, if its point is held,
-    a "held" one; none for the second angle ("cross") of a universal joint, part of the first's."""
-    if hinge.type == "cross":
+    a "held" one; none for the further ones of several openings of a joint, part of the first's."""
+    if hinge.number:
         return []
-    name, axes = hinge.joint, hinge.axes
+    name, axes, beams = hinge.joint, hinge.axes, hinge.beams
     if hinge.type == "universal":
         axes = np.array([axes[0], hinge.references[1]])
-    joint = Joint(name, hinge.type, hinge.beams, axes, hinge.references)
+    if hinge.lead:  # from a point at which the opening would be 0
+        beams = replace(beams[0], arm=beams[0].arm - hinge.offset * axes[0]), beams[1]
+    joint = Joint(name, hinge.type, beams, axes, hinge.references, lead=hinge.lead)
     if not hinge.support:
         return [joint]
     zeros = np.zeros((2, 3))
@@ -299,8 +331,9 @@ def _sides(scene, order) -> np.ndarray:
     array = np.zeros((2 * len(order), arrays.SIDE))
     for i, number in enumerate(order):
         joint = joints[number]
-        for k, beam in enumerate(joint.beams):  # ARM, AXIS, REFERENCE
-            array[2 * i + k] = np.concatenate([beam.arm, joint.axes[k], joint.references[k]])
+        for k, beam in enumerate(joint.beams):  # ARM, AXIS, REFERENCE, LEAD
+            vectors = beam.arm, joint.axes[k], joint.references[k], [joint.lead]
+            array[2 * i + k] = np.concatenate(vectors)
     return array
 
 

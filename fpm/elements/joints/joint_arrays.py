@@ -4,15 +4,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Types of joints: what of two bodies is kept together.
-REVOLUTE = 0  # a point and an axis
-SPHERICAL = 1  # a point
-FIXED = 2  # a point and all directions
-UNIVERSAL = 3  # a point; an axis of the one stays normal to an axis of the other
-PRISMATIC = 4  # all directions, and a line: along its axis the second slides on the first
-SUPPORT = 5  # a point of the first, along global axes, where it was at the start
-OPENING = 6  # the opening of a hinge, where something holds it (turn.py)
-SLIDE = 7  # the same of a slide
+# What a joint keeps together of two bodies; its type is the sum of these.
+POINT = 1  # a point
+ACROSS_AXIS, ACROSS_X, ACROSS_Y = 2, 4, 8  # a point in planes of the first, by their normals
+CROSS = 16  # an axis of the one stays normal to an axis of the other
+PARALLEL = 32  # the axes
+TWIST = 64  # directions normal to the axes
+THREAD = 128  # the way along the axis by the turn about it
+SUPPORT = 256  # a point of the first, along global axes, where it was at the start
+OPENING = 512  # the opening of a hinge, where something holds it (turn.py)
+SLIDE = 1024  # the same of a slide
+CONDITIONS = {POINT: 3, PARALLEL: 2}
+CONDITIONS |= dict.fromkeys(
+    (ACROSS_AXIS, ACROSS_X, ACROSS_Y, CROSS, TWIST, THREAD, OPENING, SLIDE), 1
+)
+"""Numbers of scalar constraint equations."""
 
 # Constants of a body: a particle that joints act on.
 AXIS_IM = 0  # inverse masses along the global axes (3)
@@ -34,7 +40,8 @@ BODY_SCRATCH = 37
 ARM = 0  # virtual beam (3)
 AXIS = 3  # axis (3)
 REFERENCE = 6  # a direction normal to it (3)
-SIDE = 9
+LEAD = 9  # of a thread (m/rad)
+SIDE = 10
 
 # A row: one condition. Its rate is f (v1 - v2) + m1 w1 - m2 w2 of the two bodies.
 DIRECTION = 0  # f (3)
@@ -92,18 +99,19 @@ class Joints(NamedTuple):
     two sides each (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t joint
     coordinates that are held.
 
-    types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
-    (2j,): body of each side, -1 for none; sides (2j, 9, lanes): arm (m), axis, reference, in
-    particles' axes; places (j, 3, lanes), m, and fixed_axes (j, 3): where, and along which axes, a
-    point is held; particle (b,): particle of each body; is_driven (b,): whether a drive moves it;
-    bodies (b, 12, lanes): inverse masses and inertias, their roots, axes about which it turns;
-    body_scratch (b, 37, lanes), rows (r, 19, lanes), matrix (entries, 1, lanes): working memory;
-    pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the drives'
-    work in World.accounts; peaks (1, 2, lanes): largest gap (m) and tilt (sine) so far; excess (j,
-    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps
-    (instants + 1, 2, lanes): gap and tilt at each instant; sums (r, 1, lanes): impulses of this
-    step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m), None if not read;
-    turns (Turns), turn_of (j,), turn_at (t,): held coordinates, index by joint or -1, joints."""
+    types (j,): sums of the constants POINT to SLIDE; names (j,): the joint's index in the scene;
+    slots (2j,): body of each side, -1 for none; sides (2j, 10, lanes): arm (m), axis, reference, in
+    particles' axes, lead (m/rad); places (j, 3, lanes), m, and fixed_axes (j, 3): where, and along
+    which axes, a point is held; particle (b,): particle of each body; is_driven (b,): whether a
+    drive moves it; bodies (b, 12, lanes): inverse masses and inertias, their roots, axes about
+    which it turns; body_scratch (b, 37, lanes), rows (r, 19, lanes), matrix (entries, 1, lanes):
+    working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
+    of the drives' work in World.accounts; peaks (1, 2, lanes): largest gap (m) and tilt (sine) so
+    far; excess (j, 1, lanes): gap and tilt squared over those allowed, summed, once a run has
+    failed; gaps (instants + 1, 2, lanes): gap and tilt at each instant; sums (r, 1, lanes):
+    impulses of this step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m),
+    None if not read; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, index by joint or
+    -1, joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

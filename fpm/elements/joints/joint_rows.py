@@ -3,24 +3,29 @@
 import math
 
 from fpm.elements.joints.joint_arrays import (
+    ACROSS_AXIS,
+    ACROSS_X,
+    ACROSS_Y,
     ARM,
     AXIS,
+    CROSS,
     DIRECTION,
-    FIXED,
     HOLDS,
+    LEAD,
     MISS,
-    PRISMATIC,
+    PARALLEL,
+    POINT,
     REFERENCE,
     RESIDUAL,
-    REVOLUTE,
     ROOT,
     ROOT1,
     SLIDE,
     SUPPORT,
     TARGET,
+    THREAD,
     TURN1,
     TURNS,
-    UNIVERSAL,
+    TWIST,
 )
 from fpm.kernels.angles import arctan2
 from fpm.kernels.lanes import floor, load, store, where_negative
@@ -116,31 +121,40 @@ def find_rows(part, state):
             continue
         x2, second, x3 = place(part, state, j, 1)
         axis, p, q = directions(part, j, first)
-        if kind == PRISMATIC:
-            # Impulses act where the second's point is, which slides on the first.
-            arm1, arm2 = x3 - x1, x3 - x2
-            put_row(part, state, j, r, p, cross(arm1, p), cross(arm2, p))
-            put_row(part, state, j, r + 1, q, cross(arm1, q), cross(arm2, q))
-            r += 2
-        else:
+        if kind & POINT:
             # Both at the first's point: they make no moment if the joint gapes.
             arm1, arm2 = point - x1, point - x2
             put_row(part, state, j, r, ex, cross(arm1, ex), cross(arm2, ex))
             put_row(part, state, j, r + 1, ey, cross(arm1, ey), cross(arm2, ey))
             put_row(part, state, j, r + 2, ez, cross(arm1, ez), cross(arm2, ez))
             r += 3
+        # Impulses act where the second's point is, which slides on the first.
+        arm1, arm2 = x3 - x1, x3 - x2
+        if kind & ACROSS_X:
+            put_row(part, state, j, r, p, cross(arm1, p), cross(arm2, p))
+            r += 1
+        if kind & ACROSS_Y:
+            put_row(part, state, j, r, q, cross(arm1, q), cross(arm2, q))
+            r += 1
+        if kind & ACROSS_AXIS:
+            put_row(part, state, j, r, axis, cross(arm1, axis), cross(arm2, axis))
+            r += 1
         zero = 0.0 * p
         axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
-        if kind == UNIVERSAL:
+        if kind & CROSS:
             turn = cross(axis, axis2)
             put_row(part, state, j, r, zero, turn, turn)
-        if kind in (REVOLUTE, FIXED, PRISMATIC):
+        if kind & PARALLEL:
             about_p, about_q = cross(p, axis2), cross(q, axis2)
             put_row(part, state, j, r, zero, about_p, about_p)
             put_row(part, state, j, r + 1, zero, about_q, about_q)
-        if kind in (FIXED, PRISMATIC):
+            r += 2
+        if kind & TWIST:
             turn = cross(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
-            put_row(part, state, j, r + 2, zero, turn, turn)
+            put_row(part, state, j, r, zero, turn, turn)
+        if kind & THREAD:
+            turn = load(part.sides, 2 * j, LEAD) * axis
+            put_row(part, state, j, r, axis, cross(arm1, axis) - turn, cross(arm2, axis) - turn)
 
 
 @kernel
@@ -174,31 +188,47 @@ def find_gaps(part, state, j):
     _, second, point2 = place(part, state, j, 1)
     axis, p, q = directions(part, j, first)
     gap = point - point2
-    if kind == PRISMATIC:
-        u, v = dot(p, gap), dot(q, gap)
-        store(rows, r, RESIDUAL, u)
-        store(rows, r + 1, RESIDUAL, v)
-        gap2 = u * u + v * v
-        r += 2
-    else:
+    u, v, w = dot(p, gap), dot(q, gap), dot(axis, gap)
+    gap2 = 0.0 * u
+    if kind & POINT:
         put_gap(rows, r, gap)
         gap2 = dot(gap, gap)
         r += 3
+    if kind & ACROSS_X:
+        store(rows, r, RESIDUAL, u)
+        gap2 = u * u
+        r += 1
+    if kind & ACROSS_Y:
+        store(rows, r, RESIDUAL, v)
+        gap2 = gap2 + v * v
+        r += 1
+    if kind & ACROSS_AXIS:
+        store(rows, r, RESIDUAL, w)
+        gap2 = gap2 + w * w
+        r += 1
     tilt2 = 0.0 * gap2
     axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
-    if kind == UNIVERSAL:
+    reference = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
+    if kind & CROSS:
         tilt = dot(axis, axis2)
         store(rows, r, RESIDUAL, tilt)
         tilt2 = tilt * tilt
-    if kind in (REVOLUTE, FIXED, PRISMATIC):
+    if kind & PARALLEL:
         u, v = dot(p, axis2), dot(q, axis2)
         store(rows, r, RESIDUAL, u)
         store(rows, r + 1, RESIDUAL, v)
         tilt2 = u * u + v * v
-    if kind in (FIXED, PRISMATIC):
-        tilt = dot(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
-        store(rows, r + 2, RESIDUAL, tilt)
+        r += 2
+    if kind & TWIST:
+        tilt = dot(q, reference)
+        store(rows, r, RESIDUAL, tilt)
         tilt2 = tilt2 + tilt * tilt
+    if kind & THREAD:
+        lead = load(part.sides, 2 * j, LEAD)
+        w = w + lead * arctan2(dot(q, reference), dot(p, reference))
+        w = w - FULL * lead * floor(w / (FULL * lead) + 0.5)  # all turns of a thread are alike
+        store(rows, r, RESIDUAL, w)
+        gap2 = gap2 + w * w
     return gap2, tilt2
 
 

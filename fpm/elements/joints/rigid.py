@@ -36,7 +36,6 @@ from fpm.elements.openings.friction import SWEEP_DEFLECTION, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
 from fpm.elements.openings.opening import (
-    ANGLE_TYPES,
     JOINT_LOSS,
     moving_at_start,
     on_hinge,
@@ -166,7 +165,7 @@ class RigidFriction(Rigid):
     """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
     sticks): it holds the joint coordinate up to `moment` (N m), and slips against that above."""
 
-    hinge: int = on_hinge(types=ANGLE_TYPES)
+    hinge: int = on_hinge(only_angles=True)
     moment: float = number("N m", 0.0)
 
     takes = JOINT_LOSS

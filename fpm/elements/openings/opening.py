@@ -2,10 +2,10 @@
 
 An opening is the angle about a hinge's axis between a reference direction of either particle. It
 grows when the second turns by the right-hand rule about the axis against the first, and it counts
-full turns: of all angles that differ by them it is the one closest to the last. Universal joints
-have two such angles (hinge.py). The opening of a slide is a length: the way of a point of the
-second particle from one of the first, along the axis. What acts on hinges acts on it likewise, with
-forces for moments, m for rad: SLIDING has the units."""
+full turns: of all angles that differ by them it is the one closest to the last. Joints may have
+several openings (joint_types.py). That of a slide is a length: the way of a point of the second
+particle from one of the first, along an axis of it. What acts on hinges acts on it likewise, with
+forces for moments, m for rad: SLIDE_UNITS has the units."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -15,6 +15,7 @@ import numpy as np
 
 from fpm.elements.cross import cross
 from fpm.elements.fields import index
+from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import Deformations, ElementType, Energy, Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
@@ -39,9 +40,6 @@ SLIDE_UNITS = {
     "N m/rad": "N/m", "N m s/rad": "N s/m", "kg m2": "kg",
 }  # fmt: skip
 """Units of what acts on hinges, and those of the same on slides."""
-
-ANGLE_TYPES = ("revolute", "universal", "cross")
-"""Types of hinges whose opening is an angle."""
 
 
 @dataclass(frozen=True)
@@ -108,13 +106,15 @@ class ConnectorElement(ElementType):
 
     def check_index(self, scene, field, value):
         """Check that a hinge index in one of the element's fields exists in the scene, and that the
-        hinge has an allowed type; raises SceneError if not. field: spec of the field, with allowed
-        types (`types`, empty: all); value: the index."""
+        hinge is one that is allowed; raises SceneError if not. field: spec of the field, with what
+        is allowed (`types`, `only_angles`); value: the index."""
         super().check_index(scene, field, value)
-        if field.types and scene.hinges[value].type not in field.types:
-            text = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
-            allowed = f"one that is {' or '.join(field.types)}"
-            raise SceneError(self.subject(scene, field), text, allowed)
+        if not (field.types or field.only_angles):
+            return
+        hinge = scene.hinges[value]
+        if hinge.type not in (field.types or TYPES) or (field.only_angles and hinge.slides):
+            allowed = f"one that is {' or '.join(field.types)}" if field.types else "an angle"
+            raise SceneError(self.subject(scene, field), f"{hinge.name} ({hinge.type})", allowed)
 
     def unit_in(self, scene, unit):
         return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDE_UNITS else unit
@@ -200,10 +200,11 @@ class Connector(ConnectorElement):
         return super().array(name, batch)
 
 
-def on_hinge(words: str = "hinge of {noun}", types: tuple[str, ...] = ()) -> Any:
+def on_hinge(words: str = "hinge of {noun}", types: tuple[str, ...] = (), **keys) -> Any:
     """Declare an element's dataclass field for its hinge's index. words: its name in messages,
-    {noun} being the type's word; types: allowed types of the hinge ("revolute", ...), (): all."""
-    return index("hinges", words=words, types=types)
+    {noun} being the type's word; types: allowed types of the hinge ("revolute", ...), (): all;
+    keys: further ones of its spec `Index`."""
+    return index("hinges", words=words, types=types, **keys)
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
@@ -275,13 +276,21 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     Springs from both sides to the ground, on the second about all its axes, bound it (Cauchy)."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
-    if hinge.type == "revolute":
+    if not hinge.slides and hinge.type != "universal":
         return [(np.concatenate([zero, -axis1, zero, axis2]), 1.0)]
     no_turn = turns_of(scene).no_turn
     first, second = (~no_turn[p] / scene.inertia[p] for p in hinge.particles)
     if hinge.slides:
         p, q = hinge.particles
-        turn = np.cross(scene.position[p] - scene.position[q], scene.frame[p] @ axis1)
+        axis = scene.frame[p] @ axis1
+        if hinge.opening_type.direction != "axis":  # in the plane of which the particles turn apart
+            arm = scene.frame[q] @ hinge.beams[1].arm
+            levers = scene.position[q] + arm - scene.position[p], arm
+            turns = [
+                scene.frame[i].T @ np.cross(r, axis) for i, r in zip((p, q), levers, strict=True)
+            ]
+            return [(np.concatenate([-axis, -turns[0], axis, turns[1]]), 1.0)]
+        turn = np.cross(scene.position[p] - scene.position[q], axis)
         turns = [scene.frame[particle].T @ turn for particle in (p, q)]
         soft, soft2 = turns[0] ** 2 @ first, turns[1] ** 2 @ second
         ratio = soft2 / (soft + soft2) if soft + soft2 > 0 else 0.0

@@ -15,7 +15,6 @@ import numpy as np
 from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
 from fpm.elements.openings.opening import (
-    ANGLE_TYPES,
     ConnectorElement,
     backlashes,
     mobility,
@@ -35,7 +34,7 @@ class SyncLoop(ConnectorElement):
     either side, that takes no pull, as between teeth (no preload then); None: none."""
 
     name: str = topology()
-    hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=ANGLE_TYPES)
+    hinges: tuple[int, int] = index("hinges", words="hinge of {title}", only_angles=True)
     radii: tuple[float, float] = number(
         "m", count=2, text="of the pulleys; opposite in sign where the loop is crossed"
     )

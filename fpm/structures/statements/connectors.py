@@ -29,7 +29,6 @@ from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, Wat
 from fpm.structures.statement import (
     CLASS,
     JOINT,
-    SLIDE,
     connector,
     element,
     key_of,
@@ -37,7 +36,7 @@ from fpm.structures.statement import (
     whole,
 )
 
-ANGLE_JOINT = replace(JOINT, types=("revolute", "universal"))
+ANGLE_JOINT = replace(JOINT, slides=False)
 
 
 def _at_start(build, hinge: int) -> float:
@@ -91,7 +90,7 @@ statement(
     "actions",
     "spring",
     "Pushes or pulls a slide towards an opening.",
-    joint=replace(JOINT, types=(SLIDE,)),
+    joint=replace(JOINT, slides=True),
     **{name: key if name in CLASS else _of_slide(key) for name, key in SPRING.items()},
 )(torsion_spring.build)
 

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from fpm.elements.joints.hinge import unit
+from fpm.elements.joints.joint_types import TYPES
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import DirectionKey, LettersKey, ListKey, MapKey, NumberKey, ReferenceKey
 from fpm.structures.statement import statement
@@ -201,6 +203,119 @@ def prismatic(build, args):
     opening grows), opening (position at the start, m)."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
+
+
+def _openings(type: str) -> dict[str, NumberKey]:
+    """Keys of the openings at the start of a joint with several, or of a screw."""
+    texts = {
+        "": "angle at the start; grows as the second part turns about the axis against the "
+        "first, by the right-hand rule",
+        "axis": "position at the start, along the axis",
+        "x": "position at the start, along `x`",
+        "y": "position at the start, along y, which is `axis` x `x`",
+    }
+    return {
+        f"opening{suffix}": NumberKey(0.0, texts[direction], unit="m" if direction else "rad")
+        for suffix, direction in TYPES[type].openings
+    }
+
+
+def _add_slider(build, args, type: str, lead: float = 0.0) -> int:
+    """Add a joint whose second part slides and turns, with all its openings."""
+    particles, points = _meet(build, args)
+    x = getattr(args, "x", None)
+    if x is not None:
+        if abs(args.axis @ x) > 1e-6:
+            build.refuse("x", x.tolist(), f"a direction normal to {args.axis.tolist()}")
+        x = unit(x - (args.axis @ x) * args.axis, "x")
+    openings = [getattr(args, key) for key in _openings(type)]
+    values = args.name, type, particles, points, args.axis, openings, x, lead
+    return build.scene.add_sliding_joint(*values)
+
+
+PITCH = NumberKey(
+    text="by how much the second part goes along the axis in a turn, not 0; below 0: a left-handed "
+    "thread",
+    unit="m",
+)
+AXIS = DirectionKey(text="about which the second part turns against the first, fixed to both")
+
+
+@statement(
+    "joints",
+    "cylindrical",
+    parts=PAIR,
+    at=POINT,
+    axis=replace(AXIS, text=f"{AXIS.text}, and along which it slides"),
+    **_openings("cylindrical"),
+)
+def cylindrical(build, args):
+    """A sleeve on a round shaft: the second part slides along an axis of the first, and turns.
+
+    Adds both openings to the scene; returns the index of the first. build: Builder of the sample,
+    with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by part),
+    axis ((3,), global at the start), opening_turn (rad) and opening_slide (m) at the start."""
+    return _add_slider(build, args, "cylindrical")
+
+
+@statement(
+    "joints",
+    "planar",
+    parts=PAIR,
+    at=POINT,
+    axis=replace(AXIS, text=f"normal of the plane, {AXIS.text}"),
+    x=DirectionKey(text="first direction in the plane, fixed to the first part, normal to `axis`"),
+    **_openings("planar"),
+)
+def planar(build, args):
+    """A plate on a table: a point of the second part stays in a plane of the first, and it turns
+    about the normal only.
+
+    Adds all three openings to the scene; returns the index of the first. build: Builder of the
+    sample, with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by
+    part), axis and x ((3,), global at the start, normal to each other), opening_turn (rad),
+    opening_x and opening_y (m) at the start."""
+    return _add_slider(build, args, "planar")
+
+
+@statement(
+    "joints",
+    "pin in slot",
+    parts=PAIR,
+    at=POINT,
+    axis=replace(AXIS, text=f"of the pin, {AXIS.text}"),
+    x=DirectionKey(text="along the slot, fixed to the first part, normal to `axis`"),
+    **{key: replace(kind, text=kind.text.replace("`x`", "the slot"))
+       for key, kind in _openings("pin in slot").items()},
+)  # fmt: skip
+def pin_in_slot(build, args):
+    """A pin of the second part slides along a straight slot of the first, and turns in it.
+
+    Adds both openings to the scene; returns the index of the first. build: Builder of the sample,
+    with its scene; args: values of an entry: parts (two Bodies: slot, pin), at (Point, or Points by
+    part), axis and x ((3,), global at the start, normal to each other), opening_turn (rad) and
+    opening_slide (m) at the start."""
+    return _add_slider(build, args, "pin in slot")
+
+
+@statement(
+    "joints",
+    "screw",
+    parts=PAIR,
+    at=POINT,
+    axis=replace(AXIS, text=f"{AXIS.text}, and along which it goes"),
+    pitch=PITCH,
+    **_openings("screw"),
+)
+def screw(build, args):
+    """A nut on a thread: as the second part turns about an axis of the first, it goes along it.
+
+    Adds its opening, the turn, to the scene; returns its index. build: Builder of the sample, with
+    its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by part), axis
+    ((3,), global at the start), pitch (m per turn, below 0: left-handed) and opening (rad)."""
+    if not args.pitch:
+        build.refuse("pitch", args.pitch, "a length that is not 0; without a thread: cylindrical")
+    return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
 
 
 @statement(

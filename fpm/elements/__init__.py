@@ -12,6 +12,7 @@ from fpm.elements.kind import ElementType
 from fpm.elements.openings.contact import Contact
 from fpm.elements.openings.damper import Damper
 from fpm.elements.openings.friction import Friction
+from fpm.elements.openings.journal import Journal
 from fpm.elements.openings.latch import Latch
 from fpm.elements.openings.motor import Motor
 from fpm.elements.openings.opening import Opening
@@ -55,6 +56,7 @@ KINDS: tuple[type[ElementType], ...] = (
     Viscosity,
     Drag,
     Strut,
+    Journal,
     Drive,
     Support,
     Damping,

@@ -16,6 +16,7 @@ from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
+from fpm.elements.openings.journal import PIN
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import Gravity
 from fpm.reading.recording import Recording, Sides
@@ -26,8 +27,9 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """Return all joints of a scene that connect two bodies (hinges, slides, balls, ...), by name;
-    without those that only hold an opening (joint coordinate)."""
-    joints = (*Hinge.find(scene), *Joint.find(scene))
+    without those that only hold an opening (joint coordinate), and without pins with play, whose
+    force is that of a contact (Journal)."""
+    joints = [joint for joint in (*Hinge.find(scene), *Joint.find(scene)) if joint.type != PIN]
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
 

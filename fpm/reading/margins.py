@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements import Journal
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.travel import Travel, component_classes, find_reels, sweep
@@ -155,6 +156,10 @@ def read_margin(spec: Any) -> Any:
 def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
     """The way of the openings that are moved, and what the margin is a function of."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
+    for pin in Journal.find(spec.scene):
+        allowed = f"a structure without {pin.title(spec.scene)}: within its clearance it has no "
+        allowed += "balance; a case with a revolute joint and a `bearing` in its place has margins"
+        raise _error(spec, spec.kind, openings[0], allowed)
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
         spec.one_of(hinges, value=name)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements import Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
+from fpm.elements import Journal, Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, did_you_mean, hint_new
@@ -385,6 +385,10 @@ def _struts(scene: Scene) -> Iterable[str]:
     return (strut.name for strut in Strut.find(scene))
 
 
+def _pins(scene: Scene) -> Iterable[str]:
+    return (pin.label(scene) for pin in Journal.find(scene))
+
+
 def _energies(scene: Scene) -> Iterable[str]:
     return "kinetic", *(energy.name for energy in energies_of(scene.kinds)), "balance"
 
@@ -404,6 +408,11 @@ KINDS = {
                                         variable="strut_force")),
     "strut_length": ResponseType(partial(_by_name, unit="m", text="length of strut {}",
                                          names=_struts, variable="strut_length"), positive=True),
+    "pin_force": ResponseType(partial(_by_name, unit="N", text="force that presses pin {}",
+                                      names=_pins, variable="pin_force"), positive=True),
+    "pin_eccentricity": ResponseType(partial(_by_name, unit="m", text="eccentricity of pin {}",
+                                             names=_pins, variable="pin_eccentricity"),
+                                     positive=True),
     # Sums of squares; the kinetic energy is a product of velocities half a step apart
     # (`fpm.kernels.record`), which can differ in sign.
     "energy": ResponseType(partial(_by_name, unit="J", text="{} energy", names=_energies),

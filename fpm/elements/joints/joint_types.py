@@ -52,6 +52,9 @@ TYPES = {
     "planar": JointType(
         ACROSS_AXIS + PARALLEL, (TURN, OpeningType("_x", "x"), OpeningType("_y", "y"))
     ),
+    "pin with play": JointType(
+        ACROSS_AXIS + PARALLEL, (TURN, OpeningType("_x", "x"), OpeningType("_y", "y"))
+    ),
     "pin in slot": JointType(ACROSS_Y + ACROSS_AXIS + PARALLEL, (TURN, OpeningType("_slide", "x"))),
     "screw": JointType(ACROSS_X + ACROSS_Y + PARALLEL + THREAD, (ANGLE,)),
     "held": JointType(arrays.SUPPORT),

@@ -23,6 +23,7 @@ from fpm.elements import (
 )
 from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
+from fpm.elements.openings.journal import PIN
 from fpm.elements.openings.opening import unit_of
 from fpm.elements.openings.release import latch_rows
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
@@ -154,6 +155,8 @@ def bearing(build, args):
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
     joint = scene.hinges[args.joint].joint
+    if scene.hinges[args.joint].type == PIN:
+        build.refuse("joint", joint, f"another joint: a {PIN} has its own `friction`")
     parts = sum(names.count(joint) for names in build.joints_of.values())
     if parts > 2:  # which of them press on each other is the pin's design, and not known
         pin = "state the pin as joints of those two that rub on each other, each with its bearing"

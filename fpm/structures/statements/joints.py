@@ -7,11 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import unit
 from fpm.elements.joints.joint_types import TYPES
+from fpm.elements.openings.journal import PIN, Journal
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import DirectionKey, LettersKey, ListKey, MapKey, NumberKey, ReferenceKey
-from fpm.structures.statement import statement
+from fpm.structures.statement import element, key_of, statement
 
 PART = ReferenceKey(group="parts", ground=True)
 PARTS = ListKey(kind=PART, least=2, text="what it joins")
@@ -316,6 +318,29 @@ def screw(build, args):
     if not args.pitch:
         build.refuse("pitch", args.pitch, "a length that is not 0; without a thread: cylindrical")
     return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
+
+
+@statement(
+    "joints",
+    PIN,
+    parts=PAIR,
+    at=POINT,
+    axis=AXIS,
+    **{name: key_of(Journal, name) for name in specs(Journal) if name != "hinge"},
+    x=DirectionKey(None, "normal to `axis`, fixed to the first part; left out: any"),
+    **_openings(PIN),
+)
+def pin_with_play(build, args):
+    """A pin of the second part turns in a bearing of the first with clearance, and rubs on it.
+
+    Adds its three openings and a Journal to the scene; returns the index of the first, the turn.
+    build: Builder of the sample, with its scene; args: values of an entry: parts (two Bodies:
+    bearing, pin), at (Point, or Points by part), axis and x ((3,), global at the start, normal to
+    each other; x may be None), opening_turn (rad), opening_x and opening_y (place of the pin's axis
+    from the bearing's, m) at the start, and the fields of Journal."""
+    hinge = _add_slider(build, args, PIN)
+    build.scene.add(element(Journal, args, hinge=hinge))
+    return hinge
 
 
 @statement(

@@ -1,0 +1,181 @@
+"""Forces, energies, losses and events of pins with play (theory: journal.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.cables.cable_kernels import TINY
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
+from fpm.kernels.events import edge, note_crossings
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
+from fpm.kernels.vectors import kernel, larger
+from fpm.kernels.world import Log
+
+# Constants of a pin: of the press, then of the friction.
+CLEARANCE, LOAD, PER_DEPTH, HERTZ, HYSTERESIS = range(5)
+FRICTION, RADIUS, STIFFNESS, DAMPING, SOFTNESS = range(5, 10)
+NUMBERS = 10
+
+# Of a pin at the last positions; rates are those in the middle of the last step, at first those at
+# the start. SPEED is the largest of the eccentricity since it touched.
+RATE, SLIP_RATE, SPEED, DAMPER, BEND, DRAG, FORCE = range(7)
+STATE = 7
+TRACK = 2
+
+TOUCH = 1e-6
+"""Share of its depth at `load` from which a pin counts as touching."""
+
+
+class Journals(NamedTuple):
+    """Arrays of all p pins with play. hinge (p,): index of the turn of its joint, after which come
+    x and y; numbers (p, 10, lanes): clearance (m), load (N), 1/depth (1/m), 1 for Hertz's law and 0
+    for a linear one, factor of damping; coefficient of friction, radius of the pin (m), stiffness
+    (N/m) and damping (N s/m) of its bristle, deflection for each N (m/N); state (p, 7, lanes):
+    rates of eccentricity and slip, largest since it touched (m/s), damper's force (N), deflection
+    of the bristle (m), force of friction, force of the press (N); openings: of all joints; account:
+    index of the loss in World.accounts; rows (p, 1, lanes): energy of each; peaks: largest force
+    over load; log: of events; track ((instants + 1) p, 2, lanes): force (N), eccentricity (m)."""
+
+    hinge: np.ndarray
+    numbers: np.ndarray
+    state: np.ndarray
+    openings: Openings
+    account: int
+    rows: np.ndarray
+    peaks: np.ndarray
+    log: Log
+    track: np.ndarray
+
+
+@kernel
+def eccentricity(part, i, field):
+    """Return the distance (m, lanes) of pin i from the axis of its bearing. part: arrays of all
+    pins (Journals); field: of angles: NEW (0: now) or OLD (1: a step ago)."""
+    h, angles = part.hinge[i], part.openings.angles
+    x, y = load(angles, h + 1, field), load(angles, h + 2, field)
+    return sqrt(x * x + y * y)
+
+
+@kernel
+def depth_of(part, i):
+    """Return two lanes: how deep pin i is in its bearing, at least 0, over its depth at `load`; and
+    the factor on that in the force over load: its root by Hertz's law, else 1. part: Journals."""
+    depth = eccentricity(part, i, NEW) - load(part.numbers, i, CLEARANCE)
+    ratio = load(part.numbers, i, PER_DEPTH) * where_negative(depth, 0.0, depth)
+    hertz = load(part.numbers, i, HERTZ)
+    return ratio, hertz * sqrt(ratio) + (1.0 - hertz)
+
+
+@kernel
+def extrapolate(part, i, field, change, timing):
+    """Return a rate (m/s) of pin i now, from its mean rates in the last two steps, and store the
+    last. part: arrays of all pins (Journals); field: of the state, RATE or SLIP_RATE; change: in
+    the step that ends now (m); timing: step times (s)."""
+    rate = load(part.state, i, field)
+    if timing.time > 0.0:
+        half = (1.0 / timing.step) * change
+        store(part.state, i, field, half)
+        rate = 1.5 * half - 0.5 * rate
+    return rate
+
+
+@kernel
+def press(part, i, change, timing):
+    """Return two forces (N) that push pin i to its bearing's axis: all of it, at least 0 but where
+    `edge` corrects the step in which a linear one leaves; and that without the correction. part:
+    arrays of all pins (Journals), whose state changes; change: of the eccentricity in the step that
+    ends now (m); timing: step times (s)."""
+    rate = extrapolate(part, i, RATE, change, timing)
+    ratio, root = depth_of(part, i)
+    spring, size = load(part.numbers, i, LOAD) * ratio * root, absolute(rate)
+    speed = where_negative(-ratio, larger(load(part.state, i, SPEED), size), 0.0)
+    damper = load(part.numbers, i, HYSTERESIS) * spring * rate / (speed + TINY)
+    damper = where_negative(spring + damper, -spring, damper)
+    store(part.state, i, SPEED, speed)
+    store(part.state, i, DAMPER, damper)
+    clearance, stiffness = load(part.numbers, i, CLEARANCE), load(part.numbers, i, LOAD)
+    stiffness = (1.0 - load(part.numbers, i, HERTZ)) * stiffness * load(part.numbers, i, PER_DEPTH)
+    depth, old = eccentricity(part, i, NEW) - clearance, eccentricity(part, i, OLD) - clearance
+    return spring + damper + stiffness * edge(depth, old), spring + damper
+
+
+@kernel
+def rub(part, i, slip, normal, timing):
+    """Return the force (N) of friction on pin i against its slip, at most that of friction by the
+    force `normal` (N). slip: in the step that ends now (m); part: arrays of all pins (Journals),
+    whose state changes; timing: step times (s)."""
+    rate = extrapolate(part, i, SLIP_RATE, slip, timing)
+    most = load(part.numbers, i, SOFTNESS) * normal
+    bend = load(part.state, i, BEND) + slip
+    bend = where_negative(bend + most, -most, where_negative(most - bend, most, bend))
+    drag = load(part.numbers, i, STIFFNESS) * bend + load(part.numbers, i, DAMPING) * rate
+    most = load(part.numbers, i, FRICTION) * normal
+    drag = where_negative(drag + most, -most, where_negative(most - drag, most, drag))
+    store(part.state, i, BEND, bend)
+    store(part.state, i, DRAG, drag)
+    return drag
+
+
+@hook(Journals)
+def forces(part, world, timing):
+    """Add the forces (N) and moments (N m) of pins on their bearings to those on particles, and
+    what dampers and friction lose in the step that ends now (J) to World.accounts. part: arrays of
+    all pins (Journals), whose state changes; world: solver state, changed; timing: times (s)."""
+    loss = load(world.accounts, 0, part.account)
+    for i in range(part.hinge.shape[0]):
+        h, angles, state = part.hinge[i], part.openings.angles, part.state
+        stiffness = load(part.numbers, i, STIFFNESS)
+        damper, bend, drag = load(state, i, DAMPER), load(state, i, BEND), load(state, i, DRAG)
+        x, old_x = load(angles, h + 1, NEW), load(angles, h + 1, OLD)
+        y, old_y = load(angles, h + 2, NEW), load(angles, h + 2, OLD)
+        distance = eccentricity(part, i, NEW)
+        change = distance - eccentricity(part, i, OLD)
+        radius, mean_x, mean_y = load(part.numbers, i, RADIUS), x + old_x, y + old_y
+        sweep = mean_x * (y - old_y) - mean_y * (x - old_x)
+        slip = sweep / (sqrt(mean_x * mean_x + mean_y * mean_y) + TINY)
+        slip = slip + radius * (load(angles, h, NEW) - load(angles, h, OLD))
+        force, normal = press(part, i, change, timing)
+        friction = rub(part, i, slip, normal, timing)
+        new = load(state, i, BEND)
+        loss = loss + 0.5 * (damper + load(state, i, DAMPER)) * change
+        loss = loss + 0.5 * (drag + friction) * slip - 0.5 * stiffness * (new * new - bend * bend)
+        store(state, i, FORCE, normal)
+        relative = normal / load(part.numbers, i, LOAD)
+        store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), relative))
+        x, y = x / (distance + TINY), y / (distance + TINY)
+        turn(part.openings, world.state, h + 1, friction * y - force * x)
+        turn(part.openings, world.state, h + 2, -1.0 * friction * x - force * y)
+        turn(part.openings, world.state, h, -1.0 * radius * friction)
+    store(world.accounts, 0, part.account, loss)
+
+
+@hook(Journals)
+def note_events(part, world, timing):
+    """Note in part.log which pins touched (event 1) or left (0) their bearings in the step that
+    ends now. part: arrays of all pins (Journals); world: not used; timing: times of it (s)."""
+    for i in range(part.hinge.shape[0]):
+        start = load(part.numbers, i, CLEARANCE) + TOUCH / load(part.numbers, i, PER_DEPTH)
+        old, new = eccentricity(part, i, OLD), eccentricity(part, i, NEW)
+        note_crossings(part.log, i, start - old, start - new, timing)
+
+
+@hook(Journals)
+def energy_of(part, world, i):
+    """Return the strain energy (J, lanes) of pin i, and of its bristle. part: arrays of all pins
+    (Journals); world: solver state, not used; i: index of the pin."""
+    ratio, root = depth_of(part, i)
+    bend, hertz = load(part.state, i, BEND), load(part.numbers, i, HERTZ)
+    energy = load(part.numbers, i, LOAD) / load(part.numbers, i, PER_DEPTH) * ratio * ratio * root
+    energy = (0.5 - 0.1 * hertz) * energy
+    return energy + 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
+
+
+@hook(Journals)
+def record(part, world, row):
+    """Record force (N) and eccentricity (m) of each of the p pins in part.track, rows row * p + i.
+    part: arrays of all pins (Journals); world: not used; row: index of the recorded instant."""
+    count = part.hinge.shape[0]
+    for i in range(count):
+        store(part.track, row * count + i, 0, load(part.state, i, FORCE))
+        store(part.track, row * count + i, 1, eccentricity(part, i, NEW))

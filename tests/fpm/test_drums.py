@@ -95,7 +95,7 @@ def test_on_the_second_angle_of_a_universal_joint_it_is_as_on_a_hinge():
     text = TEXT.replace(axis, f"{universal}, openings: [0, start]")
     text = text.replace("joint: winch", "joint: winch_other")
     text = text.replace("drum: winch", "drum: winch_other")
-    (outcome,) = fpm.simulate(loads(text).build(), 0.2, 3, step=2e-4)
+    (outcome,) = fpm.simulate(loads(text).build(), duration=0.2, instants=3, step=2e-4)
     height = reference(outcome.time)[0]
     np.testing.assert_allclose(outcome.points["load"][0][:, 2], height, atol=1e-6)
 

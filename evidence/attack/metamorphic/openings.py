@@ -89,6 +89,9 @@ def swap_parts(structure: Structure, rng: random.Random) -> Image | None:
             action[key] = names.get(action[key], action[key])
         if "joints" in action:
             action["joints"] = [names.get(joint, joint) for joint in action["joints"]]
+    for cable in entries(clone, "cables").values():
+        if "drum" in cable:
+            cable["drum"] = names.get(cable["drum"], cable["drum"])
     return Image(clone, opening_maps=maps, names=names)
 
 
@@ -100,6 +103,9 @@ HINGE_TYPES = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "t
 
 def _turn_actions(structure: Structure, maps: dict[str, tuple[float, float]]) -> None:
     """Restate what acts on openings that are counted otherwise."""
+    for cable in entries(structure, "cables").values():
+        if "drum" in cable:
+            cable["radius"] *= maps.get(cable["drum"], (1.0, 0.0))[0]
     for action in entries(structure, "actions").values():
         if action["type"] == "loop":
             signs = [maps.get(joint, (1.0, 0.0))[0] for joint in action["joints"]]

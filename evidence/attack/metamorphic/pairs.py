@@ -73,7 +73,9 @@ def expected(curves: Curves, image: Image, joints: dict[str, str]) -> Curves:
         elif kind != "energy":
             sign, zero = image.opening_maps.get(joints.get(label, label), (1.0, 0.0))
             values = sign * values + (zero if kind in ("opening", "slide_opening") else 0.0)
-        key = kind, label if kind == "energy" else image.names.get(label, label)
+        head, _, number = label.rpartition(" ")  # of a stretch or point of a cable, "k1 2"
+        name = f"{image.names[head]} {number}" if head in image.names else label
+        key = kind, label if kind == "energy" else image.names.get(label, name)
         result[key] = image.factor(unit) * values, unit
     return result
 

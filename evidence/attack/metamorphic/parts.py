@@ -133,10 +133,12 @@ INERT: dict[str, dict[str, Any]] = {
 
 
 def reversed_cables(structure: Structure, rng: random.Random) -> Image | None:
-    """Cables without a winch stated from their other ends."""
+    """Cables without a winch or drum stated from their other ends."""
     clone = copy.deepcopy(structure)
-    cables = [cable for cable in entries(clone, "cables").values() if "reel" not in cable]
+    all_cables = entries(clone, "cables").values()
+    cables = [cable for cable in all_cables if not {"reel", "drum"} & cable.keys()]
     for cable in cables:
         cable["through"].reverse()
-    # That of a cable which rubs is told at its first point.
-    return Image(clone, is_exact=False, omits=frozenset({"cable_tension"})) if cables else None
+    # That of a cable which rubs is told at its first point, from which stretches count.
+    omits = frozenset({"cable_tension", "stretch_tension", "cable_slip"})
+    return Image(clone, is_exact=False, omits=omits) if cables else None

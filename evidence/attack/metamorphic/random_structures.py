@@ -55,6 +55,8 @@ class Draw(StructureDraft):
             self.drag(self.rng.choice(parts))
         if parts and self.chance(0.3):
             self.strut(self.rng.choice(parts))
+        if "cables" in self.structure and self.openings and self.chance(0.5):
+            self.drum()
         return self.structure
 
     def part(self, with_bars: bool) -> None:
@@ -227,6 +229,13 @@ class Draw(StructureDraft):
         reel = {"reel": self.number(0.0, 0.3), "curve": self.curve()} if self.chance(0.4) else {}
         self.add("cables", self.name("cables", "k"), through=path, EA=self.number(20.0, 300.0),
                  rest=rest, friction=friction, **reel)  # fmt: skip
+
+    def drum(self) -> None:
+        """A drum on the opening of a joint for a cable without a winch."""
+        cables = [c for c in self.structure["cables"].values() if "reel" not in c]
+        if cables:
+            radius = self.rng.choice([-1, 1]) * self.number(0.01, 0.1)
+            self.rng.choice(cables).update(drum=self.rng.choice([*self.openings]), radius=radius)
 
     def world(self) -> None:
         """Gravity, damping, and motions at the start that no joint forbids."""

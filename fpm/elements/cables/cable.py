@@ -71,7 +71,7 @@ class Cable(ElementType):
     beams: tuple[VirtualBeam, ...]
     stiffness: float = number("N", above=0.0, words="EA of {title}")
     rest: float = number("m", words="unstrained length of {title}")
-    reel: float = number("m", default=0.0)
+    reel: float = number("m", default=0.0, zero=False)
     curve: int = index("curves", -1, default=-1)
     friction: float | None = number(least=0.0, default=None)
     drum: int = index("hinges", -1, default=-1)
@@ -118,8 +118,8 @@ class Cable(ElementType):
             rest = length_through(scene, beams) / (1 + preload / stiffness) + reel_length
         if 0 <= (drum := fields.get("drum", -1)) < len(scene.hinges):
             fields["start"] = scene.hinges[drum].opening
-            if fields.get("least") is None:
-                fields["least"] = SHORTEST * rest
+        if fields.get("least") is None:
+            fields["least"] = SHORTEST * rest if drum >= 0 else 0.0
         return Cable(name, beams, stiffness, float(rest), **fields)
 
     def check(self, scene):

@@ -1,0 +1,229 @@
+"""Drums that wind cables, tensions and slips along cables, posts that turn, arms under tension."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import fpm
+from fpm.elements import TorqueMotor
+from fpm.reading.responses import parse
+from fpm.structures import loads
+
+G, MASS, SPIN = 9.81, 2.0, 0.01
+TEXT = """
+name: hoist
+gravity: [0, 0, -9.81 m/s2]
+parameters:
+  r: {value: 50, unit: mm}
+  M: {value: 3, unit: N m}
+  start: {value: 0, unit: rad}
+  EA: {value: 10, unit: kN}
+points: {O: [0, 0, 0], load: [0, 0, -1 m]}
+bodies:
+  reel: {mass: 1 kg, centre: O, inertia: [0.005, 0.01, 0.005]}
+  weight: {mass: 2 kg, centre: load, box: [0.1 m, 0.1 m, 0.1 m]}
+joints:
+  winch: {type: revolute, parts: [ground, reel], at: O, axis: y, opening: start}
+actions:
+  motor: {type: torque motor, joint: winch, torque: M}
+cables:
+  rope: {through: [{part: ground, at: O}, load], EA: EA, preload: 19.62 N, drum: winch, radius: r}
+record: {load: {part: weight, at: load}}
+"""
+HOISTS = [{}, {"r": -50, "M": -3.0, "start": 2.0}, {"M": 0.2}, {"EA": 0.06, "M": 1.2}]
+
+
+def reference(times, r=50, M=3.0, start=0.0, EA=10.0) -> np.ndarray:
+    """Height of the weight and turn of the drum from their equations of motion."""
+    r, EA = r / 1e3, EA * 1e3
+    rest = 1 / (1 + MASS * G / EA)
+
+    def slope(_, state):
+        height, speed, turn, rate = state
+        strain = max(-height / (rest - r * turn) - 1, 0.0)
+        pull = EA * strain
+        return speed, pull / MASS - G, rate, (M - r * pull * (1 + strain / 2)) / SPIN
+
+    span = (0, times[-1])
+    return solve_ivp(slope, span, [-1.0, 0, 0, 0], t_eval=times, rtol=1e-10, atol=1e-12).y
+
+
+@pytest.mark.slow
+def test_a_drum_lifts_and_lowers_as_its_equations_say_to_second_order():
+    scenes, errors = [loads(TEXT).build(**values) for values in HOISTS], []
+    for step in (4e-4, 2e-4):
+        outcomes = fpm.simulate(scenes, duration=0.3, instants=31, step=step)
+        for values, outcome in zip(HOISTS, outcomes, strict=True):
+            height, _, turn, _ = reference(outcome.time, **values)
+            opening = outcome.openings["winch"] - values.get("start", 0.0)
+            errors.append(np.abs(outcome.points["load"][0][:, 2] - height).max())
+            np.testing.assert_allclose(opening, turn, atol=1e-3)
+            assert np.abs(outcome.energies["balance"]).max() < 1e-5
+            assert not outcome.energies["reel"].any()
+    ratios = np.array(errors[:4]) / errors[4:]
+    np.testing.assert_allclose(ratios, 4.0, rtol=0.02)
+
+
+def hoist(torque=0.0, **cable) -> fpm.Scene:
+    """A drum at the origin, on the ground, which winds a cable over a point of it with a weight."""
+    scene = fpm.Scene("hoist", gravity=(0, 0, -G))
+    base, reel = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, SPIN))
+    scene.fix(base)
+    weight = int(scene.add_particles((1, 0, -1.0), MASS, 1.0)[0])
+    winch = scene.add_hinge("winch", (base, reel), (0, 0, 0), (0, 1, 0))
+    scene.add(TorqueMotor(winch, torque))
+    points = [(base, None), (base, (1, 0, 0)), (weight, None)]
+    scene.add_cable("rope", points, 1e5, preload=MASS * G, drum=winch, radius=0.05, **cable)
+    scene.add_point("load", weight)
+    return scene
+
+
+@pytest.mark.slow
+def test_a_counterweight_on_the_same_drum_balances():
+    scene = hoist()
+    second = int(scene.add_particles((-1, 0, -1.0), 2 * MASS, 1.0)[0])
+    points = [(0, None), (0, (-1, 0, 0)), (second, None)]
+    scene.add_cable("counter", points, 2e5, preload=2 * MASS * G, drum=0, radius=-0.025)
+    (outcome,) = fpm.simulate(scene, duration=0.3, instants=4)
+    assert np.abs(outcome.openings["winch"]).max() < 1e-9
+
+
+@pytest.mark.slow
+def test_on_the_second_angle_of_a_universal_joint_it_is_as_on_a_hinge():
+    axis = "type: revolute, parts: [ground, reel], at: O, axis: y, opening: start"
+    universal = "type: universal, parts: [ground, reel], at: O, axis: x, other: y"
+    text = TEXT.replace(axis, f"{universal}, openings: [0, start]")
+    text = text.replace("joint: winch", "joint: winch_other")
+    text = text.replace("drum: winch", "drum: winch_other")
+    (outcome,) = fpm.simulate(loads(text).build(), duration=0.2, instants=3, step=2e-4)
+    height = reference(outcome.time)[0]
+    np.testing.assert_allclose(outcome.points["load"][0][:, 2], height, atol=1e-6)
+
+
+@pytest.mark.slow
+def test_free_parts_keep_their_momentum_while_one_winds():
+    scene = fpm.Scene("free", gravity=(0, 0, -G))
+    places = [(0, 0, 0), (0.1, 0, 0), (0.3, 0.2, -1.0)]
+    base, reel, load = (int(p) for p in scene.add_particles(places, [3.0, 1.0, 2.0], 0.02))
+    winch = scene.add_hinge("winch", (base, reel), (0.1, 0, 0), (0, 1, 0))
+    points = [(base, (0.1, 0.05, 0)), (load, (0.3, 0.3, -0.9))]
+    scene.add_cable("rope", points, 1e4, preload=0.0, drum=winch, radius=0.03)
+    scene.add(TorqueMotor(winch, 0.5))
+    (outcome,) = fpm.simulate(scene, duration=0.5, instants=6)
+    final, mass = outcome.final, scene.mass[:, None]
+    turning = np.einsum("nij,nj,nkj,nk->ni", final.frame, scene.inertia, final.frame, final.spin)
+    momentum, center = mass * final.velocity, (mass * final.position).sum(axis=0) / mass.sum()
+    np.testing.assert_allclose(momentum.sum(axis=0), [0, 0, -6 * G * 0.5], atol=1e-10)
+    angular = np.cross(final.position - center, momentum) + turning
+    assert np.abs(angular.sum(axis=0)).max() < 1e-10
+    assert np.abs(outcome.energies["balance"]).max() < 1e-6 * outcome.energies["kinetic"].max()
+    assert outcome.tensions["rope"].max() > 1.0
+
+
+@pytest.mark.slow
+def test_what_is_too_much_for_a_cable_on_a_drum_is_named():
+    (outcome,) = fpm.simulate(hoist(3.0, least=1.9), duration=0.3, instants=31)
+    assert outcome.failure.cause == "winding"
+    assert "shortest" in str(outcome.failure) and "cable rope" in str(outcome.failure)
+
+
+ANGLES = np.linspace(0, np.pi, 5)
+RIM = 0.1 * np.stack([-np.cos(ANGLES), 0 * ANGLES, np.sin(ANGLES)], axis=1)
+
+
+def post(friction=0.3) -> fpm.Scene:
+    """A weight on a cable over a post that a motor turns towards it, wound by a drum below."""
+    scene = fpm.Scene("post", gravity=(0, 0, -G))
+    places = [(-0.1, 0, -1.0), (0, 0, 0), (-0.1, 0, -1.0), (0.1, 0, -1.0)]
+    base, round_post, reel, weight = (
+        int(p) for p in scene.add_particles(places, [1, 1, 1, MASS], SPIN)
+    )
+    scene.fix(base)
+    axle = scene.add_hinge("axle", (base, round_post), (0, 0, 0), (0, 1, 0))
+    winch = scene.add_hinge("winch", (base, reel), (-0.1, 0, -1.0), (0, 1, 0))
+    scene.add(TorqueMotor(axle, 5.0))
+    scene.add(TorqueMotor(winch, 3.0))
+    points = [(base, None), *((round_post, place) for place in RIM), (weight, None)]
+    scene.add_cable("rope", points, 1e4, preload=MASS * G, friction=friction, drum=winch,
+                    radius=0.05)  # fmt: skip
+    scene.add_point("load", weight)
+    return scene
+
+
+@pytest.mark.slow
+def test_on_a_post_that_turns_every_point_rubs_by_the_angle_that_it_has_then():
+    (outcome,) = fpm.simulate(post(), duration=0.12, instants=121, step=5e-5)
+    late = slice(40, None)
+    load, turns = outcome.points["load"][0][late], outcome.openings["axle"][late]
+    cos, sin, zero = np.cos(turns), np.sin(turns), 0 * turns
+    frames = np.stack([cos, zero, sin, zero, zero + 1, zero, -sin, zero, cos], axis=1)
+    rim = np.einsum("tij,pj->tpi", frames.reshape(-1, 3, 3), RIM)
+    start = np.tile([-0.1, 0, -1.0], (len(turns), 1, 1))
+    chords = np.diff(np.concatenate([start, rim, load[:, None]], axis=1), axis=1)
+    units = chords / np.linalg.norm(chords, axis=2)[:, :, None]
+    bends = np.arccos(np.sum(units[:, 1:] * units[:, :-1], axis=2))
+    tensions = outcome.records["stretch_tension"].values[late]
+    np.testing.assert_allclose(tensions[:, :-1] / tensions[:, 1:], np.exp(0.3 * bends), rtol=1e-8)
+    slips = outcome.records["cable_slip"].values
+    assert turns[-1] > 0.2 and slips[-1].max() < -0.02
+    # What friction takes: each difference of tensions over the way of the cable on its point.
+    steps = np.diff(tensions, axis=1)
+    power = np.sum(0.5 * (steps[1:] + steps[:-1]) * np.diff(slips[late], axis=0), axis=1)
+    loss = np.diff(outcome.energies["cable_friction"][late])
+    np.testing.assert_allclose(power, loss, rtol=1e-2)
+    assert np.abs(outcome.energies["balance"]).max() < 1e-4 * loss.sum()
+    first = outcome.times("slips", [f"cable rope point {i}" for i in range(2, 7)])
+    assert 0 < first[0] < 0.04
+
+
+@pytest.mark.slow
+def test_arms_under_tension_count_in_the_stable_step():
+    """A light body that a soft cable pulls at a short arm: a pendulum under that tension."""
+    scene = fpm.Scene("arm", gravity=(0, 0, -G))
+    top, body = (int(p) for p in scene.add_particles([(0, 0, 1.0), (0, 0, -0.02)], [1, 4], 1e-4))
+    scene.fix(top)
+    scene.add_cable("soft", [(top, None), (body, (0, 0, 0))], 50.0, preload=4 * G)
+    scene.spin[body] = (1e-3, 0, 0)
+    limit = fpm.find_stable_step(scene)
+    assert limit.frequency**2 > (4 * G * 0.02 + 4 * G * 0.02**2) / 1e-4
+    for factor, fails in ((0.99, False), (1.2, True)):
+        step = factor * limit.step
+        (outcome,) = fpm.simulate(scene, duration=2000 * step, instants=3, step=step)
+        assert (outcome.failure is not None) == fails
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("radius: r", "radius: 0 m", "cables.rope.radius"),
+        (", radius: r", "", "a length other than 0 with a `drum`"),
+        ("drum: winch, ", "", "a length other than 0 with a `drum`, none without"),
+        ("drum: winch, radius: r", "shortest: 0.1 m", "cables.rope.shortest"),
+        ("radius: r", "radius: r, shortest: 2 m", "below the unstrained length at the start"),
+        ("drum: winch", "drum: wheel", "cables.rope.drum"),
+        ("drum: winch", "drum: winch, curve: c", "cables.rope.drum"),
+        ("drum: winch", "drum: rail", "cables.rope.drum"),
+    ],
+)
+def test_what_is_refused(old, new, problem):
+    text = TEXT.replace("cables:", "curves: {c: {times: [0, 1], values: [0, 1]}}\ncables:")
+    rail = "  rail: {type: prismatic, parts: [ground, weight], at: load, axis: z}\nactions:"
+    text = text.replace("actions:", rail)
+    with pytest.raises(fpm.SceneError, match=problem):
+        loads(text.replace(old, new)).build()
+
+
+def test_stretches_and_points_are_asked_for_by_number():
+    scene = hoist()
+    response = parse("pull", {"tension": "rope", "stretch": 2}, scene)
+    assert response.columns == (("stretch_tension", "rope 2"),)
+    assert response.long_name == "tension of stretch 2 of cable rope"
+    assert parse("way", {"slip": "rope", "point": 2}, scene).unit == "m"
+    for definition, words in (
+        ({"tension": "rope", "stretch": 3}, "1 to 2"),
+        ({"slip": "rope", "point": 1}, "2 to 2"),
+        ({"slip": "rope", "point": True}, "2 to 2"),
+        ({"slip": "rope"}, "slip and point"),
+    ):
+        with pytest.raises(fpm.SceneError, match=words):
+            parse("x", definition, scene)

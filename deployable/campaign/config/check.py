@@ -29,6 +29,7 @@ from deployable.campaign.config.read import read
 from deployable.campaign.config.resolve import with_margins
 from deployable.campaign.config.scene_checks import accuracy_problems, resolve
 from deployable.campaign.config.sections import Campaign
+from deployable.campaign.config.units import StatedUnits
 from deployable.campaign.errors import ConfigError
 from fpm.structures.model import KEYS
 
@@ -105,6 +106,8 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}
     raw, case_lists = without_cases(raw)
+    original, units = raw, StatedUnits(raw)
+    raw = units.raw
     config, user_config, problems = read(raw)
     campaign = None
     if config is not None:
@@ -120,17 +123,24 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         problems += margin_problems + accuracy_problems(config, user_config)
         campaign, scene_problems = resolve(config, user_config)
         problems += scene_problems
-    if problems or campaign is None:
+    problems = [units.misfits.get(problem.partition(":")[0], problem) for problem in problems]
+    problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
+    if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
-    return _resolve_cases(campaign, raw, case_lists, source) if config.cases else campaign
+    if config.cases:
+        return _resolve_cases(campaign, raw, original, case_lists, source)
+    return campaign
 
 
-def _resolve_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: str) -> Campaign:
-    """The campaign with its cases, each checked as a campaign of its own."""
+def _resolve_cases(
+    campaign: Campaign, raw: Mapping, original: Mapping, case_lists: Mapping, source: str
+) -> Campaign:
+    """The campaign with its cases, each checked as a campaign of its own; original: the raw config
+    with its units, which in a case are of the case's structure."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
         fixed = fixed_interval_problems(cases[name], name, raw["intervals"])
-        config, changes = case_config(raw, name, case_lists)
+        config, changes = case_config(original, name, case_lists)
         _add(config, changes)
         try:
             campaigns[name] = check_config(config)

@@ -28,12 +28,15 @@ class RefusedError(ValueError):
 class Rule:
     """Limits and wording of a config key, put beside its type by `Annotated`; pydantic checks by
     them. allowed: what is allowed, in words, if the limits do not say it; text: what an entry of a
-    mapping is; unit: of the number; pattern: regular expression for the whole text; gt, ge, le: the
-    number is above, at least, at most this; least, most: number of entries of a mapping or list."""
+    mapping is; unit: of the number, "1": none, or what has it: "parameter", "response", "quantity";
+    units: of the numbers of a definition, pairs of key and unit; pattern: regular expression for
+    the whole text; gt, ge, le: the number is above, at least, at most this; least, most: number of
+    entries of a mapping or list."""
 
     allowed: str = ""
     text: str = ""
     unit: str = ""
+    units: tuple[tuple[str, str], ...] = ()
     pattern: str = ""
     gt: float | None = None
     ge: float | None = None
@@ -139,9 +142,19 @@ _HEAD = """\
 
 A [campaign](terms.md) is one YAML file, checked before any job starts; `python -m deployable check
 FILE` does it without running anything. `<name>` stands for a name of your own or of the scene.
-Numbers are in SI units unless a unit is given. This page is made from
-`deployable/campaign/config/models.py` by `python -m deployable keys`.
+Numbers are in SI units, or in the unit that stands in brackets behind what a key is. Each may be
+stated with a unit that fits, as in structures: `duration: 500 ms`, `step: 20 us`, `lower: 5 deg`,
+`relative: 10 %`, `at_most: 2.5 s`; plans and results are the same. So may what definitions of
+responses, quantities and margins hold: `level: 90 deg`, `within: 3 mm`, `at: 2 s`. This page is
+made from `deployable/campaign/config/models.py` by `python -m deployable keys`.
 """
+
+
+_UNIT_TEXTS = {
+    "1": "or in %", "parameter": "unit: the parameter's", "response": "unit: the response's",
+    "quantity": "unit: the quantity's",
+}  # fmt: skip
+"""What stands for units in the table."""
 
 
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
@@ -149,7 +162,7 @@ def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, 
     is allowed and default, as texts. prefix: put before the names, such as `solver.`."""
     entries = {"<name>": section.entry} if section.entry and section.entry.text else {}
     for name, child in (section.children | entries).items():
-        unit = f" ({child.key.unit})" if child.key.unit else ""
+        unit = f" ({_UNIT_TEXTS.get(child.key.unit, child.key.unit)})" if child.key.unit else ""
         default = "" if name == "<name>" else _default_text(child)
         yield f"{prefix}{name}", child.text + unit, child.allowed, default
         yield from rows(child, f"{prefix}{name}.")

@@ -36,7 +36,7 @@ CaseName = Annotated[
         "[A-Za-z][A-Za-z0-9 _-]{0,63}",
     ),
 ]
-Share = Annotated[float, Rule(ge=1e-4, le=1)]
+Share = Annotated[float, Rule(ge=1e-4, le=1, unit="1")]
 OrAuto = Literal["auto"]
 ABSENT: Any = None
 """Of a key without a default; a config cannot say it."""
@@ -61,13 +61,13 @@ class Aim(ConfigSection):
     name."""
     tolerance_by_name: Annotated[
         dict[str, Annotated[float, Rule(text="Share of the width of one response or quantity.",
-                                       ge=1e-4, le=1)]],
+                                       ge=1e-4, le=1, unit="1")]],
         Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
     max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
     """Most runs that may be spent, of all meshes, those of checks included."""
-    max_core_minutes: Annotated[float, Rule(gt=0)] = 60.0
+    max_core_minutes: Annotated[float, Rule(gt=0, unit="min")] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""
 
@@ -84,7 +84,8 @@ class SceneSection(ConfigSection):
     """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
     a Python file is run when it is read, so name only one that you trust."""
     parameters: Annotated[
-        dict[str, Any], Rule("a mapping from the scene's parameter names to values")
+        dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
+        Rule("a mapping from the scene's parameter names to values"),
     ] = field(default_factory=dict)
     """Values that differ from the scene's defaults, by the scene's own parameter names; numbers and
     options such as `elements`."""
@@ -108,9 +109,9 @@ class Solver(ConfigSection):
     """Time step. `auto` takes the largest that is stable over the whole box, times `safety`; either
     way it is shortened until the recording interval is a whole number of steps. One step serves all
     runs of a campaign, so that a run does not depend on its neighbours."""
-    safety: Annotated[float, Rule(gt=0, le=1)] = 0.9
+    safety: Annotated[float, Rule(gt=0, le=1, unit="1")] = 0.9
     """Share of the stable step that `auto` uses."""
-    energy_tolerance: Annotated[float, Rule(gt=0)] = 0.005
+    energy_tolerance: Annotated[float, Rule(gt=0, unit="1")] = 0.005
     """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
 
@@ -124,17 +125,17 @@ class Solver(ConfigSection):
 class IntervalSpec(ConfigSection):
     """One interval: `relative` or `absolute` half width about `nominal`, or `lower` and `upper`."""
 
-    nominal: Annotated[float, Rule("a number inside the interval")] = ABSENT
+    nominal: Annotated[float, Rule("a number inside the interval", unit="parameter")] = ABSENT
     """Value of the nominal run. Default: the scene's value with `relative` and `absolute`, the
     middle with `lower` and `upper`."""
-    relative: Annotated[float, Rule(ge=0)] = ABSENT
+    relative: Annotated[float, Rule(ge=0, unit="1")] = ABSENT
     """Half width as a share of the nominal value; 0.01 is ± 1 %."""
-    absolute: Annotated[float, Rule(ge=0)] = ABSENT
-    """Half width in the parameter's unit."""
-    lower: Annotated[float, Rule("a number, at most `upper`")] = ABSENT
-    """Lower end, in the parameter's unit; needs `upper`."""
-    upper: Annotated[float, Rule("a number, at least `lower`")] = ABSENT
-    """Upper end, in the parameter's unit; needs `lower`."""
+    absolute: Annotated[float, Rule(ge=0, unit="parameter")] = ABSENT
+    """Half width."""
+    lower: Annotated[float, Rule("a number, at most `upper`", unit="parameter")] = ABSENT
+    """Lower end; needs `upper`."""
+    upper: Annotated[float, Rule("a number, at least `lower`", unit="parameter")] = ABSENT
+    """Upper end; needs `lower`."""
 
     def __post_init__(self):
         keys = ("relative", "absolute", "lower", "upper")
@@ -195,7 +196,7 @@ class BoundsChoice(ConfigSection):
 class ErrorDisplay(ConfigSection):
     """How the error of the bounds is shown."""
 
-    shade_above: Annotated[float, Rule(gt=0)] = 0.1
+    shade_above: Annotated[float, Rule(gt=0, unit="1")] = 0.1
     """Figures shade the instants at which the error estimate exceeds this share of the largest
     width of the bounds."""
 
@@ -222,10 +223,10 @@ class Limits(ConfigSection):
     """Limits of one quantity, at least one. `at_least` and `at_most` are broken where it has no
     value, as its event does not happen; `happens: false` stands alone."""
 
-    at_least: float = ABSENT
-    """Least value, in the quantity's unit."""
-    at_most: float = ABSENT
-    """Largest value, in the quantity's unit."""
+    at_least: Annotated[float, Rule(unit="quantity")] = ABSENT
+    """Least value."""
+    at_most: Annotated[float, Rule(unit="quantity")] = ABSENT
+    """Largest value."""
     happens: bool = ABSENT
     """Whether it must happen, or must not."""
 
@@ -263,8 +264,8 @@ class ChooseSection(ConfigSection):
 
     parameters: Annotated[
         dict[str, Annotated[tuple[float, float], Rule(
-            "`[lower, upper]`, two numbers",
-            text="Range of the nominal value, in the parameter's unit.")]],
+            "`[lower, upper]`, two numbers", text="Range of the nominal value.",
+            unit="parameter")]],
         Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)  # fmt: skip
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
@@ -293,7 +294,8 @@ class CaseSection(ConfigSection):
     """One case: what differs from the campaign, which has the rest; `{}` is the campaign itself."""
 
     scene: Annotated[
-        dict[str, Any], Rule("a mapping from the scene's parameter names to values")
+        dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
+        Rule("a mapping from the scene's parameter names to values"),
     ] = field(default_factory=dict)
     """Values of scene parameters that are no intervals."""
     file: Annotated[
@@ -353,20 +355,22 @@ class Jobs(ConfigSection):
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
-Pair = Annotated[tuple[float, float], Rule("`[lower, upper]`, two numbers")]
+Times = Annotated[tuple[float, float], Rule("`[lower, upper]`, two numbers", unit="s")]
 _ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
-_Size = Annotated[float, Rule(gt=0)]
+_Size = Annotated[float, Rule(gt=0, unit="response")]
 
 
 @dataclass(frozen=True)
 class UnknownSensor(ConfigSection):
     """What is not known of the sensor, and eliminated within this test."""
 
-    delay: Pair = (0.0, 0.0)
-    """How much later than the structure's the file's times are, at least and at most (s)."""
+    delay: Times = (0.0, 0.0)
+    """How much later than the structure's the file's times are, at least and at most."""
     offset: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
     """Half width about 0 of what the sensor adds, in the response's unit, by response."""
-    gain: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    gain: Annotated[dict[Name, Annotated[float, Rule(gt=0, unit="1")]], _ByResponse] = field(
+        default_factory=dict
+    )
     """Half width about 1 of the factor on the response, by response."""
 
     def __post_init__(self):
@@ -393,16 +397,17 @@ class MeasuredTest(ConfigSection):
     """By how much the model may be wrong, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
-        dict[str, Annotated[Pair, Rule("`[lower, upper]`, two numbers",
-                                       text="Interval in this test, in the parameter's unit.")]],
+        dict[str, Annotated[tuple[float, float], Rule(
+            "`[lower, upper]`, two numbers", text="Interval in this test.", unit="parameter")]],
         Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
     ] = field(default_factory=dict)  # fmt: skip
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
     its start: they are eliminated within it."""
-    window: Pair = ABSENT
-    """First and last time of the file that count (s). Default: all behind the longest delay."""
+    window: Times = ABSENT
+    """First and last time of the file that count. Default: all behind the longest delay."""
     scene: Annotated[
-        dict[str, Any], Rule("a mapping from the scene's parameter names to values")
+        dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
+        Rule("a mapping from the scene's parameter names to values"),
     ] = field(default_factory=dict)
     """Values that held in this test, by the scene's parameter names; an interval parameter among
     them is not narrowed by it."""
@@ -410,10 +415,15 @@ class MeasuredTest(ConfigSection):
     """`check`: it may refute what the other tests leave, and narrows nothing."""
 
 
-def _definition(noun: str, example: str) -> Any:
-    """The type of a response's or quantity's definition, which the mechanics read."""
-    key = Rule(f"a mapping such as {example}", text=f"Definition of one {noun}.", least=1)
+def _definition(noun: str, example: str, **units: str) -> Any:
+    """The type of a response's or quantity's definition, which the mechanics read; units: of its
+    numbers, by key."""
+    text, pairs = f"Definition of one {noun}.", tuple(units.items())
+    key = Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
     return Annotated[dict[str, Any], key]
+
+
+_OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -423,7 +433,7 @@ class Config(ConfigSection):
     campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""
     accuracy: Annotated[
-        Share | Aim, Rule("a number from 0.0001 to 1, or a mapping")
+        Share | Aim, Rule("a number from 0.0001 to 1, or a mapping", unit="1")
     ] = ABSENT  # fmt: skip
     scene: Annotated[
         SceneSection,
@@ -445,7 +455,8 @@ class Config(ConfigSection):
     responses: Annotated[
         dict[
             Name,
-            _definition("response", "`{distance: [B, D]}` or `{velocity: B, component: z}`"),
+            _definition("response", "`{distance: [B, D]}` or `{velocity: B, component: z}`",
+                        at="1", **_OF_MARGINS),
         ],
         Rule("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
             "definitions"),
@@ -454,7 +465,15 @@ class Config(ConfigSection):
     tensions, energies, forces, stresses and others (docs/responses.md); at least one, unless there
     are `margins`."""
     quantities: Annotated[
-        dict[Name, _definition("quantity", "`{largest: vB}` or `{event: closes, number: 1}`")],
+        dict[
+            Name,
+            _definition(
+                "quantity",
+                "`{largest: vB}` or `{event: closes, number: 1}`",
+                at="s",
+                **dict.fromkeys(("level", "about", "within"), "response"),
+            ),
+        ],
         Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
     """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
@@ -462,7 +481,10 @@ class Config(ConfigSection):
     in which it does not happen has none."""
     margins: Annotated[
         dict[
-            Name, _definition("margin", "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`")
+            Name,
+            _definition(
+                "margin", "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`", **_OF_MARGINS
+            ),
         ],
         Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
@@ -473,7 +495,7 @@ class Config(ConfigSection):
     moves no margin."""
     published: Annotated[
         dict[str, Annotated[
-            float, Rule(text="Published largest difference, in the response's unit.")]],
+            float, Rule(text="Published largest difference.", unit="response")]],
         Rule("a mapping from names of `responses` to numbers"),
     ] = field(default_factory=dict)  # fmt: skip
     """Largest differences of the bounds that somebody has published, by response; the summary puts

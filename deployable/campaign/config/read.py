@@ -95,13 +95,12 @@ def _fault(raw: Any, error: Mapping) -> Fault:
         elif kind == "missing" and names[-1] in path:
             reason = "missing"
         else:
+            unit = keys[-1].key.unit
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
             if "number" not in allowed:
                 is_word = isinstance(value, str) and value[:1].isalpha()
                 hint = did_you_mean(value, re.findall(r"`(\w+)`", allowed)) if is_word else ""
-            elif path[-1:] == ["absolute"] and hint and "%" in value:
-                hint = hint.replace("mean ", "mean relative: ")
-            allowed += f" ({keys[-1].key.unit})" if keys[-1].key.unit else ""
+            allowed += f" ({unit})" if unit in ("s", "min") else ""
             reason = f"{show(value)} is not allowed{hint}"
         text = f"{key}: {reason}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)

@@ -28,7 +28,7 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
 from fpm.elements.fields import index, number, topology
 from fpm.elements.kind import ElementType, Energy, Eventful, Series, Watch
-from fpm.elements.openings.opening import ANGLE_TYPES, Opening
+from fpm.elements.openings.opening import Opening
 from fpm.errors import SceneError
 
 REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
@@ -131,8 +131,8 @@ class Cable(ElementType):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
             raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
-        if self.drum >= 0 and scene.hinges[self.drum].type not in ANGLE_TYPES:
-            allowed = f"a joint that is {' or '.join(ANGLE_TYPES)}"
+        if self.drum >= 0 and scene.hinges[self.drum].slides:
+            allowed = "a joint whose opening is an angle"
             raise SceneError(f"drum {owner}", scene.hinges[self.drum].name, allowed)
         if (self.drum >= 0) != (self.radius != 0):
             raise SceneError(f"radius {owner}", self.radius, "a length (m) other than 0, of a drum")

@@ -146,7 +146,7 @@ def _deflection(scene, hinge: int) -> float:
     ),
 )  # fmt: skip
 def bearing(build, args):
-    """Friction by the force that a joint itself bears.
+    """Friction by the force that a joint itself bears; a couple that it bears is not counted.
 
     Adds a Friction to the scene or, where load is None, to `scene.bearings`. build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), mu (coefficient of

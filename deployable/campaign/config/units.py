@@ -1,0 +1,191 @@
+"""Units on the numbers of a raw config: `duration: 3 s`, `relative: 10 %`, `at_most: 2.5 s`.
+
+Each becomes a number in the unit that its key has (`Rule.unit`), which may be that of a parameter,
+response or quantity, before anything else is checked: all that follows knows numbers alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import fpm
+from deployable.campaign.config.keys import ConfigKey
+from deployable.campaign.config.models import Config
+from deployable.campaign.config.read import show, whole
+from deployable.campaign.config.resolve import with_margins
+from deployable.campaign.config.sections import scene_type
+from fpm.errors import number_hint
+from fpm.files.outcome import eventful
+from fpm.reading import quantity_definitions
+from fpm.reading.quantities import KINDS
+from fpm.structures.units import NUMBER, Dimension, Unit, UnitError, unit
+
+_TEXT = re.compile(r"([-+]?(?:\d{1,60}(?:\.\d{0,60})?|\.\d{1,60})(?:[eE][-+]?\d{1,3})?)\s*(\D.*)")
+_CONFIG_UNITS = {
+    "%": Unit(1, 100, NUMBER, "%"),
+    "min": Unit(60, 1, Dimension(time=1), "min"),
+    "W": Unit(1, 1, Dimension(1, 2, -3), "W"),
+}
+"""Units of configs that are names or operators in structures."""
+
+_ON_SLIDES = {"rad/s2": "m/s2", "N m": "N"}
+_WRONG = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
+"""Errors raised where units depend on something of the config that is wrong itself."""
+
+
+class StatedUnits:
+    """Units stated in a raw config, in SI units or those of parameters. raw: the config with
+    numbers for texts of a number and a unit that fits its key; misfits: a sentence for each of the
+    others, by key; unknowns: the same of those that are of something unknown, which have become
+    numbers without unit, as what is wrong is told of that."""
+
+    def __init__(self, raw: Mapping):
+        self.misfits: dict[str, str] = {}
+        self.unknowns: dict[str, str] = {}
+        self._source, self._sections = raw, {}
+        openings = {"margins": ("from", "to")}  # which the mechanics read with their units
+        has_units = any(_has_units(x, openings.get(name, ())) for name, x in raw.items())
+        self.raw = {name: self._section(name) for name in raw} if has_units else raw
+
+    def _section(self, name: str) -> Any:
+        if name not in self._sections:
+            value, key = self._source.get(name), whole().children.get(name)
+            self._sections[name] = (
+                self._resolve(value, key, key.key.unit, (name,), "") if key else value
+            )
+        return self._sections[name]
+
+    def _resolve(
+        self, value: Any, key: ConfigKey, symbol: str, path: tuple, owner: str, parent: Any = None
+    ) -> Any:
+        """A value at a path, whose numbers have the unit `symbol`, or that of the `owner`, a name;
+        parent: the mapping that has it."""
+        if isinstance(value, Mapping):
+            result, symbols = {}, dict(key.key.units)
+            for name, item in value.items():
+                entry = key.child(name)
+                symbol = entry and (entry.key.unit or symbols.get(name, ""))
+                label = owner if name in key.children else name
+                place = (*path, str(name))
+                result[name] = (
+                    self._resolve(item, entry, symbol, place, label, value) if entry else item
+                )
+            return result
+        if isinstance(value, list | tuple):
+            return [self._resolve(item, key, symbol, path, owner, parent) for item in value]
+        match = symbol and isinstance(value, str) and _TEXT.fullmatch(value.strip())
+        if not match:
+            return value
+        try:
+            symbol = self._symbol_of(symbol, path, owner, parent)
+        except _WRONG:
+            place = ".".join(path)
+            self.unknowns[place] = f"{place}: {show(value)}, whose unit cannot be checked"
+            return float(match[1])
+        return self._number(value, *match.groups(), symbol, path, key)
+
+    def _number(
+        self, text: str, number: str, name: str, symbol: str, path: tuple, key: ConfigKey
+    ) -> Any:
+        """A number in the unit `symbol`; the text, which is noted, where its unit does not fit."""
+        hint, words = "", ", or in %" if symbol == "1" else f" ({symbol})"
+        try:
+            target = _unit(symbol)
+            words += ", with or without a unit that fits" * (symbol != "1")
+            source = _unit(name)
+            if _fits(source, target):
+                factor = Fraction(source.numerator) / Fraction(source.denominator)
+                factor *= Fraction(target.denominator) / Fraction(target.numerator)
+                is_whole = factor == 1 and number.lstrip("+-").isdigit()
+                return int(number) if is_whole else float(Fraction(number) * factor)
+            if name == "%" and path[-1] == "absolute":
+                hint = f" (did you mean relative: {text}?)"
+        except UnitError:
+            hint = number_hint(text) or f" ({name} is no unit)"
+        except OverflowError:
+            hint = " (no finite number)"
+        place = ".".join(path)
+        allowed = f"{key.allowed}{words}"
+        self.misfits[place] = f"{place}: {show(text)} is not allowed{hint}; allowed: {allowed}"
+        return text
+
+    # -- units that depend on the structure ---------------------------------------------------
+
+    def _symbol_of(self, symbol: str, path: tuple, owner: str, parent: Any) -> str:
+        """The unit of a key, by name."""
+        if symbol == "parameter":
+            return self._structure(path).parameters[owner].unit
+        if symbol == "quantity":
+            return self._quantities[owner].unit
+        if symbol == "response":
+            if path[0] == "quantities":
+                (owner,) = (parent[kind] for kind in KINDS if kind in parent)
+            return self._responses[owner].unit
+        if symbol in _ON_SLIDES:
+            opening = parent.get("along", parent.get("margin"))
+            opening = opening if isinstance(opening, str) else opening[0]
+            slides = {hinge.name: hinge.slides for hinge in self._structure(path).sample.hinges}
+            return _ON_SLIDES[symbol] if slides[opening] else symbol
+        return symbol
+
+    def _structure(self, path: tuple = ("",)) -> Any:
+        case = self._source["cases"][path[1]] if path[0] == "cases" else {}
+        section = case if "file" in case else self._source["scene"]
+        return scene_type(section.get("name") or "", section.get("file") or "")
+
+    @cached_property
+    def _with_margins(self) -> Config:
+        names = ("responses", "margins")
+        sections = {name: _definitions(self._section(name)) for name in names}
+        review = self._source.get("review")
+        config = Config(campaign="", scene=None, intervals={}, review=review, **sections)
+        return with_margins(config, {"duration": 0})[0]
+
+    @cached_property
+    def _responses(self) -> dict[str, Any]:
+        scene, responses = self._structure().sample, {}
+        for name, definition in self._with_margins.responses.items():
+            with suppress(fpm.SceneError):
+                responses[name] = fpm.responses.parse(name, definition, scene)
+        return responses
+
+    @cached_property
+    def _quantities(self) -> dict[str, Any]:
+        elements = eventful(self._structure().sample)
+        definitions = _definitions(self._section("quantities")) | self._with_margins.quantities
+        quantities, _ = quantity_definitions.parse(definitions, self._responses.values(), elements)
+        return {quantity.name: quantity for quantity in quantities}
+
+
+def _has_units(value: Any, exclusions: tuple = ()) -> bool:
+    """Whether a text may have a unit, those under the keys `exclusions` left out."""
+    if isinstance(value, Mapping):
+        return any(
+            _has_units(item, exclusions)
+            for key, item in value.items()
+            if key not in exclusions or isinstance(item, Mapping)
+        )
+    if isinstance(value, list | tuple):
+        return any(map(_has_units, value))
+    return isinstance(value, str) and _TEXT.fullmatch(value.strip()) is not None
+
+
+def _definitions(section: Any) -> dict[str, Mapping]:
+    return {name: x for name, x in dict(section or {}).items() if isinstance(x, Mapping)}
+
+
+def _unit(text: str) -> Unit:
+    return _CONFIG_UNITS.get(text) or unit(text.replace("degree", "deg"))
+
+
+def _fits(source: Unit, target: Unit) -> bool:
+    """Whether a number in one unit may stand for another: of the same dimension, no angle for a
+    plain number, no frequency for an angular one."""
+    first, second = (bool(re.search("rad|degree|rpm", x.udunits)) for x in (source, target))
+    is_same = source.dimension.powers == target.dimension.powers
+    is_free = any(target.dimension.powers) and "Hz" not in source.udunits + target.udunits
+    return is_same and (first == second or is_free)

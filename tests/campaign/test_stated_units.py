@@ -1,0 +1,287 @@
+"""Numbers of a config with units are those without: the same campaign, digests and plan."""
+
+from __future__ import annotations
+
+import copy
+import re
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from deployable.campaign.config.check import check_config, load_config
+from deployable.campaign.config.loader import load
+from deployable.campaign.config.models import Config
+from deployable.campaign.config.sections import as_json, digest
+from deployable.campaign.config.units import StatedUnits
+from deployable.campaign.errors import ConfigError
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = [*sorted(ROOT.glob("config/*.yaml")), ROOT / "config/measured/first_test.yaml"]
+FINER = {"s": ("ms", 3), "m": ("mm", 3), "1": ("%", 2), "N m": ("N mm", 3), "Pa": ("kPa", -3)}
+"""Units in which numbers are stated here, and how many digits their point moves."""
+
+UNITS = {  # of keys: fixed ones, or whose
+    r"accuracy(\.tolerance(_by_name\.\w+)?)?": "1",
+    r"(cases\.[^.]+\.)?solver\.duration|solver\.step|measured\.\w+\.(window|unknown\.delay)": "s",
+    r"solver\.(safety|energy_tolerance)|error\.shade_above|measured\.\w+\.unknown\.gain\.\w+": "1",
+    r"(cases\.[^.]+\.)?intervals\.(\w+)\.relative|responses\.\w+\.at": "1",
+    r"(?:cases\.[^.]+\.)?intervals\.(\w+)\.\w+|choose\.parameters\.(\w+)": "parameter",
+    r"scene\.parameters\.(\w+)|cases\.[^.]+\.scene\.(\w+)|measured\.\w+\.start\.(\w+)": "parameter",
+    r"requirements\.\w+\.(\w+)\.at_(?:least|most)": "quantity",
+    r"published\.(\w+)|measured\.\w+\.(?:unknown\.offset|band|model)\.(\w+)": "response",
+    r"quantities\.(\w+)\.(?:level|about|within)": "response of",
+    r"quantities\.\w+\.at": "s",
+    r"jobs\.minutes|accuracy\.max_core_minutes": "min",
+}  # fmt: skip
+
+
+class Rewriting:
+    """States the numbers of a config with units; count: how many by whose unit."""
+
+    def __init__(self, campaign, raw):
+        experiment = campaign.experiment
+        quantities = {quantity.name: quantity for quantity in experiment.quantity_list}
+        self.units = {
+            "parameter": {n: p.unit for n, p in experiment.scene_type.parameters.items()},
+            "response": {curve.name: curve.unit for curve in experiment.response_list},
+            "quantity": {n: quantity.unit for n, quantity in quantities.items()},
+            "response of": {n: q.response.unit for n, q in quantities.items() if q.response},
+        }
+        self.count: dict[str, int] = {}
+        self.raw = self.stated(raw, ())
+
+    def stated(self, value, path):
+        if isinstance(value, dict):
+            return {key: self.stated(item, (*path, key)) for key, item in value.items()}
+        if isinstance(value, list):
+            return [self.stated(item, path) for item in value]
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return value
+        for pattern, unit in UNITS.items():
+            if match := re.fullmatch(pattern, ".".join(path)):
+                names = [name for name in match.groups() if name]
+                symbol = self.units[unit][names[-1]] if unit in self.units else unit
+                self.count[unit] = self.count.get(unit, 0) + 1
+                return self.text(value, symbol)
+        return value
+
+    def text(self, value, symbol):
+        """A whole number keeps its unit, so that it stays whole."""
+        scale = FINER if isinstance(value, float) else {}
+        name, digits = scale.get(symbol, (symbol.replace("degree", "deg"), 0))
+        return value if name == "1" else f"{Decimal(repr(value)).scaleb(digits)} {name}"
+
+
+def in_folder(path: Path, monkeypatch) -> dict:
+    monkeypatch.chdir(path.parent)
+    return load(path)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_campaigns_stated_with_units_are_the_same(path, monkeypatch):
+    raw = in_folder(path, monkeypatch)
+    expected = check_config(raw)
+    rewriting = Rewriting(expected, copy.deepcopy(raw))
+    assert sum(rewriting.count.values()) >= 2
+    again = check_config(yaml.safe_load(yaml.safe_dump(rewriting.raw, sort_keys=False)))
+    assert again == expected
+    assert digest(again.experiment) == digest(expected.experiment)
+    sections = [as_json(**{n: getattr(c, n) for n in vars(c) if n != "case_campaigns"})
+                for c in (again, expected)]  # fmt: skip
+    assert sections[0] == sections[1]
+    for name, case in expected.case_campaigns.items():
+        assert digest(again.case_campaigns[name].experiment) == digest(case.experiment)
+
+
+PANEL = """
+campaign: panel
+scene: {file: panel.yaml}
+solver: {duration: 0.5, instants: 51}
+intervals: {k: {relative: 0.1}}
+responses: {hinge: {opening: hinge}, tip: {velocity: tip, component: norm}}
+quantities: {t: {crossing: hinge, level: 0.5}, most: {largest: tip}}
+requirements: {in_time: {t: {at_most: 0.4}}}
+"""
+
+
+@pytest.fixture
+def panel(monkeypatch) -> dict:
+    monkeypatch.chdir(ROOT / "config" / "structures")
+    return yaml.safe_load(PANEL)
+
+
+def changed(raw: dict, key: str, value) -> dict:
+    *names, last = key.split(".")
+    section = raw
+    for name in names:
+        section = section.setdefault(name, {})
+    section[last] = value
+    return raw
+
+
+@pytest.mark.parametrize(("key", "text", "number"), [
+    ("solver.duration", "0.7 ms", 0.0007), ("solver.duration", "1.1ms", 0.0011),
+    ("solver.duration", "0.01 min", 0.6), ("solver.step", "20 us", 2e-5),
+    ("jobs.minutes", "900 s", 15.0), ("jobs.run_seconds", "0.05 min", 3.0),
+    ("intervals.k.relative", "12.5 %", 0.125),
+    ("intervals.side", {"absolute": "1 cm"}, {"absolute": 10.0}),
+    ("intervals.rest", {"lower": "1 rad", "upper": "180 deg"},
+     {"lower": 57.29577951308232, "upper": 180}),
+    ("scene.parameters.E", "70e9 Pa", 70.0), ("scene.parameters.side", "0.1 m", 100.0),
+    ("quantities.t.level", "90 deg", 1.5707963267948966),
+    ("requirements.in_time.t.at_most", "400ms", 0.4),
+    ("choose", {"parameters": {"L": ["900 mm", "1.2 m"]}, "minimise": "upper(t)"},
+     {"parameters": {"L": [0.9, 1.2]}, "minimise": "upper(t)"}),
+    ("published.tip", "500 mm/s", 0.5), ("error.shade_above", "5 %", 0.05),
+    ("quantities.s", {"settling": "tip", "within": "3 mm/s", "about": "0 m/s"},
+     {"settling": "tip", "within": 0.003, "about": 0}),
+    ("margins.m", {"along": "hinge", "to": "90 deg", "standard": "nasa-std-5017b",
+                   "specified_acceleration": "180 deg/s2", "output_torque": "3 N mm"},
+     {"along": "hinge", "to": "90 deg", "standard": "nasa-std-5017b",
+      "specified_acceleration": 3.141592653589793, "output_torque": 0.003}),
+    ("accuracy", "5 %", 0.05),
+    ("accuracy", {"tolerance_by_name": {"t": "2 %"}, "max_core_minutes": "2 min"},
+     {"tolerance_by_name": {"t": 0.02}, "max_core_minutes": 2}),
+])  # fmt: skip
+def test_a_text_stands_for_its_number(panel, key, text, number):
+    stated = check_config(changed(copy.deepcopy(panel), key, text))
+    assert stated == check_config(changed(panel, key, number))
+
+
+@pytest.mark.parametrize(("key", "text", "allowed"), [
+    ("solver.duration", "3 m", "a number from 1e-9 to 1e6 (s), with or without a unit that fits"),
+    ("solver.duration", "3 %", "(s), with or without"),
+    ("solver.instants", "3 s", "a whole number from 2 to 1000000"),
+    ("intervals.k.relative", "3 deg", "a number of at least 0, or in %"),
+    ("intervals.k", {"absolute": "10 %"}, "(N m rad-1), with or without a unit that fits"),
+    ("intervals.rest", {"lower": "3 %", "upper": 3}, "(degree), with or without"),
+    ("requirements.in_time.t.at_most", "3 rad", "a number (s), with or without"),
+    ("requirements.in_time.most.at_most", "3 m/s2", "a number (m s-1), with or without"),
+    ("quantities.t.level", "3 %", "a number (rad), with or without"),
+    ("quantities.t.level", "3 mm", "a number (rad), with or without"),
+    ("quantities.v", {"value": "tip", "at": "3 m"}, "a number (s), with or without"),
+    ("published.tip", "3 Hz", "a number (m s-1), with or without"),
+    ("scene.parameters.L", "3 kg", "a number (m), with or without"),
+    ("scene.parameters.elements", "3 deg", "a number, or in %"),
+    ("choose.parameters.L", [1, "2 s"], "two numbers (m), with or without"),
+    ("design.order", "3 s", "a whole number from 1 to 64"),
+    ("solver.step", "1e999 s", "`auto` or a number above 0 (s), with or without"),
+    ("solver.step", "2 s s", "`auto` or a number above 0 (s), with or without"),
+    ("solver.step", "2*3 s", "`auto` or a number above 0 (s), with or without"),
+])  # fmt: skip
+def test_a_unit_that_does_not_fit_is_refused_once(panel, key, text, allowed):
+    with pytest.raises(ConfigError) as caught:
+        check_config(changed(panel, key, text))
+    mine = [p for p in caught.value.problems if p.startswith(key)]
+    assert len(mine) == 1 and "' is not allowed" in mine[0] and allowed in mine[0]
+
+
+@pytest.mark.parametrize(("key", "value", "words"), [
+    ("intervals.K", {"lower": "1 m", "upper": "2 m"}, "intervals.K: there is no such parameter"),
+    ("requirements.in_time.T.at_most", "3 s", "requirements.in_time.T: there is no such quantity"),
+    ("quantities.t", {"crossing": "hing", "level": "3 deg"}, "quantities.t.crossing: 'hing'"),
+    ("responses.hinge", {"opening": "hing"}, "responses.hinge.opening: 'hing'"),
+    ("scene.file", "lost.yaml", "scene.file: lost.yaml"),
+])  # fmt: skip
+def test_of_what_is_unknown_the_unit_is_not_blamed(panel, key, value, words):
+    changed(panel, "quantities.t.level", "30 deg")
+    changed(panel, "intervals.L", {"absolute": "1 mm"})
+    with pytest.raises(ConfigError) as caught:
+        check_config(changed(panel, key, value))
+    assert [problem for problem in caught.value.problems if problem.startswith(words)]
+    assert len(caught.value.problems) == 1
+
+
+def test_units_of_a_case_are_of_its_structure(panel, tmp_path):
+    text = Path("panel.yaml").read_text(encoding="utf-8")
+    assert "L: {value: 1, unit: m, range: [0.01, 100]," in text
+    other = text.replace("L: {value: 1, unit: m, range: [0.01, 100],", "L: {value: 1000, unit: mm,")
+    (tmp_path / "other.yaml").write_text(other, encoding="utf-8")
+    raw = changed(panel, "intervals.L", {"nominal": "0.9 m", "absolute": "10 mm"})
+    other = {"file": str(tmp_path / "other.yaml"), "scene": {"side": "1 cm"}}
+    raw["cases"] = {"metres": {"intervals": {"k": {"relative": "5 %"}}}, "millimetres": other}
+    campaigns = check_config(raw).case_campaigns
+    lengths = [case.experiment.intervals["L"] for case in campaigns.values()]
+    assert [(i.lower, i.nominal, i.upper) for i in lengths] == [(0.89, 0.9, 0.91), (890, 900, 910)]
+    assert campaigns["millimetres"].experiment.scene.parameters == {"side": 10.0}
+    raw["cases"]["millimetres"]["scene"]["side"] = "1 s"
+    with pytest.raises(ConfigError, match=r"cases.millimetres.scene.side: '1 s' is not .*\(mm\)"):
+        check_config(raw)
+
+
+def test_units_on_slides_are_lengths_and_forces(monkeypatch):
+    monkeypatch.chdir(ROOT / "config" / "structures")
+    raw = yaml.safe_load(PANEL) | {"scene": {"file": "telescope.yaml"}, "quantities": {}}
+    hinges = load_config([ROOT / "config/telescope.yaml"]).experiment.nominal_scene.hinges
+    slide = next(hinge.name for hinge in hinges if hinge.slides)
+    margin = {"along": slide, "to": "1 m", "standard": "nasa-std-5017b", "output_torque": "2 N m"}
+    units = StatedUnits({**raw, "margins": {"m": margin}})
+    assert "(N), with or without" in units.misfits["margins.m.output_torque"]
+    units = StatedUnits({**raw, "margins": {"m": {**margin, "output_torque": "2 kN"}},
+                         "responses": {"x": {"opening": slide}},
+                         "quantities": {"t": {"crossing": "x", "level": "3 mm"}},
+                         "requirements": {"far": {"m_least": {"at_least": "10 %"}}}})  # fmt: skip
+    assert not units.misfits and not units.unknowns
+    assert units.raw["margins"]["m"]["output_torque"] == 2000
+    assert units.raw["quantities"]["t"]["level"] == 0.003
+    assert units.raw["requirements"]["far"]["m_least"]["at_least"] == 0.1
+
+
+def test_a_config_without_units_is_itself():
+    raw = load(ROOT / "config/review.yaml")
+    assert StatedUnits(raw).raw is raw
+
+
+def test_files_and_overrides_may_state_units(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(PANEL.replace("panel.yaml", str(ROOT / "config/structures/panel.yaml"))
+                    .replace("0.5,", "500 ms,"))  # fmt: skip
+    assert load_config([path]).experiment.solver.duration == 0.5
+    overrides = {"solver": {"duration": "700 ms"}}
+    assert load_config([path], overrides).experiment.solver.duration == 0.7
+    with pytest.raises(ConfigError, match=r"--config: solver.duration: '7 mm' is not"):
+        load_config([path], {"solver": {"duration": "7 mm"}})
+    path.write_text(path.read_text().replace("500 ms", "500 mm"))
+    with pytest.raises(ConfigError, match=r"line 4: solver.duration: '500 mm' is not"):
+        load_config([path])
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.decimals("-1e9", "1e9", allow_nan=False, places=7), st.sampled_from(["ms", "us", "s"]))
+def test_numbers_are_those_of_their_decimals(number, unit):
+    digits = {"ms": -3, "us": -6, "s": 0}[unit]
+    raw = StatedUnits({"solver": {"duration": f"{number:f} {unit}"}}).raw
+    assert raw["solver"]["duration"] == float(number.scaleb(digits))
+
+
+def leaves(value, path=()):
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield (*path, key)
+            yield from leaves(item, (*path, key))
+
+
+@pytest.mark.parametrize("text", ["3 s", "5 %", "2 deg", "1 m/s", "7 N m rad-1", ["3 s", "4 s"],
+                                  {"a": "3 s"}, "9" * 70 + " s", "1e99999999 s"])  # fmt: skip
+def test_units_anywhere_are_taken_or_refused_by_key(panel, text):
+    panel |= {
+        "margins": {"m": {"along": "hinge", "to": "90 deg", "standard": "nasa-std-5017b"}},
+        "choose": {"parameters": {"L": [0.9, 1.1]}, "minimise": "upper(t)", "order": 2},
+        "cases": {"a": {"scene": {"L": 1.1}}}, "published": {"tip": 3},
+        "measured": {"x": {"file": "none.csv", "columns": {"a": "hinge"}, "band": {"hinge": 1},
+                           "window": [0, 1], "scene": {"L": 1}, "start": {"rest": [1, 2]}}},
+    }  # fmt: skip
+    for path in leaves(panel):
+        raw = copy.deepcopy(panel)
+        section = raw
+        for name in path[:-1]:
+            section = section[name]
+        section[path[-1]] = text
+        units = StatedUnits(raw)
+        for key, sentence in (units.misfits | units.unknowns).items():
+            assert sentence.startswith(f"{key}: ") and key.startswith(".".join(path))
+        assert set(units.raw) <= set(Config.__dataclass_fields__)

@@ -8,11 +8,11 @@ of bars are in balance then; what holds openings exactly holds them. From positi
 is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
 energy U against a drag in proportion to the masses (pseudo-transient continuation: Kelley and
 Keyes, SIAM J. Numer. Anal. 35 (1998) 508). ε falls while that succeeds, so that the steps become
-Newton's own; it grows where Newton's method does not converge, moves too far, or where U + ε M (x -
-x₀)²/2 is not less than at x₀. What U changes by is the strain energy of bars, less the work of all
-other forces on the way, which need no potential. They come from the elements' own kernels, their
-stiffness from differences of these. Friction and dampers give no force at rest; latches have not
-caught."""
+Newton's own; it grows where Newton's method does not converge, moves too far, or comes to what is
+no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes by is the strain energy of bars,
+less the work of all other forces on the way, which need no potential. They come from the elements'
+own kernels, their stiffness from differences of these. Friction and dampers give no force at rest;
+latches have not caught."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -28,6 +28,7 @@ from fpm.assembly import (
     SOFT_SHARE,
     STEP_TOL,
     MisfitError,
+    _negative,
     _RestSearch,
     linearise,
     masses,
@@ -52,9 +53,9 @@ CLOSE, SMALL = 1e-3, 1e-7
 """Share of a motion by which Newton's method may still move at its end; and motion (share of the
 size, rad) by which the energy changes as little as it is rounded."""
 
-RESOLUTION, ROUNDING = 1e-9, 1e-14
-"""Share of the largest stiffness of elements that differences of their forces resolve, and share of
-the largest force that may be left."""
+RESOLUTION, ROUNDING, NEGATIVE = 1e-9, 1e-14, 1e-12
+"""Share of the largest stiffness of elements that differences of their forces resolve, share of the
+largest force that may be left, and share of the largest eigenvalue below which one is negative."""
 
 EASE_SHARE, EASE_DECREASE, EASE_INCREASE = 1e-2, 1 / 30, 10.0
 """ε at first, as a share of the largest force; its factors after a position that was found, and
@@ -292,9 +293,11 @@ class _EquilibriumSearch(_RestSearch):
             if not (np.isfinite(largest) and max(largest, size) <= REACH):
                 return None
             impulses = impulses + change
-            if largest <= max(CLOSE * size, STEP_TOL) and self._gap(poses) <= max(
-                CLOSE * size**2, GAP_TOL
-            ):
+            is_closed = self._gap(poses) <= max(CLOSE * size**2, GAP_TOL)
+            if is_closed and largest <= max(CLOSE * size, STEP_TOL):
+                inverse = lambda force: solve(force / self._scales, self._no_gaps)[0]  # noqa: B023, E731
+                if size > SMALL and _negative(inverse, len(motion), NEGATIVE).shape[1]:
+                    return None
                 return poses, impulses, motion
         return None
 

@@ -117,7 +117,8 @@ FORCES = {  # statement, and the sum of forces (N) down along the way x (m)
              "wind: [0, 0, -9]}}\nactions: {s: {type: spring, joint: rail, stiffness: 400 N/m}}",
              lambda x: WEIGHT + 0.12 * 81 - 400 * x),
     "friction": ("actions:\n  s: {type: spring, joint: rail, stiffness: 400 N/m}\n"
-                 "  f: {type: friction, joint: rail, force: 99 N}\n  d: {type: damper, joint: rail, damping: 9 N s/m}\n"
+                 "  f: {type: friction, joint: rail, force: 99 N}\n"
+                 "  d: {type: damper, joint: rail, damping: 9 N s/m}\n"
                  "  l: {type: latch, joint: rail, position: 20 mm, stiffness: 1e5 N/m}",
                  lambda x: WEIGHT - 400 * x),
 }  # fmt: skip

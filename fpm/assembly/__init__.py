@@ -294,9 +294,10 @@ class _RestSearch:
         raise MisfitError(f"joint {name}", _gap_text(gap, tilt), allowed)
 
 
-def _negative(apply, count: int) -> np.ndarray:
-    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative. Lanczos'
-    method from a fixed start, each vector made normal to all before."""
+def _negative(apply, count: int, share: float = 0.0) -> np.ndarray:
+    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative, by a share
+    of its largest eigenvalue. Lanczos' method from a fixed start, each vector made normal to all
+    before."""
     basis = [np.random.default_rng(1).standard_normal(count)]
     basis[0] /= np.linalg.norm(basis[0])
     images: list[np.ndarray] = []
@@ -313,7 +314,7 @@ def _negative(apply, count: int) -> np.ndarray:
         return np.zeros((count, 0))
     small = np.array(basis[: len(images)]) @ np.array(images).T
     values, vectors = np.linalg.eigh((small + small.T) / 2)
-    return np.array(images).T @ vectors[:, values < 0]
+    return np.array(images).T @ vectors[:, values < -share * np.abs(values).max()]
 
 
 def linearise(

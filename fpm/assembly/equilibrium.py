@@ -8,11 +8,11 @@ of bars are in balance then; what holds openings exactly holds them. From positi
 is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
 energy U against a drag in proportion to the masses (pseudo-transient continuation: Kelley and
 Keyes, SIAM J. Numer. Anal. 35 (1998) 508). ε falls while that succeeds, so that the steps become
-Newton's own; it grows where Newton's method does not converge, moves too far, or where U + ε M (x -
-x₀)²/2 is not less than at x₀. What U changes by is the strain energy of bars, less the work of all
-other forces on the way, which need no potential. They come from the elements' own kernels, their
-stiffness from differences of these. Friction and dampers give no force at rest; latches have not
-caught."""
+Newton's own; it grows where Newton's method does not converge, moves too far, or comes to what is
+no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes by is the strain energy of bars,
+less the work of all other forces on the way, which need no potential. They come from the elements'
+own kernels, their stiffness from differences of these. Friction and dampers give no force at rest;
+latches have not caught."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -28,34 +28,36 @@ from fpm.assembly import (
     SOFT_SHARE,
     STEP_TOL,
     MisfitError,
+    _negative,
     _RestSearch,
     linearise,
     masses,
 )
 from fpm.assembly.conditions import ParticlePoses, conditions_of, scale_matrix
 from fpm.assembly.elastic import elastic_of
+from fpm.assembly.element_forces import ElementForces, acts
 from fpm.elements import Drag, Load, Motor, Release, TorsionSpring, kinds_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
-from fpm.travel.element_forces import ElementForces, acts
 
-POSITIONS, FIRM_POSITIONS, ROUNDS, AWAY = 300, 60, 12, 20
+POSITIONS, FIRM_POSITIONS, ROUNDS, DISTANCE = 300, 60, 12, 20
 """Most positions on the way down; number of them in which ε may not fall to what differences of
 forces do not resolve; most rounds of Newton's method for each; and how many times its size the
 structure may move."""
 
-REACH = 0.3
-"""Largest motion from one position to the next, as a share of the size, or turn (rad)."""
+REACH, AIM = 0.3, 0.2
+"""Largest motion from one position to the next, as a share of the size, or turn (rad); and that at
+which ε stays."""
 
 CLOSE, SMALL = 1e-3, 1e-7
 """Share of a motion by which Newton's method may still move at its end; and motion (share of the
 size, rad) by which the energy changes as little as it is rounded."""
 
-RESOLUTION, ROUNDING = 1e-9, 1e-14
-"""Share of the largest stiffness of elements that differences of their forces resolve, and share of
-the largest force that may be left."""
+RESOLUTION, ROUNDING, NEGATIVE = 1e-9, 1e-14, 1e-12
+"""Share of the largest stiffness of elements that differences of their forces resolve, share of the
+largest force that may be left, and share of the largest eigenvalue below which one is negative."""
 
-FIRST, LESS, MORE = 1e-2, 1 / 30, 10.0
+EASE_SHARE, EASE_DECREASE, EASE_INCREASE = 1e-2, 1 / 30, 10.0
 """ε at first, as a share of the largest force; its factors after a position that was found, and
 after one that was not."""
 
@@ -172,10 +174,10 @@ class Potential:
         that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
         (m) or angle (rad) that is the unit of each."""
         pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self._sources)]
-        bars, *others = (
+        bars, *sizes = (
             float(abs(scale_matrix(k, scales, scales)).max()) if k.nnz else 0.0 for _, k in pairs
         )
-        return bars, max(others, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
+        return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
 
 
 def _springs_at_start(scene) -> list[TorsionSpring]:
@@ -219,9 +221,9 @@ class _EquilibriumSearch(_RestSearch):
         for _ in range(2):
             solve, gradient = self._system(poses, self.potential, impulses, SOFT_SHARE)
             impulses = impulses + solve(-gradient, self._no_gaps)[1]
-        left = np.abs(gradient[self._free]).max(initial=0.0)
+        residual = np.abs(gradient[self._free]).max(initial=0.0)
         forces = self.potential.sizes(poses, np.ones_like(self._scales))[2]
-        return float(left), float(forces.max(initial=0.0)), self.potential.energy(poses)
+        return float(residual), float(forces.max(initial=0.0)), self.potential.energy(poses)
 
     def _rest(self, poses):
         """Poses downhill in balance, the impulses there and the number of positions."""
@@ -229,45 +231,47 @@ class _EquilibriumSearch(_RestSearch):
         if self._is_led:
             return poses, impulses, count
         self._is_led, hinges = True, self._scene.hinges
-        held = [hinge for hinge in hinges if hinge.name in self._targets]
-        ways = {h.name: self._targets[h.name] - h.opening for h in held}
-        lengths = [abs(ways[h.name]) / (self._size if h.slides else 1.0) for h in held]
+        changes = {h.name: self._targets.get(h.name, h.opening) - h.opening for h in hinges}
+        lengths = [abs(changes[h.name]) / (self._size if h.slides else 1.0) for h in hinges]
         steps = int(np.ceil(max(lengths, default=0.0) / FARTHEST))
         for step in range(1, steps + 1):
             scene = copy(self._scene)
             scene.hinges = [
-                replace(h, opening=h.opening + ways.get(h.name, 0.0) * step / steps) for h in hinges
+                replace(h, opening=h.opening + changes[h.name] * step / steps) for h in hinges
             ]
-            self._conditions = conditions_of(scene, list(ways))
-            poses, impulses, rounds = self._descend(poses, impulses, is_led=step < steps)
+            self._conditions = conditions_of(scene, self._hold)
+            poses, impulses, rounds = self._descend(poses, impulses, is_led=True)
+            count += rounds
+        if steps:
+            poses, impulses, rounds = self._descend(poses, impulses)
             count += rounds
         return poses, impulses, count
 
     def _descend(self, poses, impulses, is_led: bool = False):
         """Poses downhill in balance, impulses, count; is_led: one step, whatever its energy."""
-        bars, others, forces = self.potential.sizes(poses, self._scales)
+        bars, elements, forces = self.potential.sizes(poses, self._scales)
         force = float(forces[self._free].max(initial=0.0))
-        stiffest, ease, motion = max(bars, others, force), FIRST * force, self._no_force
+        stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
         start = poses.position
         for count in range(1, POSITIONS + 1):
             share = RESOLUTION if count <= FIRM_POSITIONS else SOFT_SHARE
-            floor = max(SOFT_SHARE * bars, share * max(others, force)) or 1.0
+            floor = max(SOFT_SHARE * bars, share * max(elements, force)) or 1.0
             ease = max(ease, floor)
-            found = self._approach(poses, impulses, ease, ROUNDING * force)
-            if found is None or not (is_led or self._falls(poses, *found, ease)):
+            trial = self._approach(poses, impulses, ease, ROUNDING * force)
+            if trial is None or not (is_led or self._falls(poses, *trial, ease)):
                 if ease > 1e6 * (stiffest or 1.0):
                     break
-                ease *= MORE
+                ease *= EASE_INCREASE
                 continue
-            poses, impulses, motion = found
+            poses, impulses, motion = trial
             self.potential.follow(poses)
             largest = np.abs(motion).max(initial=0.0)
             is_closed = self._gap(poses) <= GAP_TOL
-            if np.abs(poses.position - start).max() > AWAY * self._size:
+            if np.abs(poses.position - start).max() > DISTANCE * self._size:
                 break
             if is_led or (largest <= STEP_TOL and is_closed and ease <= floor):
                 return poses, impulses, count
-            ease *= LESS if largest < REACH / 10 else 0.3
+            ease *= max(largest / AIM, EASE_DECREASE)
         self._refuse_motion(motion)
 
     def _approach(self, poses, impulses, ease: float, rounding: float):
@@ -280,8 +284,8 @@ class _EquilibriumSearch(_RestSearch):
                 self._scene, poses, self._conditions, self.potential, impulses, *rules
             )
             lacks = self._lacks(poses)
-            left = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
-            if not count and left <= rounding and self._gap(poses) <= GAP_TOL:
+            residual = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
+            if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
                 return poses, impulses, motion
             step, change = solve(-gradient - ease * (self._mass @ motion) / self._scales, lacks)
             motion, poses = motion + step, poses.displace(self._scales * step)
@@ -289,9 +293,11 @@ class _EquilibriumSearch(_RestSearch):
             if not (np.isfinite(largest) and max(largest, size) <= REACH):
                 return None
             impulses = impulses + change
-            if largest <= max(CLOSE * size, STEP_TOL) and self._gap(poses) <= max(
-                CLOSE * size**2, GAP_TOL
-            ):
+            is_closed = self._gap(poses) <= max(CLOSE * size**2, GAP_TOL)
+            if is_closed and largest <= max(CLOSE * size, STEP_TOL):
+                inverse = lambda force: solve(force / self._scales, self._no_gaps)[0]  # noqa: B023, E731
+                if size > SMALL and _negative(inverse, len(motion), NEGATIVE).shape[1]:
+                    return None
                 return poses, impulses, motion
         return None
 
@@ -302,8 +308,8 @@ class _EquilibriumSearch(_RestSearch):
         return self.potential.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
 
     def _least_curvature(self, poses, stiffness) -> float:
-        _, others, forces = self.potential.sizes(poses, self._scales)
-        return super()._least_curvature(poses, stiffness) + RESOLUTION * max(others, *forces)
+        _, elements, forces = self.potential.sizes(poses, self._scales)
+        return super()._least_curvature(poses, stiffness) + RESOLUTION * max(elements, *forces)
 
     def _downhill(self, poses, step):
         """Poses of less energy along a motion from unstable ones."""
@@ -329,16 +335,17 @@ class _EquilibriumSearch(_RestSearch):
 
     def _refuse_motion(self, motion: np.ndarray) -> NoReturn:
         """Raise MisfitError for the part that moves most, on a way along which is no balance."""
-        ways = motion.reshape(-1, 2, 3)
-        particle, kind = np.unravel_index(np.linalg.norm(ways, axis=2).argmax(), ways.shape[:2])
+        motions = motion.reshape(-1, 2, 3)
+        sizes = np.linalg.norm(motions, axis=2)
+        particle, kind = np.unravel_index(sizes.argmax(), sizes.shape)
         names = {
             int(p): f"bar {beams.name.partition(' from ')[0]}"
             for beams in self._scene.beams
             for p in beams.nodes.ravel()
         } | {p: f"body {name}" for name, p in self._scene.bodies.items()}
-        way = ways[particle, kind] / (np.linalg.norm(ways[particle, kind]) or 1.0)
+        direction = np.round(motions[particle, kind] / (sizes.max() or 1.0), 6) + 0.0
         part = names.get(int(particle), f"particle {particle}")
         verb = ("moves on along", "turns on about")[kind]
-        text = f"{part} {verb} ({', '.join(f'{x:.3g}' for x in np.round(way, 6) + 0.0)})"
+        text = f"{part} {verb} ({', '.join(f'{x:.3g}' for x in direction)})"
         allowed = "what comes to rest: by a support, joint, spring or other load against that"
-        raise MisfitError("start", text, allowed)
+        raise MisfitError(self._key, text, allowed)

@@ -17,16 +17,10 @@ from fpm.errors import ChangedError, SceneError
 
 PACKAGE = Path(__file__).parents[1]
 
-READ = (
-    "reading",
-    *(
-        f"travel/{n}.py"
-        for n in ("__init__", "balance", "components", "path", "positions", "travel")
-    ),
-)
-"""Folders and files of the mechanics that read numbers off a run. What is recorded on request, and
-what is kept of runs in the place of their curves, has their digest beside the run's; curves that
-are kept do not depend on them."""
+READ = ("reading", "travel")
+"""Folders of the mechanics that read numbers off a run. What is recorded on request, and what is
+kept of runs in the place of their curves, has their digest beside the run's; curves that are kept
+do not depend on them."""
 
 DISPLAY = (
     *("errors.py", "motions", "scenes/effort.py"),

@@ -45,8 +45,8 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 
 def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
     """Titles, and what there is of each in a scene."""
-    moved = scene.assembly or scene.equilibrium
-    start = moved.openings if moved else [h.opening for h in scene.hinges]
+    change = scene.assembly or scene.equilibrium
+    start = change.openings if change else [h.opening for h in scene.hinges]
     joints = [f"{h.name} ({_opening(h, psi)})" for h, psi in zip(scene.hinges, start, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     yield "bars", bars_of(scene) if scene.beams else ()
@@ -173,9 +173,9 @@ def _describe_misfit(scene: Scene) -> str:
 
 def _describe_balance(scene: Scene) -> str:
     """What the equilibrium at the start took, and how exact it is."""
-    _, left, largest, energy, motion, _ = scene.equilibrium
+    _, imbalance, largest, energy, motion, _ = scene.equilibrium
     text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
-    return f"{text}; {left:.2g} of forces up to {largest:.4g} (N, N m) is left"
+    return f"{text}; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
 
 
 def _row(parameter: Parameter, is_mesh: bool) -> list[str]:

@@ -145,9 +145,9 @@ def _balance(build: Builder, model: FileStatements) -> None:
     scene = build.scene
     if not build.is_balanced or build.problems:
         return
-    held = [holder.hinge for holder in Turn.find(scene) if holder.rate_at_start(scene) is not None]
-    held += build.hold(build) if build.hold else []
-    openings = {h: build.openings.get(h, scene.hinges[h].opening) for h in held}
+    hinges = [h.hinge for h in Turn.find(scene) if h.rate_at_start(scene) is not None]
+    hinges += build.hold(build) if build.hold else []
+    openings = {h: build.openings.get(h, scene.hinges[h].opening) for h in hinges}
     try:
         balance(scene, {scene.hinges[h].name: opening for h, opening in openings.items()})
     except MisfitError as error:

@@ -6,8 +6,8 @@ import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.elastic import elastic_of
+from fpm.assembly.element_forces import ElementForces
 from fpm.travel.components import components_of
-from fpm.travel.element_forces import ElementForces
 
 FRICTION_STEPS, LOCKING_DETERMINANT = 8, 1e-3
 """Number of steps in which the friction of bearings is raised to its full value, and determinant of

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses
+from fpm.assembly.element_forces import ElementForces, acts
 from fpm.elements import (
     Cable,
     ElementType,
@@ -17,7 +18,6 @@ from fpm.elements import (
     TorsionSpring,
     kinds_of,
 )
-from fpm.travel.element_forces import ElementForces, acts
 
 STRAIN = "strain of bars"
 """The component that is no element: the elastic strain of bars."""

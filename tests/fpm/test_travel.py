@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 import fpm
 from fpm import structures
 from fpm.assembly.conditions import ParticlePoses
+from fpm.assembly.element_forces import ElementForces
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, component_classes, sweep
-from fpm.travel.element_forces import ElementForces
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 

@@ -248,11 +248,11 @@ def motion(build, args):
     Sets its particles' velocities in the scene. build: Builder of the sample; args: values of an
     entry: part (Body), velocity (3,) m/s of the point about (Point), spin (3,) rad/s."""
     scene, particles = build.scene, args.part.particles
-    about = args.about.position
+    centre = args.about.position
     if args.about.name in args.part.points:  # where it is, if parts were moved before the start
-        beam = scene.arm_to(args.part.particle(args.about.name), about)
-        about = scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
-    arms = scene.position[particles] - about
+        beam = scene.arm_to(args.part.particle(args.about.name), centre)
+        centre = scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+    arms = scene.position[particles] - centre
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
     scene.spin[particles] = args.spin
 

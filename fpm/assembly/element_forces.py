@@ -41,8 +41,8 @@ class ElementForces:
         )
         self.parts, self.world = batch.parts(), batch.world()
         deformations = kind.deformations(part_scene)
-        strained = () if deformations is None else deformations.dofs.ravel()
-        self._stiff = np.unique([*strained, *stiff]).astype(int)
+        dofs = () if deformations is None else deformations.dofs.ravel()
+        self._stiff = np.unique([*dofs, *stiff]).astype(int)
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:

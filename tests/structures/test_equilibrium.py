@@ -1,0 +1,217 @@
+"""Starts in equilibrium: against closed forms and solutions by other means, at rest, refusals."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+from structures_for_tests import refused
+
+import fpm
+from fpm.structures import loads
+from fpm.structures.describe import describe
+
+E, DIAMETER, RHO, G = 210e9, 4e-3, 7850.0, 9.81
+AREA, EI = np.pi * DIAMETER**2 / 4, E * np.pi * DIAMETER**4 / 64
+
+ROD = f"""
+start: equilibrium
+parameters: {{n: {{value: 16, whole: true, range: [2, 200]}}, g: {{value: {G}, unit: m/s2}}}}
+gravity: [0, 0, -g]
+points: {{P: [0, 0, 0], Q: [2 m, 0, 0]}}
+materials: {{steel: {{E: 210 GPa, nu: 0.3, rho: 7850}}}}
+sections: {{wire: {{type: circle, diameter: 4 mm}}}}
+bars: {{rod: {{through: [P, Q], section: wire, material: steel, elements: n}}}}
+supports: {{root: {{part: rod, at: P}}}}
+record: {{tip: {{part: rod, at: Q}}}}
+"""
+
+# A body of 2 kg, 0.5 m from its joint.
+ARM = """
+start: equilibrium
+gravity: [0, 0, -9.81]
+points: {P: [0, 0, 0], c: [0.5 m, 0, 0]}
+bodies: {arm: {mass: 2 kg, centre: c, box: [1 m, 50 mm, 60 mm], points: [P]}}
+joints: {pin: {type: revolute, parts: [ground, arm], at: P, axis: y}}
+record: {c: {part: arm, at: c}}
+"""
+
+BALL = ARM.replace("type: revolute", "type: spherical").replace(", axis: y", "")
+
+# A body of 3 kg that slides down: its way is where all forces on it are in balance.
+SLIDE = """
+start: equilibrium
+gravity: [0, 0, -9.81]
+points: {P: [0, 0, 0], top: [0, 0, 1 m], side: [1 m, 0, 0]}
+bodies: {load: {mass: 3 kg, centre: P, box: [0.1, 0.1, 0.1]}}
+joints: {rail: {type: prismatic, parts: [ground, load], at: P, axis: -z}}
+curves: {part: {times: [-1, 1, 9], values: [0, 0.5, 7]}}
+"""
+
+
+def tip(scene) -> np.ndarray:
+    beam = next(iter(scene.points.values()))
+    return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+
+
+def elastica(weight: float, length: float) -> np.ndarray:
+    """Where the end of a clamped rod without stretch lies under its weight (N/m), x and z."""
+    s = np.linspace(0, length, 201)
+
+    def slopes(s, y):
+        turn, bend, _, _ = y
+        return np.array(
+            [bend, -weight / EI * (length - s) * np.cos(turn), np.cos(turn), -np.sin(turn)]
+        )
+
+    ends = lambda a, b: np.array([a[0], b[1], a[2], a[3]])  # noqa: E731
+    first = np.array([0 * s, 0 * s, s, 0 * s])
+    return solve_bvp(slopes, ends, s, first, tol=1e-10, max_nodes=100_000).y[2:, -1]
+
+
+def test_a_cantilever_sags_to_the_elastica_with_the_square_of_the_elements():
+    exact = elastica(RHO * AREA * G, 2.0)
+    assert exact[1] < -0.6  # far
+    counts = [8, 16, 32]
+    found = [tip(loads(ROD).build(n=n))[[0, 2]] for n in counts]
+    errors = np.linalg.norm(np.array(found) - exact, axis=1) / 2.0
+    assert errors[-1] < 1e-4
+    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx([2, 2], abs=0.1)
+
+
+@pytest.mark.parametrize("turn", [[0, 0, 0], [0.3, -1.2, 2.0]])
+@pytest.mark.parametrize("parts", ["ground, arm", "arm, ground"])
+def test_an_arm_on_a_spring_hangs_where_both_moments_meet(turn, parts):
+    axes = Rotation.from_rotvec(turn).apply([[0, 0, -G], [0.5, 0, 0], [0, 1, 0]]).tolist()
+    spring = "actions: {k: {type: torsion spring, joint: pin, stiffness: 20 N m/rad}}"
+    text = ARM + spring
+    for old, new in zip(("[0, 0, -9.81]", "[0.5 m, 0, 0]", "axis: y"), axes, strict=True):
+        text = text.replace(old, f"axis: {new}" if "axis" in old else str(new))
+    text = text.replace("parts: [ground, arm]", f"parts: [{parts}]")
+    angle = brentq(lambda a: 20 * a - 2 * G * 0.5 * np.cos(a), 0, 1.5, xtol=1e-14)
+    sign = 1 if parts == "ground, arm" else -1
+    assert loads(text).build().hinges[0].opening == pytest.approx(sign * angle, abs=1e-12)
+
+
+WEIGHT = 3 * G
+FORCES = {  # statement, and the sum of forces (N) down along the way x (m)
+    "spring": ("actions: {s: {type: spring, joint: rail, stiffness: 400 N/m, rest: -10 mm}}",
+               lambda x: WEIGHT - 400 * (x + 0.01)),
+    "stop": ("actions: {s: {type: stop, joint: rail, upper: 70 mm, stiffness: 1e6 N/m}}",
+             lambda x: WEIGHT - 1e6 * max(x - 0.07, 0)),
+    "table": ("actions: {s: {type: tabulated spring, joint: rail, positions: [0, 0.1, 0.3], "
+              "forces: [-20, -28, -60]}}",
+              lambda x: WEIGHT - np.interp(x, [0, 0.1, 0.3], [20, 28, 60])),
+    "cable": ("cables: {c: {through: [{part: ground, at: top}, P], EA: 5 kN, rest: 1.2 m}}",
+              lambda x: WEIGHT - 5e3 * max((1 + x) / 1.2 - 1, 0)),
+    "strut": ("struts: {c: {between: [{part: ground, at: side}, P], type: constant force, "
+              "force: -90 N}}", lambda x: WEIGHT - 90 * x / np.hypot(1, x)),
+    "motor": ("actions: {m: {type: motor, joint: rail, travel: 0.2 m, curve: part, "
+              "stiffness: 500 N/m}}", lambda x: WEIGHT - 500 * (x - 0.2 * 0.25)),
+    "release": ("actions: {m: {type: release, joint: rail, hold: 30 mm, time: 1, "
+                "stiffness: 500 N/m}}", lambda x: WEIGHT - 500 * (x - 0.03)),
+    "load": ("loads: {f: {part: load, at: P, force: [0, 0, 8 N], curve: part}}\n"
+             "actions: {s: {type: spring, joint: rail, stiffness: 400 N/m}}",
+             lambda x: WEIGHT - 8 * 0.25 - 400 * x),
+    "wind": ("drags: {d: {part: load, through: [P], area: 0.1, coefficient: 2, density: 1.2, "
+             "wind: [0, 0, -9]}}\nactions: {s: {type: spring, joint: rail, stiffness: 400 N/m}}",
+             lambda x: WEIGHT + 0.12 * 81 - 400 * x),
+    "friction": ("actions:\n  s: {type: spring, joint: rail, stiffness: 400 N/m}\n"
+                 "  f: {type: friction, joint: rail, force: 99 N}\n"
+                 "  d: {type: damper, joint: rail, damping: 9 N s/m}\n"
+                 "  l: {type: latch, joint: rail, position: 20 mm, stiffness: 1e5 N/m}",
+                 lambda x: WEIGHT - 400 * x),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FORCES)
+def test_a_slide_rests_where_its_forces_are_in_balance(kind):
+    statement, force = FORCES[kind]
+    scene = loads(SLIDE + statement).build()
+    expected = brentq(force, -0.5, 1.5, xtol=1e-13)
+    assert scene.hinges[0].opening == pytest.approx(expected, abs=1e-10)
+    assert scene.equilibrium.imbalance < 1e-9
+
+
+def test_a_chain_hangs_as_its_horizontal_force_has_it():
+    """Of n rods of weight w, rod i has the slope (n - 1 - 2 i) w/(2 H), H the horizontal force."""
+    n, length, span = 6, 0.2, 1.0
+    slope = lambda h: np.arctan((n - 1 - 2 * np.arange(n)) * G / (2 * h))  # noqa: E731
+    h = brentq(lambda h: length * np.cos(slope(h)).sum() - span, 1e-2, 1e3, xtol=1e-13)
+    rise = np.sqrt(length**2 - (span / n) ** 2)
+    text = "start: equilibrium\ngravity: [0, 0, -9.81]\npoints:\n"
+    for i in range(n + 1):  # a zigzag at first
+        text += f"  p{i}: [{i * span / n}, 0, {i % 2 * rise}]\n"
+    for i in range(n):
+        text += f"  c{i}: [{(i + 0.5) * span / n}, 0, {rise / 2}]\n"
+    text += "bodies:\n"
+    for i in range(n):
+        text += f"  b{i}: {{mass: 1, centre: c{i}, inertia: [1e-4, 1e-3, 1e-3], "
+        text += f"points: [p{i}, p{i + 1}]}}\n"
+    parts = ["ground", *(f"b{i}" for i in range(n)), "ground"]
+    text += "joints:\n"
+    for i in range(n + 1):
+        text += f"  j{i}: {{type: spherical, parts: [{parts[i]}, {parts[i + 1]}], at: p{i}}}\n"
+    text += "record:\n" + "".join(f"  p{i}: {{part: b{i}, at: p{i}}}\n" for i in range(n))
+    scene = loads(text).build()
+    places = [
+        scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in scene.points.values()
+    ]
+    steps = length * np.array([np.cos(slope(h)), 0 * slope(h), -np.sin(slope(h))]).T
+    assert np.diff(places, axis=0) == pytest.approx(steps[:-1], abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_rod_let_go_from_its_bent_shape_swings_in_the_modes_of_euler_and_bernoulli():
+    """Let go by a load that ends at once; motion of the end by the sum over clamped modes."""
+    length, force = 2.0, 0.02
+    load = "loads: {pull: {part: rod, at: Q, force: [0, 0, -0.02 N], curve: off}}\n"
+    text = ROD.replace("record", load + "curves: {off: {times: [0, 1e-9], values: [1, 0]}}\nrecord")
+    scene = loads(text).build(g=0, n=24)
+    betas = np.array(
+        [brentq(lambda b: np.cos(b) + 1 / np.cosh(b), np.pi * (k + 0.2), np.pi * (k + 0.8))
+         for k in range(6)]
+    )  # fmt: skip
+    assert betas[0] == pytest.approx(1.8751, abs=1e-4)
+    rates = betas**2 * np.sqrt(EI / (RHO * AREA * length**4))
+    shares = 4 * force / (RHO * AREA * length * rates**2)  # of the end: modes of size 2 there
+    assert shares.sum() == pytest.approx(force * length**3 / (3 * EI), rel=1e-3)
+    assert -tip(scene)[2] == pytest.approx(force * length**3 / (3 * EI), rel=1e-3)
+    found = fpm.simulate(scene, duration=4 * np.pi / rates[0], instants=41)[0]
+    way = found.points["tip"][0][:, 2]
+    expected = -(shares * np.cos(np.outer(found.time, rates))).sum(axis=1)
+    assert np.abs(way - expected).max() < 5e-3 * shares[0]
+
+
+def test_joints_are_led_to_where_releases_hold_them():
+    """Two links of 1 kg, their knee held at 60 deg: the middle of both masses hangs below."""
+    text = """
+start: equilibrium
+gravity: [0, 0, -9.81]
+points: {P: [0, 0, 0], a: [0.5 m, 0, 0], Q: [1 m, 0, 0], b: [1.5 m, 0, 0]}
+bodies:
+  a: {mass: 1, centre: a, inertia: [0.01, 0.1, 0.1], points: [P, Q]}
+  b: {mass: 1, centre: b, inertia: [0.01, 0.1, 0.1], points: [Q]}
+joints:
+  hip: {type: revolute, parts: [ground, a], at: P, axis: y}
+  knee: {type: revolute, parts: [a, b], at: Q, axis: y}
+actions: {r: {type: release, joint: knee, hold: 60 deg, time: 1 ms}}
+record: {b: {part: b, at: b}}
+"""
+    scene = loads(text).build()
+    hip, knee = (hinge.opening for hinge in scene.hinges)
+    middle = 1.5 + 0.5 * np.exp(1j * np.pi / 3)
+    assert knee == np.pi / 3
+    assert hip == pytest.approx(np.pi / 2 - np.angle(middle), abs=1e-12)
+    assert "knee (opening 60 deg, stated as 0 deg)" in describe(loads(text))
+    refused(text, "start: equilibrium", "", "or `start: equilibrium`")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [ROD, BALL])
+def test_what_is_in_balance_stays_there(text):
+    scene = loads(text).build()
+    outcome = fpm.simulate(scene, duration=0.02, instants=5)[0]
+    rate = 1e-8 * G * 0.02
+    assert outcome.energies["kinetic"].max() <= scene.mass[1:].sum() * rate**2 / 2
+    assert np.ptp(outcome.energies["strain"]) <= 1e-12 * (1 + outcome.energies["strain"][0])

@@ -11,6 +11,7 @@ from evidence.results import Report
 from evidence.verification import (
     bennett,
     cables,
+    curves,
     deployables,
     drag,
     dynamics,
@@ -44,6 +45,7 @@ FAMILIES = (
     rigid_holds,
     rigid_motors,
     slides,
+    curves,
     mechanisms,
     deployables,
     cables,

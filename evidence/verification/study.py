@@ -11,6 +11,7 @@ from evidence.results import Report
 from evidence.verification import (
     bennett,
     cables,
+    curves,
     deployables,
     drag,
     dynamics,
@@ -49,6 +50,7 @@ FAMILIES = (
     rigid_motors,
     slides,
     sliders,
+    curves,
     mechanisms,
     squeezer,
     deployables,

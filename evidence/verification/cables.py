@@ -1,10 +1,14 @@
-"""Cables against closed forms: slack and tight, running, with friction, static."""
+"""Cables against closed forms: slack and tight, running, wound, with friction, static."""
+
+from collections.abc import Iterator
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import fpm
-from evidence.verification.bench import Bench
+from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.capstan_events import Rope, phases
+from fpm.elements import RigidMotor, TorqueMotor
 
 G = 9.81
 
@@ -68,8 +72,13 @@ def atwood(bench: Bench) -> None:
         bench.check(f"acceleration, {name} (m/s²)", 8 * drop, exact, 1e-4, "g (m₁-m₂)/(m₁+m₂)")
         tension = outcome.records["cable_tension"].values[:, 0]
         exact = 2 * heavy * light * G / (heavy + light)
-        worst = np.abs(tension / exact - 1).max()
-        bench.check_small(f"tension, {name}", worst, 1e-4, "2 m₁ m₂ g/(m₁+m₂)", "it")
+        stretches = outcome.records["stretch_tension"].values
+        for label, pull in zip(("", " of stretch 1", " of stretch 2"),
+                               (tension, *stretches.T), strict=True):  # fmt: skip
+            worst = np.abs(pull / exact - 1).max()
+            bench.check_small(f"tension{label}, {name}", worst, 1e-4, "2 m₁ m₂ g/(m₁+m₂)", "it")
+        slip = outcome.records["cable_slip"].values[-1, 0]
+        bench.check(f"slip over the point, {name} (m)", slip, -drop, 1e-4, "as the masses move")
 
 
 def vee(bench: Bench) -> None:
@@ -235,13 +244,116 @@ def stick(bench: Bench) -> None:
             loss = rope.mass * G * LET_GO[1] - motion[-1].energy(rope, 2.0)
             dissipation = outcome.energies["cable_friction"][-1]
             bench.check(f"{name}: friction took (J)", dissipation, loss, tolerance, source)
+            events, changes = sorted(_slip_events(outcome)), sorted(_slip_changes(motion, points))
+            delays = [abs(a[2] - b[2]) for a, b in zip(events, changes, strict=False)]
+            is_same = [row[:2] for row in events] == [row[:2] for row in changes]
+            late = max(delays) / step if is_same else np.inf
+            label = f"{name}: {len(changes)} times it slips or sticks, error over the step"
+            bench.check(label, late, 0.0, 2.0, source, 1.0, "absolute")
             slack = [phase.start for phase in motion[1:] if phase.slips is None]
-            times = outcome.events[outcome.events[:, 2] == 1, 0]
+            times = outcome.times("slackens", ["cable rope"])
             delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
             bench.check(
                 f"{name}: slack at, error (s)", delay, 0.0, tolerance, source, measure="absolute"
             )
         figure.curve(outcome.time, outcome.tensions["rope"], f"{points} eyelets")
+
+
+def _slip_events(outcome) -> Iterator[tuple[str, str, float]]:
+    """Points and names of the events at points of a cable, and their times (s)."""
+    for time, number, event in outcome.events:
+        element = outcome.eventful[int(number)]
+        if "slips" in element.events:
+            yield element.name, element.events[int(event)], time
+
+
+def _slip_changes(motion, points: int) -> Iterator[tuple[str, str, float]]:
+    """The same of phases."""
+    last = [0] * points
+    for phase in motion:
+        slips = [0] * points if phase.slips is None else phase.slips
+        for point, (old, new) in enumerate(zip(last, slips, strict=True), start=2):
+            if bool(old) != bool(new):
+                yield f"cable rope point {point}", "slips" if new else "sticks", phase.start
+        last = slips
+
+
+def drum(bench: Bench) -> None:
+    """A torque motor winds a cable on a drum and lifts a mass, stiff and soft."""
+    mass, radius, spin = 2.0, 0.05, 0.01
+
+    def hoist(torque: float, EA: float) -> fpm.Scene:
+        scene = fpm.Scene("hoist", gravity=(0, 0, -G))
+        places = [(0, 0, 0), (0, 0, 0), (0, 0, -1.0)]
+        base, reel_body, body = (int(p) for p in scene.add_particles(places, [1, 1, mass], spin))
+        scene.fix(base)
+        winch = scene.add_hinge("winch", (base, reel_body), (0, 0, 0), (0, 1, 0))
+        scene.add(TorqueMotor(winch, torque))
+        scene.add_cable("rope", [(base, None), (body, None)], EA, preload=mass * G, drum=winch,
+                        radius=radius)  # fmt: skip
+        scene.add_point("mass", body)
+        return scene
+
+    torques = (3.0, 1.5, 0.4)
+    outcomes = bench.simulate([hoist(t, 1e7) for t in torques], duration=0.4, instants=41)
+    for torque, outcome in zip(torques, outcomes, strict=True):
+        exact = (torque - mass * G * radius) * radius / (spin + mass * radius**2)
+        height = outcome.points["mass"][0][-1, 2] + 1
+        bench.check(f"acceleration, {torque:g} N m (m/s²)", 2 * height / 0.4**2, exact, 1e-3,
+                    "(M - m g r) r/(J + m r²)")  # fmt: skip
+    torque, EA = 1.2, 60.0
+    rest, errors = 1 / (1 + mass * G / EA), []
+
+    def slope(_, state):
+        height, speed, turn, rate = state
+        strain = max(-height / (rest - radius * turn) - 1, 0.0)
+        pull = EA * strain
+        return (speed, pull / mass - G, rate,
+                (torque - radius * pull * (1 + strain / 2)) / spin)  # fmt: skip
+
+    for step in (2e-3, 1e-3, 5e-4):
+        (outcome,) = bench.simulate(hoist(torque, EA), duration=0.4, instants=41, step=step)
+        exact = solve_ivp(slope, (0, 0.4), [-1.0, 0, 0, 0], t_eval=outcome.time, rtol=1e-11,
+                          atol=1e-13).y[0]  # fmt: skip
+        errors.append(np.abs(outcome.points["mass"][0][:, 2] - exact).max())
+    source = "equations of motion (solve_ivp)"
+    bench.check_small("EA = 60 N: height, step 0.5 ms", errors[-1], 1e-5, source, "1 m")
+    bench.check_at_least("order of the height", observed_orders(errors).min(), 1.95, source)
+    scale = np.abs(outcome.energies["motor_work"]).max()
+    worst = np.abs(outcome.energies["balance"]).max() / scale
+    bench.check_small("EA = 60 N: energy balance", worst, 1e-4, "nothing but the motor", "its work")
+
+
+def turning_post(bench: Bench) -> None:
+    """A weight on a cable over a post that a motor turns towards it."""
+    mass, radius = 2.0, 0.1
+    angles = np.linspace(0, np.pi, 5)
+    rim = radius * np.stack([-np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
+    for friction in (0.1, 0.3):
+        scene = fpm.Scene("post", gravity=(0, 0, -G))
+        places = [(0, 0, 0), (0, 0, 0), (radius, 0, -1.0)]
+        base, post, body = (int(p) for p in scene.add_particles(places, [1, 1, mass], 0.01))
+        scene.fix(base)
+        axle = scene.add_hinge("axle", (base, post), (0, 0, 0), (0, 1, 0))
+        rate = scene.add_curve([0, 0.05, 1.0], [0, 1, 1])
+        scene.add(RigidMotor(axle, 0.0, 0.4, rate, by_rate=True))
+        points = [(base, (-radius, 0, -1.0)), *((post, place) for place in rim), (body, None)]
+        scene.add_cable("rope", points, 1e4, preload=mass * G, friction=friction)
+        scene.add_point("mass", body)
+        (outcome,) = bench.simulate(scene, duration=0.8, instants=81, step=2e-4)
+        turn, place = outcome.openings["axle"][-1], outcome.points["mass"][0][-1]
+        cos, sin = np.cos(turn), np.sin(turn)
+        rim_now = rim @ np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]).T
+        ends = rim_now[0] - [-radius, 0, -1.0], place - rim_now[-1]
+        units = [end / np.linalg.norm(end) for end in ends]
+        bend = np.arccos(np.dot(*units))
+        tensions = outcome.records["stretch_tension"].values[-1]
+        bench.check(f"μ = {friction:g}: T₂/T₁", tensions[0] / tensions[-1],
+                    np.exp(friction * bend), 1e-6, "exp(μ a), a by the last places")  # fmt: skip
+        energies = outcome.energies
+        worst = np.abs(energies["balance"]).max() / energies["cable_friction"][-1]
+        name = f"μ = {friction:g}: energy balance"
+        bench.check_small(name, worst, 1e-5, "with what friction took", "it")
 
 
 PROBLEMS = {
@@ -251,4 +363,6 @@ PROBLEMS = {
     "winch": reel,
     "capstan": capstan,
     "mass on a cable over eyelets": stick,
+    "mass on a drum's cable": drum,
+    "cable on a turning post": turning_post,
 }

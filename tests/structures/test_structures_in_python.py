@@ -1,6 +1,7 @@
 """Structures stated in Python are those of the same text, and the texts written from them are."""
 
 import pickle
+import random
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from hypothesis import strategies as st
 from structures_for_tests import FOLDER, FOURBAR, SMALL, content
 
 import fpm
+from evidence.attack.metamorphic.random_structures import Draw
+from evidence.attack.metamorphic.structure_text import as_text, map_numbers
 from fpm.structures import StructureError, load, loads
 from fpm.structures.statements import GROUPS
 from fpm.structures.structure import _singular
@@ -50,6 +53,20 @@ def test_shipped_structures_come_back_from_methods_and_text(path, tmp_path):
     value = parameter.default * 0.99 + 1e-3
     other = content(structure.build(**{name: value}))
     assert other == content(expected.build(**{name: value})) != scene
+
+
+def test_random_structures_are_those_of_their_text():
+    count = 0
+    for seed in range(12):
+        table = Draw(random.Random(seed)).draw()
+        try:
+            expected = content(loads(as_text(table)).build())
+        except StructureError:
+            continue
+        count += 1
+        structure = stated(map_numbers(table, lambda x, unit: f"{x} rad" if unit == "rad" else x))
+        assert content(structure.build()) == content(loads(structure.text()).build()) == expected
+    assert count > 6
 
 
 def test_groups_have_the_methods_of_their_words():

@@ -43,9 +43,12 @@ class StatementTable:
 
     def _add(self, group: str, name: str, value: Any) -> Any:
         entries, key = self.table.setdefault(group, {}), f"{group}.{name}"
-        if name in entries:
-            text = f"{key} is defined twice; allowed: each name once"
-            raise StructureError(self.source, [Problem(0, text)])
+        problems = Problems(self.source)
+        if not isinstance(entries, dict):
+            problems.refuse(0, group, entries, "a mapping from names")
+        elif name in entries:
+            problems.say(0, f"{key} is defined twice; allowed: each name once")
+        problems.stop()
         entries[name] = _plain(value, key)
         return entries[name]
 
@@ -64,17 +67,16 @@ class Structure(StatementTable):
     def __init__(self, name: str = "", description: str = "", mesh: str = "", **overall: Any):
         texts = {"name": name, "description": description, "mesh": mesh}
         table = {key: text for key, text in texts.items() if text} | overall
-        super().__init__(_plain(table, ""), name or "structure")
+        super().__init__(_plain(table, ""), str(name) or "structure")
         self._type: tuple[str, SceneType] | None = None
 
     @classmethod
     def read(cls, path: str | Path) -> "Structure":
         """Return the structure in the YAML file at `path`, to be changed or added to. Raises
-        StructureError, which lists all that is wrong with the file."""
+        StructureError for a file that is no mapping; `build` tells what else is wrong."""
         structure = cls()
         structure.source = str(path)
-        loads(text := read_text(path), structure.source)
-        structure.table = read(text, Problems(structure.source)).plain
+        structure.table = read(read_text(path), Problems(structure.source)).plain
         return structure
 
     def parameter(self, name: str, value: Any, unit: str = "", description: str = "", **keys: Any):
@@ -165,7 +167,7 @@ def _plain(value: Any, key: str) -> Any:
         return [_plain(entry, key) for entry in value]
     if isinstance(value, bool):
         return str(value).lower()
-    if not isinstance(value, str | int | float):
+    if not isinstance(value, str | int | float | Path):
         raise SceneError(key.lstrip("."), value, "a number, a text, a list or a mapping")
     return str(value).strip()
 

@@ -169,6 +169,7 @@ def test_a_text_stands_for_its_number(panel, key, text, number):
     ("scene.parameters.elements", "3 deg", "a number, or in %"),
     ("choose.parameters.L", [1, "2 s"], "two numbers (m), with or without"),
     ("design.order", "3 s", "a whole number from 1 to 64"),
+    ("solver.duration", "80e-3", "(did you mean 0.08?)"),
     ("solver.step", "1e999 s", "`auto` or a number above 0 (s), with or without"),
     ("solver.step", "2 s s", "`auto` or a number above 0 (s), with or without"),
     ("solver.step", "2*3 s", "`auto` or a number above 0 (s), with or without"),

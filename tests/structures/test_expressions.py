@@ -34,7 +34,8 @@ def test_numbers_and_units(text):
 
 SAME = {  # every unit, by the base units or by another one
     "m": "m", "mm": ("m", 1e-3), "cm": ("m", 1e-2), "um": ("m", 1e-6), "km": ("m", 1e3),
-    "kg": "kg", "s": "s", "ms": ("s", 1e-3), "N": "kg m/s2", "kN": ("N", 1e3), "MN": ("N", 1e6),
+    "kg": "kg", "s": "s", "ms": ("s", 1e-3), "us": ("s", 1e-6), "N": "kg m/s2", "kN": ("N", 1e3),
+    "MN": ("N", 1e6),
     "Pa": "N/m2", "kPa": ("Pa", 1e3), "MPa": ("Pa", 1e6), "GPa": ("Pa", 1e9), "J": "N m",
     "rad": "m/m", "mrad": ("rad", 1e-3), "deg": ("rad", math.pi / 180), "Hz": "/s",
     "rpm": ("Hz", 2 * math.pi / 60),

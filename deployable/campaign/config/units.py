@@ -24,7 +24,9 @@ from fpm.reading import quantity_definitions
 from fpm.reading.quantities import KINDS
 from fpm.structures.units import NUMBER, Dimension, Unit, UnitError, unit
 
-_TEXT = re.compile(r"([-+]?(?:\d{1,60}(?:\.\d{0,60})?|\.\d{1,60})(?:[eE][-+]?\d{1,3})?)\s*(\D.*)")
+_TEXT = re.compile(  # the exponent is of the number, never a unit
+    r"((?>[-+]?(?:\d{1,60}(?:\.\d{0,60})?|\.\d{1,60})(?:[eE][-+]?\d{1,3})?))\s*(\D.*)"
+)
 _CONFIG_UNITS = {
     "%": Unit(1, 100, NUMBER, "%"),
     "min": Unit(60, 1, Dimension(time=1), "min"),

@@ -14,6 +14,7 @@ from evidence.verification import (
     deployables,
     drag,
     dynamics,
+    equilibria,
     forces,
     free_flight,
     joints,
@@ -32,6 +33,7 @@ from evidence.verification.relax import NotAtRest
 
 FAMILIES = (
     statics,
+    equilibria,
     vibration,
     rotation,
     dynamics,

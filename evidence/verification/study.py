@@ -15,6 +15,7 @@ from evidence.verification import (
     deployables,
     drag,
     dynamics,
+    equilibria,
     forces,
     free_flight,
     joints,
@@ -36,6 +37,7 @@ from evidence.verification.relax import NotAtRest
 
 FAMILIES = (
     statics,
+    equilibria,
     vibration,
     rotation,
     dynamics,

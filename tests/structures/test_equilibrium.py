@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
 from scipy.spatial.transform import Rotation
-from structures_for_tests import refused
+from structures_for_tests import changed, problems_of, refused
 
 import fpm
+from fpm.solver.start import consistent_scene
 from fpm.structures import loads
 from fpm.structures.describe import describe
+from fpm.structures.report import kinetic_energy
+from fpm.travel import sweep
 
 E, DIAMETER, RHO, G = 210e9, 4e-3, 7850.0, 9.81
 AREA, EI = np.pi * DIAMETER**2 / 4, E * np.pi * DIAMETER**4 / 64
@@ -205,6 +208,88 @@ record: {b: {part: b, at: b}}
     assert hip == pytest.approx(np.pi / 2 - np.angle(middle), abs=1e-12)
     assert "knee (opening 60 deg, stated as 0 deg)" in describe(loads(text))
     refused(text, "start: equilibrium", "", "or `start: equilibrium`")
+
+
+def test_both_angles_of_a_universal_joint_minimise_the_potential():
+    text = changed(ARM, ("type: revolute", "type: universal"), ("axis: y", "axis: y, other: z"))
+    text += """actions:
+  k: {type: torsion spring, joint: pin_axis, stiffness: 12 N m/rad, rest: -20 deg}
+  l: {type: torsion spring, joint: pin_other, stiffness: 5 N m/rad, rest: 40 deg}
+"""
+
+    def moments(x):  # of the weight, at -sin(x0) cos(x1) of the arm's length, and of both springs
+        weight = 2 * G * 0.5
+        first = -weight * np.cos(x[0]) * np.cos(x[1]) + 12 * (x[0] + np.radians(20))
+        return [first, weight * np.sin(x[0]) * np.sin(x[1]) + 5 * (x[1] - np.radians(40))]
+
+    found = [hinge.opening for hinge in loads(text).build().hinges]
+    assert found == pytest.approx(root(moments, [0.3, 0.4], tol=1e-14).x, abs=1e-10)
+
+
+def test_motors_hold_and_rates_and_velocities_begin_where_it_hangs():
+    spring = "actions: {k: {type: torsion spring, joint: pin, stiffness: 20 N m/rad}}\n"
+    inertia = 2 * (1 + 0.06**2) / 12 + 2 * 0.25
+    for motion in (
+        "opening_rates: {pin: {joint: pin, rate: 2 rad/s}}",
+        "initial_velocities: {arm: {part: arm, about: P, spin: [0, 2, 0]}}",
+        "initial_velocities: {arm: {part: arm, about: c, spin: [0, 2, 0], velocity: "
+        f"[{-np.sin(0.4431255284927046)}, 0, {-np.cos(0.4431255284927046)}]}}}}",
+    ):
+        scene = consistent_scene(loads(ARM + spring + motion).build())
+        energy = kinetic_energy(scene, scene.velocity, scene.spin)
+        assert energy == pytest.approx(inertia * 2**2 / 2, rel=1e-9)
+    motor = "curves: {c: {times: [0, 1], values: [0, 1]}}\n"
+    motor += "actions: {m: {type: motor, joint: pin, turn: 2 rad, curve: c}}"
+    assert loads(ARM + motor).build().hinges[0].opening == 0
+
+
+def test_what_is_stressed_alone_in_space_comes_to_rest_about_its_centre_of_mass():
+    text = """
+start: equilibrium
+points: {P: [0, 0, 0], Q: [1 m, 0, 0]}
+bodies: {a: {mass: 1, centre: P, box: [1, 1, 1]}, b: {mass: 3, centre: Q, box: [1, 1, 1]}}
+struts: {s: {between: [P, Q], type: spring, stiffness: 500 N/m, rest: 1.4 m}}
+"""
+    places = loads(text).build().position
+    assert places == pytest.approx(np.array([[-0.3, 0, 0], [1.1, 0, 0]]), abs=1e-12)
+
+
+def test_parts_that_are_forced_together_go_on_to_equilibrium():
+    """A slide 20 mm too far on from its spring's rest, from where its weight takes it."""
+    text = changed(SLIDE, ("points: {", "assemble: true\npoints: {O: [0, 0, -20 mm], "),
+                   ("at: P, axis", "at: {ground: O, load: P}, axis"))  # fmt: skip
+    scene = loads(text + "actions: {s: {type: spring, joint: rail, stiffness: 400 N/m}}").build()
+    assert scene.hinges[0].opening == pytest.approx(WEIGHT / 400, abs=1e-12)
+
+
+def test_a_margin_begins_where_a_pendant_hangs():
+    bob = ("c: [0.5 m, 0, 0]}", "c: [0.5 m, 0, 0], Q: [1 m, 0, 0], b: [1.3 m, 0.2 m, 0.1 m]}")
+    body = "bob: {mass: 1.5 kg, centre: b, box: [0.1, 0.1, 0.1], points: [Q]}}"
+    part = ("points: [P]}}", "points: [P, Q]}, " + body)
+    ball = ("axis: y}}", "axis: -y}, ball: {type: spherical, parts: [arm, bob], at: Q}}")
+    hold = "actions: {r: {type: release, joint: pin, time: 1, hold: 10 deg}}"
+    scene = loads(changed(ARM, bob, part, ball) + hold).build()
+    travel = sweep(scene, "pin", scene.hinges[0].opening, 1.0, positions=3)
+    expected = -(2 * 0.5 + 1.5) * G * np.cos([np.radians(10), np.radians(5) + 0.5, 1.0])
+    assert travel.work["weight 0"] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (BALL.replace("[ground, arm]", "[other, arm]").replace(
+            "bodies: {", "bodies: {other: {mass: 9, centre: P, box: [1, 1, 1]}, "),
+         " moves on along (0, 0, -1)'"),
+        pytest.param(ARM + "actions: {m: {type: torque motor, joint: pin, torque: 10 N m}}",
+                     "start: 'body arm turns on about (0, 1, 0)'", marks=pytest.mark.slow),
+        (ROD.replace("Q: [2 m, 0, 0]", "Q: [0, 0, 4 m]").replace("value: 16", "value: 4"),
+         "snaps to either of two"),
+        (ROD.replace("4 mm", "0.2 mm").replace("value: 16", "value: 2"), "bent or twisted"),
+        (ROD.replace("start: equilibrium", "start: rest"), "as stated, equilibrium"),
+    ],
+)  # fmt: skip
+def test_what_has_no_balance_is_refused(text, said):
+    assert any(said in problem for problem in problems_of(text)), problems_of(text)
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 `-D gallery_moves=0` draws stills instead, which simulates nothing.
 """
 
+import re
 import sys
 from pathlib import Path
 
@@ -88,12 +89,27 @@ def page(folder: Path, moves: bool, follow=dict.items) -> str:
     return "\n".join(["```{container} thumbnails", *thumbnails, "```", "", *lines])
 
 
+def draw_examples(folder: Path) -> list[str]:
+    """Draw every whole structure among the examples of docs/structures.md, as it starts, into
+    `example-<name>.png` in `folder`; returns the files' names."""
+    from deployable.campaign.pictures.drawing import write_structure
+    from fpm import structures
+
+    text, names = (ROOT / "docs/structures.md").read_text(encoding="utf-8"), []
+    for example in re.findall(r"^```yaml\n(name: .*?)^```$", text, re.M | re.S):
+        scene_type = structures.loads(example)
+        names.append(f"example-{scene_type.name}.png")
+        write_structure(scene_type.build(), folder / names[-1])
+    return names
+
+
 def make(app):
     """Make pictures and page before the sources are read, and tell which structure's are made."""
     from sphinx.util.display import status_iterator
 
     folder, moves = Path(app.srcdir) / "made", bool(int(app.config.gallery_moves))
     folder.mkdir(exist_ok=True)
+    draw_examples(folder)
     work = "simulating structures, which compiles each set of kinds once, for minutes in all"
     summary = f"gallery, {work if moves else 'drawing structures'}: "
 

@@ -184,8 +184,9 @@ class Names:
             full = f"point {place.context.find(base, points)}"
         except KeyError:
             full = self.find_number(base, place, line)
-        text = f"dot({base}, {UNIT_VECTORS[axis]})"
-        return self._derive(f"{full} {axis}", text, {base: full}, place.key, line)
+        unit_vector = self._derive(f"axis {axis}", UNIT_VECTORS[axis], {}, place.key, line)
+        names = {axis: unit_vector, base: full}
+        return self._derive(f"{full} {axis}", f"dot({base}, {axis})", names, place.key, line)
 
     def _derive(self, full: str, text: str, names: dict[str, str], key: str, line: int) -> str:
         """Note the number or vector `full` of others, unless it is there; returns `full`."""

@@ -142,7 +142,8 @@ class Expression:
             raise
         except (ArithmeticError, ValueError):
             number = math.nan
-        if not (math.isfinite(number) if type(number) is float else np.isfinite(number).all()):
+        parts = (number,) if type(number) is float else number.tolist()
+        if not all(map(math.isfinite, parts)):
             raise ExpressionError("no finite number")
         return number
 

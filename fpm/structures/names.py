@@ -166,30 +166,35 @@ class Names:
 
     def find_number(self, name: str, place: "Place", line: int) -> str:
         """Return the full name, in `numbers`, of a number or vector that is called `name` in an
-        expression: of one that has a name, of a point, of a component `v.x` of a vector, of a unit
-        vector x, y, z. place, line: where it is written. KeyError if there is none."""
+        expression: of one that has a name, of a unit vector x, y, z, of a point, of a component
+        `v.x` of a vector. place, line: where it is written. KeyError if there is none."""
         with suppress(KeyError):
             return place.context.find(name, self.numbers)
+        if name in UNIT_VECTORS:
+            return self._derive(f"axis {name}", UNIT_VECTORS[name], {}, place.key, line)
+        points = self.groups.get("points", {})
         with suppress(KeyError):
-            point = place.context.find(name, self.groups.get("points", ()))
+            point = place.context.find(name, points)
             parts = {axis: f"{point}.{axis}" for axis in UNIT_VECTORS}
             return self._derive(f"point {point}", "[x, y, z]", parts, place.key, line)
         base, _, axis = name.rpartition(".")
-        if not base and name in UNIT_VECTORS:
-            return self._derive(f"axis {name}", UNIT_VECTORS[name], {}, place.key, line)
         if not base or axis not in UNIT_VECTORS:
             raise KeyError(name)
-        full = self.find_number(base, place, line)
-        text = f"dot({base}, {UNIT_VECTORS[axis]})"
-        return self._derive(f"{full} {axis}", text, {base: full}, place.key, line)
+        try:  # a number may be called like a point
+            full = f"point {place.context.find(base, points)}"
+        except KeyError:
+            full = self.find_number(base, place, line)
+        unit_vector = self._derive(f"axis {axis}", UNIT_VECTORS[axis], {}, place.key, line)
+        names = {axis: unit_vector, base: full}
+        return self._derive(f"{full} {axis}", f"dot({base}, {axis})", names, place.key, line)
 
     def _derive(self, full: str, text: str, names: dict[str, str], key: str, line: int) -> str:
         """Note the number or vector `full` of others, unless it is there; returns `full`."""
         if full not in self.numbers:
-            number = self.numbers[full] = NamedNumber(key, line, bound=Bound(parse(text), names))
+            self.numbers[full] = NamedNumber(key, line, bound=Bound(parse(text), names))
             if self._is_sorted:
                 self.order.append(full)
-                self._measure(number)
+                self._measure(full)
         return full
 
     def sort(self) -> None:
@@ -211,9 +216,10 @@ class Names:
                 self.problems.say(number.line, f"{number.key}: defined by itself {allowed}")
         self._is_sorted = True
         for name in self.order:
-            self._measure(self.numbers[name])
+            self._measure(name)
 
-    def _measure(self, number: NamedNumber) -> None:
+    def _measure(self, name: str) -> None:
+        number = self.numbers[name]
         if number.bound is None:
             return
         text, target = number.bound.expression.text, number.dimension
@@ -230,6 +236,11 @@ class Names:
             self.problems.say(number.line, f"{number.key}: {text} is {actual}; allowed: {target}")
             number.bound = None
         number.dimension = target or actual
+        if actual.vector and (name in UNIT_VECTORS or name in self.groups.get("points", ())):
+            allowed = "a name that no point has, and not x, y or z"
+            self.problems.say(
+                number.line, f"{number.key}: a vector called {name}; allowed: {allowed}"
+            )
 
     def is_whole(self, bound: Bound) -> bool:
         """Return whether all names in the expression `bound` stand for whole numbers."""

@@ -188,7 +188,8 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
     ("quoted", True, "the quotes that open here are not closed"),
     ("not allowed here", False, "a colon too many; allowed: one behind each key, and text with a "
      "colon in quotes"),
-    ("block", False, "this is indented otherwise than what it belongs to, or lacks a colon"),
+    ("block", False, "this is indented otherwise than what it belongs to, lacks a colon, or begins "
+     "with [ and lacks quotes"),
     ("cannot start|alias", False, "nothing begins with this sign; allowed: text in quotes"),
 )  # fmt: skip
 

@@ -165,9 +165,7 @@ def bennett(assemble: str) -> SceneType:
     changes = (
         ("mesh: elements", f"mesh: elements\nassemble: {assemble}"),
         ("  a: {value", "  slack: {value: 0.1, unit: mm, range: [-10, 10]}\n  a: {value"),
-        ("AB_end: [end_x, end_y, end_z]",
-         "AB_end: [end_x + slack*x_x, end_y + slack*x_y, end_z + slack*x_z]\n"
-         "  B2: [slack*x_x, span_y + slack*x_y, span_z + slack*x_z]"),
+        ("AB_end: tail", "AB_end: tail + slack*along\n  B2: B + slack*along"),
         ("{A: AB_start, B: AB_end}", "{A: AB_start, B2: AB_end}"),
         ("parts: [AB, BC], at: B,", "parts: [AB, BC], at: {AB: B2, BC: B},"),
         ("B: {part: AB, at: B}", "B: {part: AB, at: B2}"),

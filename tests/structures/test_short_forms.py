@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
-from structures_for_tests import changed, problems_of, refused
+from structures_for_tests import changed, refused
 
 import fpm
 from fpm.structures import loads
@@ -116,6 +116,8 @@ VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
     ("[L, 0, 0], -y, stow", "[L, 0, 0], -y, 30", "rotate turns by an angle with a unit"),
     ("[L, 0, 0], -y, stow", "[L, 0], -y, stow", "[...] of 2; allowed: a vector [x, y, z]"),
     ("span: Q - P", "span: (0 m)*x", "the direction of a vector of length 0"),
+    ("k: w.x + norm(w)", "S: 2*w\n  k: 1 m", "let.S: a vector called S; allowed: a name that no p"),
+    ("k: w.x + norm(w)", "z: 2*w\n  k: 1 m", "let.z: a vector called z"),
     ("axis: n", "axis: up", "axis: 'up' is not allowed; allowed: x, y, z"),
     ("axis: n", "axis: L", "'L' is m; allowed: x, y, z"),
     ("axis: n", "axis: Q", "one point is no direction"),
@@ -133,9 +135,17 @@ def test_what_is_no_vector_or_number_is_refused(old, new, words):
 
 
 def test_names_of_a_file_come_before_those_of_the_language():
-    text = changed(TEXT, ("  k: w.x", "  x: 2*z\n  cross: 1 m\n  k: w.x"))
-    assert loads(text).build().position[-1] == pytest.approx([0.1, 0.5, 2.0])
-    assert any("is a vector" in p for p in problems_of(changed(TEXT, ("P: [100 mm", "P: [w"))))
+    """Points that numbers are called like, too, are named by their coordinates."""
+    changes = (
+        ("  k: w.x", "  y: 2 m\n  cross: 1 m\n  R: y + cross + R.z\n  k: R + w.x"),
+        ("-y, stow", "[0, -1, 0], stow"),
+        ("(1 m)*y", "y*z"),
+    )
+    build = loads(changed(TEXT, *changes)).build()
+    assert build.position[-1] == pytest.approx([1.1, 0.0, 1.0])  # half of y*z over A
+    place = build.points["S"].arm + build.position[build.points["S"].particle]
+    assert place[2] == pytest.approx(3 + 0.3 + 2 + np.sqrt(5))
+    assert place[1] == pytest.approx(-0.01)
 
 
 SHAPE = """

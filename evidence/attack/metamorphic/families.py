@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from evidence.attack.metamorphic.image import Image, entries, scale
 from evidence.attack.metamorphic.openings import OPENINGS, openings_of, shift_zeros, swap_parts
@@ -57,6 +58,25 @@ def change_units(structure: Structure, rng: random.Random) -> Image:
     """In other units: lengths, masses and times in numbers that are some times as large."""
     units = tuple(10.0 ** rng.uniform(-1.0, 1.0) for _ in range(3))
     return Image(map_numbers(structure, lambda x, unit: x * scale(units, unit)), units=units)
+
+
+def say_in_vectors(structure: Structure, rng: random.Random) -> Image:
+    """Points as vectors from each other, and directions as others that are turned."""
+    clone = copy.deepcopy(structure)
+    names = list(clone["points"])
+    for k, name in enumerate(names[1:], start=1):
+        start = rng.choice(names[:k])
+        arm = np.subtract(structure["points"][name], structure["points"][start]).tolist()
+        clone["points"][name] = f"{start} + [{', '.join(f'{x!r} m' for x in arm)}]"
+    for group in clone.keys() & GROUPS.keys():
+        for entry in clone[group].values():
+            for key in entry.keys() & {"axis", "other", "up", "x", "normal"}:
+                if isinstance(entry[key], list):
+                    angle, axis = rng.uniform(-3.0, 3.0), rng.choice("xyz")
+                    turns = Rotation.from_euler(axis, -angle)
+                    vector = turns.apply(entry[key]).tolist()
+                    entry[key] = f"rotate({vector}, {axis}, {angle!r} rad)"
+    return Image(clone)
 
 
 def is_quiet(structure: Structure) -> bool:
@@ -112,6 +132,7 @@ FAMILIES: dict[str, Callable[[Structure, random.Random], Image | None]] = {
     "renamed": rename_all,
     "reordered": reorder,
     "in other units": change_units,
+    "in vectors": say_in_vectors,
     "openings from other zeros": shift_zeros,
     "parts of joints swapped": swap_parts,
     "bodies split": split,

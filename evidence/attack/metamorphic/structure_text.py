@@ -40,7 +40,8 @@ def map_numbers(structure: Structure, change: Change) -> Structure:
             clone[key] = _map_value(clone[key], kind, change)
     if "points" in clone:
         clone["points"] = {
-            n: [change(x, "m") for x in point] for n, point in clone["points"].items()
+            n: point if isinstance(point, str) else [change(x, "m") for x in point]
+            for n, point in clone["points"].items()
         }
     for group in clone.keys() & GROUPS.keys():
         clone[group] = {

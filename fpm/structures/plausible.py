@@ -420,7 +420,7 @@ def _acceleration(scene: Scene, hinge: Hinge, moment: float) -> float:
         inertia, lever = float(scene.mass[body].sum()), float(scene.mass[body].sum())
         if not hinge.slides:
             inertia = float(scene.mass[body] @ arms**2 + (axes * scene.inertia[body]).sum())
-            lever = float(scene.mass[body] @ arms)
+            lever = float(scene.mass[body] @ (arms + abs(hinge.lead)))
         result += (moment + lever * gravity) / inertia
     return result
 

@@ -145,7 +145,7 @@ class Joint(JointBase):
             unit_text = "m" if direction else "rad"
             check_number(f"opening of joint {name}{suffix}", opening, Number(), unit_text)
             ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
-            if direction == "x":
+            if direction in ("x", "y"):
                 ends = axis, axis
             hinge = Hinge(
                 name + suffix,

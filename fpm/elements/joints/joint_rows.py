@@ -188,27 +188,28 @@ def find_gaps(part, state, j):
     _, second, point2 = place(part, state, j, 1)
     axis, p, q = directions(part, j, first)
     gap = point - point2
-    u, v, w = dot(p, gap), dot(q, gap), dot(axis, gap)
-    gap2 = 0.0 * u
+    gap2 = 0.0 * gap.x
     if kind & POINT:
         put_gap(rows, r, gap)
         gap2 = dot(gap, gap)
         r += 3
     if kind & ACROSS_X:
+        u = dot(p, gap)
         store(rows, r, RESIDUAL, u)
         gap2 = u * u
         r += 1
     if kind & ACROSS_Y:
-        store(rows, r, RESIDUAL, v)
-        gap2 = gap2 + v * v
+        u = dot(q, gap)
+        store(rows, r, RESIDUAL, u)
+        gap2 = gap2 + u * u
         r += 1
     if kind & ACROSS_AXIS:
-        store(rows, r, RESIDUAL, w)
-        gap2 = gap2 + w * w
+        u = dot(axis, gap)
+        store(rows, r, RESIDUAL, u)
+        gap2 = gap2 + u * u
         r += 1
     tilt2 = 0.0 * gap2
     axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
-    reference = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
     if kind & CROSS:
         tilt = dot(axis, axis2)
         store(rows, r, RESIDUAL, tilt)
@@ -220,15 +221,16 @@ def find_gaps(part, state, j):
         tilt2 = u * u + v * v
         r += 2
     if kind & TWIST:
-        tilt = dot(q, reference)
+        tilt = dot(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
         store(rows, r, RESIDUAL, tilt)
         tilt2 = tilt2 + tilt * tilt
     if kind & THREAD:
         lead = load(part.sides, 2 * j, LEAD)
-        w = w + lead * arctan2(dot(q, reference), dot(p, reference))
-        w = w - FULL * lead * floor(w / (FULL * lead) + 0.5)  # all turns of a thread are alike
-        store(rows, r, RESIDUAL, w)
-        gap2 = gap2 + w * w
+        reference = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
+        u = dot(axis, gap) + lead * arctan2(dot(q, reference), dot(p, reference))
+        u = u - FULL * lead * floor(u / (FULL * lead) + 0.5)  # all turns of a thread are alike
+        store(rows, r, RESIDUAL, u)
+        gap2 = gap2 + u * u
     return gap2, tilt2
 
 

@@ -270,10 +270,11 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
-    axes, with factors on the stiffness. The particles of a slide turn together: their turn may be
-    taken as that of either or both, as bounds the frequency best. In the second particle the axis
-    of a universal joint's angle lies anywhere in a plane; so does a spring's stiffest direction.
-    Springs from both sides to the ground, on the second about all its axes, bound it (Cauchy)."""
+    axes, with factors on the stiffness. The particles of a slide turn together, but for
+    the normal of a plane in which they turn apart: their turn may be taken as that of either or
+    both, as bounds the frequency best. In the second particle the axis of a universal joint's angle
+    lies anywhere in a plane; so does a spring's stiffest direction. Springs from both sides to the
+    ground, on the second about all its axes, bound it (Cauchy)."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if not hinge.slides and hinge.type != "universal":
@@ -282,21 +283,22 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     first, second = (~no_turn[p] / scene.inertia[p] for p in hinge.particles)
     if hinge.slides:
         p, q = hinge.particles
-        axis = scene.frame[p] @ axis1
-        if hinge.opening_type.direction != "axis":  # in the plane of which the particles turn apart
-            arm = scene.frame[q] @ hinge.beams[1].arm
-            levers = scene.position[q] + arm - scene.position[p], arm
-            turns = [
-                scene.frame[i].T @ np.cross(r, axis) for i, r in zip((p, q), levers, strict=True)
-            ]
-            return [(np.concatenate([-axis, -turns[0], axis, turns[1]]), 1.0)]
-        turn = np.cross(scene.position[p] - scene.position[q], axis)
+        axis, normal = (scene.frame[p] @ v[0] for v in (hinge.axes, hinge.references))
+        arm = scene.frame[q] @ hinge.beams[1].arm
+        levers = scene.position[p] - scene.position[q] - arm, arm
+        if hinge.opening_type.direction == "axis":
+            normal = np.zeros(3)
+        # About the normal of their plane particles turn apart.
+        parts = [np.cross(lever, axis) @ normal * normal for lever in levers]
+        turn = np.cross(scene.position[p] - scene.position[q], axis) - parts[0] - parts[1]
         turns = [scene.frame[particle].T @ turn for particle in (p, q)]
+        parts = [scene.frame[i].T @ part for i, part in zip((p, q), parts, strict=True)]
         soft, soft2 = turns[0] ** 2 @ first, turns[1] ** 2 @ second
         ratio = soft2 / (soft + soft2) if soft + soft2 > 0 else 0.0
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         axis1, axis2 = frame[p] @ axis1, frame[q] @ axis2
-        return [(np.concatenate([-axis1, ratio * turns[0], axis2, (1 - ratio) * turns[1]]), 1.0)]
+        turns = [ratio * turns[0] + parts[0], (1 - ratio) * turns[1] + parts[1]]
+        return [(np.concatenate([-axis1, turns[0], axis2, turns[1]]), 1.0)]
     plane = np.linalg.svd(hinge.references[1][None])[2][1:]  # normal to the axis on the second
     soft = axis1**2 @ first
     softest = float(np.linalg.eigvalsh(plane * second @ plane.T)[-1])

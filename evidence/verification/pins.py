@@ -211,9 +211,9 @@ def shaft(bench: Bench) -> None:
     rate = math.sqrt(WEIGHT / (PLAY * (SHAFT_MASS + SHAFT_INERTIA / SHAFT_RADIUS**2)))
     scene = loads(SHAFT).build(x=x, y=y, spin=0.0, friction=0.8)
     (outcome,) = bench.simulate([scene], duration=4 * math.pi / rate, instants=41, step=1e-6)
-    rolling = outcome.records["slide_opening"].values[:, 0] / distance / swing
+    sway = outcome.records["slide_opening"].values[:, 0] / distance / swing
     source = "√(F/(play (m + J/r²))): it rolls"
-    error = np.abs(rolling - np.cos(rate * outcome.time)).max()
+    error = np.abs(sway - np.cos(rate * outcome.time)).max()
     bench.check_small("swing of a shaft that rolls", error, 0.02, source, "the swing")
 
 

@@ -77,6 +77,17 @@ def braced() -> fpm.Scene:
     return scene
 
 
+def worn(law: str) -> fpm.Scene:
+    """A body that spins on a pin with play, pressed by its weight."""
+    scene = fpm.Scene("worn", gravity=(0, -9.81, 0))
+    ground, body = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, J, spin=(0, 0, 5.0)))
+    scene.fix(ground)
+    pair, zeros = (ground, body), (0.0, 0.0, 0.0)
+    turn = scene.add_sliding_joint("pin", "pin with play", pair, zeros, (0, 0, 1), zeros)
+    scene.add(k.Journal(turn, 0.05, 50.0, 0.1, law, 0.8, 0.3, 0.2, 0.05))
+    return scene
+
+
 def driven(**load) -> fpm.Scene:
     """A body that is driven, with another hinged to it, and a load on it."""
     scene = flap(rate=0.0, second=True)
@@ -153,6 +164,8 @@ SCENES = {
     "cable": cable,
     "rubbing cable": lambda: cable(0.2),
     "strut": braced,
+    "pin with play": lambda: worn("hertz"),
+    "pin with play, linear": lambda: worn("linear"),
     "exact release": on(k.RigidRelease(1, 0.231), **FALLING),
     "exact motor": on(k.RigidMotor(0, 0.0, 1.0, 0), rate=0.0, **FALLING),
     "exact motor by its rate": on(k.RigidMotor(0, 0.0, 1.0, 0, True), rate=0.0, **FALLING),

@@ -80,7 +80,7 @@ class Cable(ElementType):
     least: float = number("m", 0.0, default=0.0, zero=False)
 
     noun = "cable"
-    acts_as = "cable"
+    acts_as = "other"
     resists_as = "S"
     cost = 60.0
 

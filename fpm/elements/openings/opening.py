@@ -31,8 +31,7 @@ step, so that an impact is not thrown back by its damper alone."""
 
 
 PARTS = (
-    "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "cable",
-    "other",
+    "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "other",
 )  # fmt: skip
 """Parts of the moment on an opening, by the kinds that act on it (ElementType.acts_as)."""
 

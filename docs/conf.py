@@ -18,6 +18,7 @@ extensions = [
     "docstrings",
     "gallery",
     "mathml",
+    "term_links",
 ]
 exclude_patterns = ["made/*.md", "extensions", "static"]
 myst_enable_extensions = ["dollarmath"]

@@ -37,8 +37,8 @@ class Study:
     @property
     def files(self) -> tuple[str, ...]:
         """The files that it always leaves."""
-        drawn = (f"{plot}.{kind}" for plot in self.plots for kind in ("png", "pdf"))
-        return ("summary.json", "table.md", *drawn)
+        figures = (f"{plot}.{kind}" for plot in self.plots for kind in ("png", "pdf"))
+        return ("summary.json", "table.md", *figures)
 
     def measuring_code(self) -> str:
         """Digest of the code that decides what is measured."""

@@ -100,7 +100,8 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
 def hint_new(name: object, names: Iterable[str]) -> str:
     """Return a hint for a message: " (it is now x)" if `name` is a former name (NEW_NAMES) of x,
     one of `names`, those allowed; else ""."""
-    name = NEW_NAMES.get(name) if isinstance(name, str) else None
+    if isinstance(name, str):
+        name = NEW_NAMES.get(name) or NEW_NAMES.get(name.replace("_", " "))
     return f" (it is now {name})" if name in names else ""
 
 

@@ -42,7 +42,7 @@ class HeldConfigError(CampaignError):
     """A result file carries a config that this program cannot use; `str()` is the message."""
 
 
-def of_files(error: Exception, folder: Path) -> CampaignError | None:
+def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     """Turn an error of reading or writing a campaign's files into a `CampaignError` that tells
     users the remedy, and return it; None for other errors, which are the program's. error: as
     caught; folder: of the results. netCDF's library names no cause: a limit of the size of files,

@@ -40,7 +40,7 @@ class Folder:
     sensitivities = _file("sensitivities.nc", "Influence of each parameter.")
     bounds = _file("bounds.nc", "Bounds of the responses.")
     quantities = _file("quantities.nc", "Intervals of the quantities.")
-    further = _file("further.nc", "The further runs that answers took.")
+    refinement = _file("refinement.nc", "The further runs that answers took.")
     requirements = _file("requirements.json", "What of the box meets the requirements.")
     choice = _file("choice.json", "The best choice.")
     measured = _file("measured.json", "What of the box explains measured curves.")

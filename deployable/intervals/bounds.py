@@ -141,7 +141,7 @@ _NUMBERS = {
     "largest_width": ("largest difference of the bounds", ""),
     "largest_width_time": ("time of the largest difference of the bounds", "s"),
     "gap_share_of_width": ("gap between outer and attained bounds, as a share of the width", "1"),
-    "coverage": ("share of the runs that were not fitted within the bounds", "1"),
+    "coverage": ("fraction of the validation runs that lies within the bounds", "1"),
     "worst_violation": ("largest distance outside the bounds of a run that was not fitted", ""),
     "largest_error": ("largest estimated error of the bounds", ""),
     "largest_error_time": ("time of the largest estimated error of the bounds", "s"),

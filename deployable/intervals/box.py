@@ -126,10 +126,11 @@ def corner_points(free: np.ndarray) -> np.ndarray:
 def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = None) -> np.ndarray:
     """Points (count, k) in [-1, 1]^k of validation runs, which test a surrogate and are not fitted;
     none where no direction has a width. free (k): mask of the directions with a width, 0 in the
-    others; count: 0 to 100 000, else IntervalError; avoid (R, k): points to be skipped, as a fitted
-    node says nothing of the error. Corners come first, for at most half of the points, because a
-    surrogate is worst at the edges; then an R-sequence (Roberts 2018: additive recurrence with the
-    generalised golden ratio), whose first points are those of any longer one."""
+    others; count: 0 to 100 000, else IntervalError; avoid (R, k): points to be skipped, None for
+    none, as a fitted node says nothing of the error. Corners come first, for at most half of the
+    points, because a surrogate is worst at the edges; then an R-sequence (Roberts 2018: additive
+    recurrence with the generalised golden ratio), whose first points are those of any longer
+    one."""
     free = np.asarray(free, dtype=bool)
     count = check_integer("held_out", count, 0, 100_000)
     dimension = int(free.sum())

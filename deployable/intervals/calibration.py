@@ -418,8 +418,8 @@ class _Waves:
         problem, the least misfit that its errors allow, and points (size) that are not excluded.
         waves: largest number of waves; most: of runs of each test, besides those already made."""
         least, pool, self.hull = 0.0, [], self.widest
-        spent = [len(points) for points in self.points]
-        most += max(spent) - waves  # each wave makes one more
+        run_counts = [len(points) for points in self.points]
+        most += max(run_counts) - waves  # each wave makes one more
         for number in range(waves):
             problem = _Problem(self.fits(number, most), self.k)
             self.problems = [*(self.problems if number else []), (self.hull, problem)]

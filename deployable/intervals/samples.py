@@ -49,7 +49,7 @@ class RunBounds:
     high_run: np.ndarray
 
     @classmethod
-    def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> RunBounds:
+    def from_runs(cls, values: np.ndarray, runs: np.ndarray) -> RunBounds:
         """Make the least and largest values of R runs from their finite values (R, ...); runs (R):
         indices of the runs, increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
@@ -149,7 +149,7 @@ class Samples:
                 values = self.read(slice(start, stop))
                 if not np.isfinite(values).all():
                     raise IntervalError("samples", "not finite", "finite responses in every run")
-                bounds = RunBounds.of_runs(values, np.arange(start, stop)).merge(bounds)
+                bounds = RunBounds.from_runs(values, np.arange(start, stop)).merge(bounds)
             yield bounds
 
     def coordinates(self) -> dict:

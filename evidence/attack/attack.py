@@ -30,7 +30,7 @@ def attack(
     rng, ledger, hunt = random.Random(seed), Ledger(), Hunt(seed, code)
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)
-        victims = [Victim(place), Victim(place, "responses"), Victim(place, drawn=True)]
+        victims = [Victim(place), Victim(place, "responses"), Victim(place, has_figures=True)]
         for kind in kinds:
             end = time.monotonic() + 60.0 * minutes / len(kinds)
             while time.monotonic() < end:

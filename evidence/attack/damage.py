@@ -13,7 +13,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES
 from deployable.campaign.stages.workflow import Workflow
 from evidence.attack.ledger import Ledger
-from evidence.attack.victim import Victim, broken_in, read_bounds, results_in, silent
+from evidence.attack.victim import Victim, list_broken_files, read_bounds, results_in, silent
 
 PAGE = 4096
 
@@ -120,6 +120,6 @@ def _finish_run(victim: Victim, folder: Path, path: Path, is_whole: bool) -> str
         return "wrong"
     if is_whole and not any(str(path) in text for text in messages):
         return "wrong"
-    if broken_in(folder):
+    if list_broken_files(folder):
         return "stuck"
     return "refused" if is_refused else "made again"

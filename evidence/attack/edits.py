@@ -139,7 +139,7 @@ class Edits:
                 lines |= span if (name, first) in self._executed_code else set()
         return lines | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
-    def drawn(self, is_kernel: bool = False) -> tuple[str, int]:
+    def draw(self, is_kernel: bool = False) -> tuple[str, int]:
         """A place of any folder, each as likely; is_kernel: of KERNELS, else of none of these."""
         rooms = [room for room in sorted(self.places) if room.startswith(KERNELS) == is_kernel]
         return self.rng.choice(self.places[self.rng.choice(rooms)])

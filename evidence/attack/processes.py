@@ -15,7 +15,7 @@ from pathlib import Path
 import yaml
 
 from evidence.attack.ledger import Ledger
-from evidence.attack.victim import Victim, broken_in, left_in
+from evidence.attack.victim import Victim, list_broken_files, list_leftovers
 
 ROOT = Path(__file__).parents[2]
 LIMIT = 30.0
@@ -80,12 +80,12 @@ def _after_death(victim: Victim, place: Path, process: subprocess.Popen) -> str:
     folder = place / victim.name
     if "Traceback" in output:
         raise RuntimeError(output)
-    if folder.exists() and broken_in(folder):
+    if folder.exists() and list_broken_files(folder):
         return "wrong"
     if process.returncode == 1 and "no room" not in output and "error" not in output:
         raise RuntimeError(f"no word of why: {output}")
     if not victim.is_true(victim.run(place)):
         return "wrong"
-    if broken_in(folder) or left_in(folder):
+    if list_broken_files(folder) or list_leftovers(folder):
         return "stuck"
     return "right" if process.returncode == 0 else "made again"

@@ -33,11 +33,11 @@ def silent(text: str) -> None:
 class Victim:
     """The campaign in `folder`, with runs kept as `keep` says, drawn or not; its true bounds."""
 
-    def __init__(self, folder: Path, keep: str = "trajectories", drawn: bool = False):
+    def __init__(self, folder: Path, keep: str = "trajectories", has_figures: bool = False):
         self.raw = copy.deepcopy(RAW)
         self.raw["jobs"]["keep"] = keep
-        self.keep, self.drawn = keep, drawn
-        self.whole = folder / f"whole-{keep}{'-drawn' * drawn}"
+        self.keep, self.has_figures = keep, has_figures
+        self.whole = folder / f"whole-{keep}{'-drawn' * has_figures}"
         self.truth = self.run(self.whole)
 
     @property
@@ -47,7 +47,7 @@ class Victim:
 
     def run(self, results: Path, notify: Callable[[str], None] = silent) -> dict[str, np.ndarray]:
         """Run it (what is there already is used); its bounds."""
-        bounds = campaign.run(self.raw, results, figures=self.drawn, notify=notify)
+        bounds = campaign.run(self.raw, results, figures=self.has_figures, notify=notify)
         return {name: bounds[name].values for name in VARIABLES}
 
     def copy(self, results: Path) -> Path:
@@ -68,12 +68,12 @@ def results_in(folder: Path) -> list[Path]:
     return [path for path in paths if not path.name.startswith(".")]
 
 
-def broken_in(folder: Path) -> list[Path]:
+def list_broken_files(folder: Path) -> list[Path]:
     """Results that have their final names and are not whole."""
     return [path for path in results_in(folder) if not _is_whole(path)]
 
 
-def left_in(folder: Path) -> list[Path]:
+def list_leftovers(folder: Path) -> list[Path]:
     """Temporary files that nobody writes any more."""
     return [path for path in folder.rglob(".*.part*") if path.is_file()]
 

@@ -84,18 +84,18 @@ def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
     bare[0]()
     with ThreadPoolExecutor(2) as pool:
 
-        def in_parallel(pair):
+        def time_parallel(pair):
             for future in [pool.submit(run) for run in pair]:
                 future.result()
 
-        def in_turn(pair):
+        def time_alternately(pair):
             for run in pair:
                 run()
 
         runs = {}
         for case, pair in (("batch", (batch, batch)), ("bare", bare)):
-            runs[f"{case} together"] = partial(in_parallel, pair)
-            runs[f"{case} in turn"] = partial(in_turn, pair)
+            runs[f"{case} together"] = partial(time_parallel, pair)
+            runs[f"{case} in turn"] = partial(time_alternately, pair)
         seconds = best(runs, repeats, time.perf_counter)
     ratio, gain = (seconds[f"{k} in turn"] / seconds[f"{k} together"] for k in ("batch", "bare"))
     note = f"two threads; multiply-adds in registers gain {gain:.2f} x at the same time"

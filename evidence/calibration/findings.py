@@ -61,8 +61,8 @@ def _against_the_paper(numbers: Numbers) -> list[Row]:
     ]
     return rows + [
         close_to(f"{n}: largest difference before the first closure, share of the curve's range",
-               numbers.early[n] / numbers.span[n], 0, COINCIDE, PAPER_SOURCE,
-               f"{numbers.early[n]:.3g} {UNITS[n]}; the paper: the bounds coincide")
+               numbers.first_width[n] / numbers.span[n], 0, COINCIDE, PAPER_SOURCE,
+               f"{numbers.first_width[n]:.3g} {UNITS[n]}; the paper: the bounds coincide")
         for n in PAPER
     ]  # fmt: skip
 

@@ -45,15 +45,15 @@ class Reading:
 class Numbers:
     """What the paper's campaign gives for one K_F (N/rad) under one reading.
 
-    largest and times: response -> largest difference of the bounds and its time (s); early: the
-    same before any sample's first closure; closures: one tuple of times (s) for each of the
+    largest and times: response -> largest difference of the bounds and its time (s); first_width:
+    the same before any sample's first closure; closures: one tuple of times (s) for each of the
     samples; step (s).
     """
 
     K_F: float
     largest: dict[str, float]
     times: dict[str, float]
-    early: dict[str, float]
+    first_width: dict[str, float]
     span: dict[str, float]
     closures: tuple[tuple[float, ...], ...]
     step: float
@@ -162,14 +162,14 @@ def _numbers(stiffness: float, design, runs: list[fpm.Outcome]) -> Numbers:
     time, closings = runs[0].time, tuple(closures(run) for run in runs)
     first = min((c[0] for c in closings if c), default=DURATION)
     curves = [linkage.curves(run) for run in runs]
-    largest, instants, early, span = {}, {}, {}, {}
+    largest, instants, first_width, span = {}, {}, {}, {}
     for name in PAPER:
         bounds = find_surrogate_range(fit(design, np.array([curve[name] for curve in curves])))
         width = bounds.inner_upper - bounds.inner_lower
         largest[name], instants[name] = float(width.max()), float(time[width.argmax()])
-        early[name] = float(width[time < first].max())
+        first_width[name] = float(width[time < first].max())
         span[name] = float(bounds.inner_upper.max() - bounds.inner_lower.min())
-    return Numbers(stiffness, largest, instants, early, span, closings, runs[0].step)
+    return Numbers(stiffness, largest, instants, first_width, span, closings, runs[0].step)
 
 
 def scan(reading: Reading, values: Iterable[float]) -> Scan:

@@ -168,7 +168,7 @@ def refusals() -> list[Row]:
     return rows
 
 
-def held_bar(EA: float, is_one: bool) -> fpm.Scene:
+def make_cable_bar(EA: float, is_one: bool) -> fpm.Scene:
     """A bar held at both ends by cables in balance, from all sides or running through them."""
     scene = fpm.Scene("held bar")
     section, material = fpm.Section.circle(0.01), fpm.Material(7e10, 0.3, 2700.0)
@@ -191,7 +191,7 @@ def steps() -> list[Row]:
     rows = []
     for is_one in (False, True):
         for EA in (1e5, 1e8, 1e9):
-            scene = held_bar(EA, is_one)
+            scene = make_cable_bar(EA, is_one)
             stable = fpm.find_stable_step(scene)
             ratio = float(stable.step / true_limit(scene, 1e-3))
             support = "running through its ends" if is_one else "from all sides"

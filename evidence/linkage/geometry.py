@@ -260,23 +260,23 @@ class BennettGeometry:
 
     def hinges(self) -> tuple[Hinge, ...]:
         """The four hinges, in the order of HINGES, in the frames of their links."""
-        at_a = (
+        hinge_a = (
             self.hinge_length_a,
             self.arm_a,
             self.axis_a,
             # From the hinge line (outer edge) into the face: towards the end of the bar's axis.
-            _into_face(self.axis_a, self.arm_a),
+            _turn_into_face(self.axis_a, self.arm_a),
         )
-        at_b = (
+        hinge_b = (
             self.hinge_length_b,
             self.arm_b,
             self.axis_b,
-            _into_face(self.axis_b, self.arm_b),
+            _turn_into_face(self.axis_b, self.arm_b),
         )
         hinges = []
         for name in HINGES:
             at_start = name in "AC"
-            length, arm, axis, reference = at_a if at_start else at_b
+            length, arm, axis, reference = hinge_a if at_start else hinge_b
             body1, body2 = _HINGE_BODIES[name]
             # Body 1 is AB or CD, body 2 a mirror image.  The axis lies in the mirror plane, so the
             # same arrow has the image's components.
@@ -298,15 +298,15 @@ class BennettGeometry:
         return tuple(hinges)
 
 
-def _with_half_turn(of_a: np.ndarray, of_b: np.ndarray) -> np.ndarray:
+def _with_half_turn(vectors_a: np.ndarray, vectors_b: np.ndarray) -> np.ndarray:
     """Vectors (..., 4, 3) at A, B, C and D from those (..., 3) at A and B."""
-    vectors = np.empty((*of_a.shape[:-1], 4, 3))
-    vectors[..., 0, :], vectors[..., 1, :] = of_a, of_b
+    vectors = np.empty((*vectors_a.shape[:-1], 4, 3))
+    vectors[..., 0, :], vectors[..., 1, :] = vectors_a, vectors_b
     vectors[..., 2:, :] = vectors[..., :2, :] @ _HALF_TURN
     return vectors
 
 
-def _into_face(axis: np.ndarray, arm: np.ndarray) -> np.ndarray:
+def _turn_into_face(axis: np.ndarray, arm: np.ndarray) -> np.ndarray:
     """Unit vector in the end face, normal to the hinge axis, from the hinge line inwards."""
     normal = -arm + (arm @ axis) * axis
     return normal / np.linalg.norm(normal)

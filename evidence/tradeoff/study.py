@@ -14,7 +14,7 @@ from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.tolerances import measure_targets
 from evidence.tradeoff.rows import all_rows
 from evidence.tradeoff.tables import case_text
-from evidence.tradeoff.tolerance_rows import asked_rows, asked_text
+from evidence.tradeoff.tolerance_rows import accuracy_rows, accuracy_text
 
 # Each is measured by a process of its own, so that cpu times are those of one core.
 PARTS = {case.name: lambda quick, case=case: measure_case(case) for case in CASES}
@@ -29,9 +29,11 @@ def report(parts: Mapping[str, dict]) -> Report:
     accuracy = [data for name, data in parts.items() if name.startswith("asked-")]
     rest = {name: data for name, data in parts.items() if not name.startswith("asked-")}
     cases = {name: data for name, data in rest.items() if name != "peers"}
-    rows = [replace(row, group=f"{c['case']}, accuracy") for c in accuracy for row in asked_rows(c)]
+    rows = [
+        replace(row, group=f"{c['case']}, accuracy") for c in accuracy for row in accuracy_rows(c)
+    ]
     return Report(
         all_rows(cases, parts.get("peers")) + rows,
-        text="".join([*map(case_text, cases.values()), *map(asked_text, accuracy)]),
+        text="".join([*map(case_text, cases.values()), *map(accuracy_text, accuracy)]),
         figures={f"pareto_{name}": draw_pareto(case) for name, case in cases.items()},
     )

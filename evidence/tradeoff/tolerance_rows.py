@@ -12,16 +12,16 @@ median, and the cost beside the best rival that is as accurate. Set before the f
 measurement."""
 
 
-def asked_rows(case: dict) -> list[Row]:
+def accuracy_rows(case: dict) -> list[Row]:
     """The rows of a case: whether it is what was asked for, how good estimates are, its cost."""
-    met = [row for row in case["asked"] if row["met"]]
+    met_rows = [row for row in case["asked"] if row["met"]]
     name = f"{case['case']}, accuracy"
     rows = []
-    if met:
-        successes = [e["most"] <= row["share"] for row in met for e in row["errors"]]
-        worst = max(e["most"] / row["share"] for row in met for e in row["errors"])
+    if met_rows:
+        successes = [e["most"] <= row["share"] for row in met_rows for e in row["errors"]]
+        worst = max(e["most"] / row["share"] for row in met_rows for e in row["errors"])
         text = f"{name}: of those told to be met, true in 90 % of the instants"
-        note = f"{len(met)} of {len(case['asked'])} met; at worst {worst:.2g} of what was asked for"
+        note = f"{len(met_rows)} of {len(case['asked'])} met; at worst {worst:.2g} of the target"
         rows.append(at_least(text, sum(successes) / len(successes), MIN_SHARE, TRUE, note))
     errors = [error for row in case["asked"] for error in row["errors"]]
     ratios = sorted(e["told"] / max(e["share"], 1e-12) for e in errors)
@@ -52,7 +52,7 @@ def _worst(row: dict) -> float:
     return max(error["share"] for error in row["errors"])
 
 
-def asked_text(case: dict) -> str:
+def accuracy_text(case: dict) -> str:
     """Every number of a case as Markdown."""
     head = ["", "met", "mesh", "rounds", "runs", "cpu (s)"]
     for name in case["responses"]:

@@ -45,13 +45,13 @@ def rigid_linkage(bench: Bench) -> None:
         expected, result = rigid.simulate(5.0, times), curves(outcome)
         closing = expected["closings"][0]
         bench.check(f"{name}: first closure (s)", outcome.events[0, 0], closing, 2e-3, SOURCE)
-        early = times < min(closing, outcome.events[0, 0])
+        is_before = times < min(closing, outcome.events[0, 0])
         for key in ("BD", "velocity_Bz"):
-            reach = np.ptp(expected[key][early])
-            worst = np.abs(result[key] - expected[key])[early].max() / reach
+            reach = np.ptp(expected[key][is_before])
+            worst = np.abs(result[key] - expected[key])[is_before].max() / reach
             bench.check_small(f"{name}: {key} before closure", worst, 0.005, SOURCE, "its range")
         # Kinematics alone: at each instant, the rigid linkage that is open as much at B.
-        rows = [rigid.motion(rigid.beta_at(x)) for x in result["opening_b"][early][::20]]
+        rows = [rigid.motion(rigid.beta_at(x)) for x in result["opening_b"][is_before][::20]]
         shape = {
             "BD": [2 * abs(m["B"][0, 1]) for m in rows],
             "AC": [2 * abs(m["A"][0, 0]) for m in rows],
@@ -59,13 +59,13 @@ def rigid_linkage(bench: Bench) -> None:
             "opening_a": [m["opening_a"][0] for m in rows],
         }
         worst = max(
-            np.abs(result[key][early][::20] - values).max() / np.ptp(values)
+            np.abs(result[key][is_before][::20] - values).max() / np.ptp(values)
             for key, values in shape.items()
         )
         bench.check_small(f"{name}: shape at the same opening", worst, 0.005,
                           "sin β sin γ = const", "their ranges")  # fmt: skip
-        figure.curve(times[early], result["BD"][early], name)
-        figure.curve(times[early], expected["BD"][early], f"{name}, rigid", True)
+        figure.curve(times[is_before], result["BD"][is_before], name)
+        figure.curve(times[is_before], expected["BD"][is_before], f"{name}, rigid", True)
 
 
 def flexibility(bench: Bench) -> None:

@@ -13,10 +13,10 @@ from fpm.elements.bars.lumping import lump
 def spin_angle(time) -> tuple[np.ndarray, np.ndarray]:
     """Prescribed angle (rad) and rate (rad/s) of the spin-up at times (n,)."""
     w = 2 * np.pi / 15
-    early = time < 15
+    is_ramp = time < 15
     angle = 6 / 15 * (time**2 / 2 + (np.cos(w * time) - 1) / w**2)
     rate = 6 / 15 * (time - np.sin(w * time) / w)
-    return np.where(early, angle, 6 * time - 45), np.where(early, rate, 6.0)
+    return np.where(is_ramp, angle, 6 * time - 45), np.where(is_ramp, rate, 6.0)
 
 
 def spin_up(bench: Bench) -> None:

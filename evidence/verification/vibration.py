@@ -92,7 +92,7 @@ def eigenvalues(bench: Bench) -> None:
     figure.curve(meshes, 0.1 / np.array(meshes) ** 2.0, "order 2", True)
 
 
-def from_a_run(bench: Bench) -> None:
+def check_frequencies_of_runs(bench: Bench) -> None:
     """The same frequencies from the time signal of bars set off in their first mode."""
     elements = 10
     figure = bench.figure(
@@ -110,10 +110,10 @@ def from_a_run(bench: Bench) -> None:
         periods = 3 if bench.quick else 10
         duration = periods * 2 * np.pi / linear
         (outcome,) = bench.simulate(scene, duration=duration, instants=200 * periods + 1)
-        # The strain energy is 1/2 (1 - cos 2 w t) of its largest: halfway four times in a period.
+        # The strain energy is 1/2 (1 - cos 2 w t) of its largest: half of it four times a period.
         strain = outcome.energies["strain"] / outcome.energies["kinetic"][0]
-        halfway = crossings(outcome.time, strain - 0.5)
-        spacing = np.polyfit(np.arange(len(halfway)), halfway, 1)[0]
+        half_crossings = crossings(outcome.time, strain - 0.5)
+        spacing = np.polyfit(np.arange(len(half_crossings)), half_crossings, 1)[0]
         frequency = np.pi / 2 / spacing
         expected = references(support)[0]
         bench.check(f"{support}, mode 1, from a run (rad/s)", frequency, expected, 0.005,
@@ -123,7 +123,7 @@ def from_a_run(bench: Bench) -> None:
         figure.curve(outcome.time / (2 * np.pi / linear), strain, support)
 
 
-def pulled_at_once(bench: Bench) -> None:
+def check_sudden_pull(bench: Bench) -> None:
     """A bar that a force F pulls at its end from t = 0 on, with bulk viscosity: a wave of F/A,
     twice that where it meets the clamp, and an end that moves to 2 F L/(E A) and back (d'Alembert).
     """
@@ -141,8 +141,8 @@ def pulled_at_once(bench: Bench) -> None:
         stress = outcome.columns[record[0]] / (force / SECTION.A)
         figure.curve(outcome.time / duration, stress, f"viscosity {share:g}")
     bench.check("largest stress (F/A)", stress.max(), 2.0, 0.02, "d'Alembert")
-    early = (outcome.time > 0.5 * duration) & (outcome.time < 0.9 * duration)
-    bench.check("stress of the first wave (F/A)", stress[early].max(), 1.0, 0.05, "d'Alembert")
+    is_middle = (outcome.time > 0.5 * duration) & (outcome.time < 0.9 * duration)
+    bench.check("stress of the first wave (F/A)", stress[is_middle].max(), 1.0, 0.05, "d'Alembert")
     displacement = outcome.points["end"][0][:, 0] - LENGTH
     bench.check("largest way of the end (m)", displacement.max(),
                 2 * force * LENGTH / (MATERIAL.E * SECTION.A), 0.05, "2 F L/(E A)")  # fmt: skip
@@ -150,6 +150,6 @@ def pulled_at_once(bench: Bench) -> None:
 
 PROBLEMS = {
     "frequencies": eigenvalues,
-    "frequencies of runs": from_a_run,
-    "pulled at once": pulled_at_once,
+    "frequencies of runs": check_frequencies_of_runs,
+    "pulled at once": check_sudden_pull,
 }

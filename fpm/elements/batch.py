@@ -138,8 +138,8 @@ class Batch:
 
     @staticmethod
     def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
-        """Return the whole numbers `values` as an array (n,), or (n, columns) if columns are given,
-        for kernel arrays that are the same for all samples, as indices."""
+        """Return the whole numbers `values` as an array (n,), or (n, columns) if `columns` is not
+        None, for kernel arrays that are the same for all samples, as indices."""
         shape = (-1,) if columns is None else (-1, columns)
         return np.array(list(values), np.int64).reshape(shape)
 

@@ -94,8 +94,9 @@ class Outcome(Curves):
         Parameters
         ----------
         responses: sequence of fpm.reading.responses.Response whose values are added.
-        attributes: further global attributes by name.
-        parameters: values and units, (value, unit), of parameters of the run by name."""
+        attributes: further global attributes by name, None for none.
+        parameters: values and units, (value, unit), of parameters of the run by name, None:
+        none."""
         return to_dataset(self, responses, attributes, parameters)
 
 

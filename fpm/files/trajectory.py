@@ -112,7 +112,8 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     """Return the contents of a trajectory file of one run, with names and units by the CF
     conventions. outcome: the run's (fpm.Outcome), whose failure is raised if it has one; responses:
     sequence of fpm.reading.responses.Response, whose values are added; attributes: further global
-    ones by name; parameters: (value, unit) by name, each a scalar coordinate `parameter_<name>`."""
+    ones by name; parameters: (value, unit) by name, each a scalar coordinate `parameter_<name>`;
+    None for none of them."""
     if outcome.failure is not None:
         raise outcome.failure
     variables = {
@@ -221,7 +222,8 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
     """Return one run's trajectory as an xarray.Dataset. outcome: the run's (fpm.Outcome), whose
     failure is raised if it has one; responses: sequence of Response whose values are added;
-    attributes: further global ones by name; parameters: (value, unit) by name, of the run."""
+    attributes: further global ones by name; parameters: (value, unit) by name, of the run; None:
+    none."""
     import xarray
 
     attributes, variables = contents(outcome, responses, attributes, parameters)

@@ -33,7 +33,7 @@ NAMES: list[str] = []
 def hook(arrays: type, name: str | None = None) -> Callable:
     """Return a decorator that compiles a function as a kernel and registers it as what an element
     type does at one point of each step (a hook, as "forces"). arrays: the NamedTuple of the type's
-    arrays, the kernel's first argument; name: of the hook, by default the function's name. The
+    arrays, the kernel's first argument; name: of the hook, None: the function's name. The
     decorator raises ValueError for unknown or taken hooks."""
 
     def register(function):

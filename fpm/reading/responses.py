@@ -89,7 +89,9 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
         lone = "" if mandatory or optional else " alone"
         hints = ((key, hint_new(key, optional)) for key in definition)
         text = f"{kind}{keys}{options}{lone}{''.join(f'; {key}{h}' for key, h in hints if h)}"
-        raise SceneError(f"responses.{name}", dict(definition), text)
+        unknown_keys = [key for key in definition if key not in {kind, *mandatory, *optional}]
+        value = ", ".join(map(str, unknown_keys)) or dict(definition)
+        raise SceneError(f"responses.{name}", value, text)
     return KINDS[kind].read(Definition(name, kind, definition, scene))
 
 

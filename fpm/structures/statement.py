@@ -144,7 +144,8 @@ def connector(
     """Return a decorator that makes a Statement of `actions` for the element type `kind`, with its
     fields as keys, required ones first, and registers it. text: what it is, "": the first line of
     the function's docstring; exclusions: fields that are no keys; default_texts: by field without
-    default, what leaving its key out means; extra: Keys to add, or to replace those of fields."""
+    default, what leaving its key out means, None: nothing is said; extra: Keys to add, or to
+    replace those of fields."""
     names = [name for name in specs(kind) if name not in exclusions]
     table = {name: key_of(kind, name, (default_texts or {}).get(name, "")) for name in names}
     keys = {"joint": table.pop("hinge")} if "hinge" in table else {}

@@ -118,7 +118,7 @@ def unit(text: str) -> Unit:
     numbers. Raises UnitError for anything else."""
     rest = re.sub(r"^\s*1?\s*(?=/|$)", "", text)
     top = bottom = 1.0
-    dimension, spelt = NUMBER, []
+    dimension, factors = NUMBER, []
     while rest.strip():
         match = _FACTOR.match(rest)
         if not match:
@@ -137,6 +137,6 @@ def unit(text: str) -> Unit:
         top, bottom = top * numerator ** abs(exponent), bottom * denominator ** abs(exponent)
         dimension = product(dimension, power(Dimension(*powers), exponent))
         name = "degree" if name == "deg" else name
-        spelt.append(name if exponent == 1 else f"{name}{exponent}")
+        factors.append(name if exponent == 1 else f"{name}{exponent}")
         rest = rest[match.end() :]
-    return Unit(top, bottom, dimension, " ".join(spelt) or "1")
+    return Unit(top, bottom, dimension, " ".join(factors) or "1")

@@ -13,7 +13,7 @@ import pytest
 from deployable import campaign
 from evidence.attack.damage import HARMS, attack_files, flip, kinds_in, truncate, zero
 from evidence.attack.ledger import Ledger
-from evidence.attack.victim import RAW, Victim, broken_in, silent
+from evidence.attack.victim import RAW, Victim, list_broken_files, silent
 from fpm.files.seals import check
 
 
@@ -50,7 +50,7 @@ def test_damaged_figures_pages_and_motions_are_named_and_made_again(tmp_path):
     for path, harm in zip(paths, (flip, zero, truncate, flip, zero), strict=True):
         harm(path, rng)
     made_again(paths, lambda notify: drawn.run(folder.parent, notify))
-    assert not broken_in(folder)
+    assert not list_broken_files(folder)
 
 
 def test_one_call_names_results_that_were_cut_off(tmp_path):

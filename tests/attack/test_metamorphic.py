@@ -99,13 +99,13 @@ import fpm
 from evidence.attack.metamorphic.families import delay, is_quiet
 from evidence.attack.metamorphic.image import scale
 from evidence.attack.metamorphic.plain_loop import disable_compilation
-from evidence.attack.metamorphic.runs import drawn, scene_of
+from evidence.attack.metamorphic.runs import draw_structure, scene_of
 from evidence.attack.metamorphic.structure_text import map_numbers
 
 disable_compilation()
 for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800014))):
     rng = random.Random(seed)
-    structure, duration = drawn(seed)
+    structure, duration = draw_structure(seed)
     if not is_quiet(structure):
         continue
     for wait in (0.25, 9.0) if seed.startswith("5") else (9.0,):

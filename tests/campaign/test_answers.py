@@ -74,7 +74,7 @@ def test_the_ends_are_simulated_and_found_again(tmp_path):
     )
     folder = run(raw, tmp_path)
     trajectories = set(folder.runs("trajectories").iterdir())
-    with xr.open_dataset(folder.quantities) as found, xr.open_dataset(folder.further) as further:
+    with xr.open_dataset(folder.quantities) as found, xr.open_dataset(folder.refinement) as further:
         one = found.sel(quantity="t_open")
         lower, upper = exact_time(0.105, 0.98), exact_time(0.095, 1.02)
         assert float(one["simulated_lower"]) == pytest.approx(lower, rel=1e-6)

@@ -27,7 +27,7 @@ READ = {
     "sensitivities.nc": ("figures", "page", "figure"),
     "surrogate.nc": ("page",),
     "quantities.nc": ("figures", "page", "csv"),
-    "further.nc": ("figures", "page"),
+    "refinement.nc": ("figures", "page"),
     "summary.json": ("page",),
     "batches/0.json": ("page",),
     "motions": ("page",),

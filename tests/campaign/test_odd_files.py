@@ -16,7 +16,7 @@ import yaml
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import check_snakemake_arguments
-from deployable.campaign.errors import ConfigError, of_files
+from deployable.campaign.errors import ConfigError, error_of_files
 from fpm.files.seals import DamagedError, read_bytes
 
 
@@ -150,7 +150,7 @@ def test_results_that_were_removed_can_be_made(finished, tmp_path, capsys, lost)
 def test_trouble_with_files_has_its_remedy(tmp_path, monkeypatch, error, limit, words):
     most = resource.RLIM_INFINITY if limit is None else limit
     monkeypatch.setattr(resource, "getrlimit", lambda what: (most, most))
-    told = str(of_files(error, tmp_path))
+    told = str(error_of_files(error, tmp_path))
     assert all(word in told for word in words)
     assert ("no room" in told) == ("no room to write in" in words or "but for a quota" in words)
 

@@ -130,7 +130,7 @@ def edits(tmp_path_factory):
 @pytest.mark.slow
 def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
     """Twenty drawn at random, of functions that are called and of constants; EDITS says of more."""
-    found = [edits.try_edit(*edits.drawn()) for _ in range(int(os.environ.get("EDITS", 20)))]
+    found = [edits.try_edit(*edits.draw()) for _ in range(int(os.environ.get("EDITS", 20)))]
     told = [{key: each[key] for key in ("file", "line", "change", "changed")} for each in found]
     print(*told, sep="\n")
     assert not [each for each in found if each["stale"]]
@@ -141,7 +141,7 @@ def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
 def test_an_edit_of_what_is_compiled_leaves_no_number_as_it_was(edits):
     """One drawn of kernels and kinds of elements, compiled anew; COMPILED says of more."""
     count = int(os.environ.get("COMPILED", 1))
-    found = [edits.try_edit(*edits.drawn(is_kernel=True)) for _ in range(count)]
+    found = [edits.try_edit(*edits.draw(is_kernel=True)) for _ in range(count)]
     print(*found, sep="\n")
     assert not [each for each in found if each["stale"]]
 

@@ -45,7 +45,7 @@ def test_the_chosen_readings_give_the_papers_numbers():
     assert {len(c) for c in result.closures} == {2}
     # "the upper and lower boundary curves essentially coincide" before the first closure
     for name in PAPER:
-        assert result.early[name] < 0.05 * result.span[name]
+        assert result.first_width[name] < 0.05 * result.span[name]
 
 
 def test_scene_has_the_calibrated_defaults():

@@ -11,7 +11,7 @@ import xarray as xr
 from evidence.registry import STUDIES
 from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES, AccuracyCase, scan
 from evidence.tradeoff.measure.tolerances import judge, measure_targets
-from evidence.tradeoff.tolerance_rows import asked_rows, asked_text
+from evidence.tradeoff.tolerance_rows import accuracy_rows, accuracy_text
 
 
 def row(cpu, true, told, most, covers=1.0, **more):
@@ -28,7 +28,7 @@ def test_rows_judge_what_was_asked_for_the_estimates_and_the_cost():
     asked = [row(1.0, 0.02, 0.05, 0.09, met=True, share=0.1), row(4.0, 0.01, 0.02, 0.04, met=True,
              share=0.02)]  # fmt: skip
     rivals = [row(10.0, 0.005, 0.02, 0.01, name="dear"), row(3.0, 0.015, 0.02, 0.03, name="cheap")]
-    kept, estimate, covers, first, second = asked_rows(case(asked, rivals))
+    kept, estimate, covers, first, second = accuracy_rows(case(asked, rivals))
     assert (kept.value, kept.passed) == (0.5, False)  # the second leaves 2 % at many instants
     assert estimate.value == pytest.approx(2.5)
     assert estimate.passed and covers.passed
@@ -38,9 +38,9 @@ def test_rows_judge_what_was_asked_for_the_estimates_and_the_cost():
 
 def test_without_a_rival_as_accurate_no_cost_is_judged():
     asked = [row(1.0, 0.001, 0.001, 0.002, met=False, share=0.01, reason="the budget")]
-    *_, cost = asked_rows(case(asked, [row(1.0, 0.1, 0.1, 0.1, name="coarse")]))
+    *_, cost = accuracy_rows(case(asked, [row(1.0, 0.1, 0.1, 0.1, name="coarse")]))
     assert cost.skipped
-    assert "Not met:\n\n- 0.01: the budget" in asked_text(case(asked, []))
+    assert "Not met:\n\n- 0.01: the budget" in accuracy_text(case(asked, []))
 
 
 def test_the_true_error_is_judged_against_the_reference():
@@ -79,4 +79,4 @@ def test_a_small_case_is_measured():
     assert asked["met"]
     assert asked["errors"][0]["share"] < 0.2
     assert asked["cpu"] > 0 < rival["cpu"]
-    assert len(asked_rows(found)) == 4
+    assert len(accuracy_rows(found)) == 4

@@ -86,9 +86,9 @@ def test_quantities_are_a_table_with_empty_cells_where_there_is_no_number(result
 def test_a_configs_nominal_run_is_that_of_its_campaign(results, tmp_path):
     path = tmp_path / "swing.yaml"
     path.write_text(yaml.safe_dump(CONFIG), encoding="utf-8")
-    of_config, of_results = choose(str(path)), choose(str(results))
-    assert of_config.step == of_results.step
-    one, other = (chosen.motion(5) for chosen in (of_config, of_results))
+    of_config, from_results = choose(str(path)), choose(str(results))
+    assert of_config.step == from_results.step
+    one, other = (chosen.motion(5) for chosen in (of_config, from_results))
     assert np.array_equal(one["position"].values, other["position"].values)
     longer = choose(str(path), settings={"L": "1.02"}, duration=0.4)
     assert (longer.duration, longer.instants) == (0.4, 201)

@@ -211,16 +211,16 @@ def test_the_bennett_linkage_by_virtual_work():
     c = np.cos(omega_a) * np.cos(omega_b)
     start = np.arctan2(np.cos(rise_a), np.sin(rise_a) * np.cos(rise_b))
 
-    def at_a(opening):
+    def hinge_a(opening):
         angle = start + opening / 2
         ends = (np.arctan2(np.cos(x), c * np.sin(x)) for x in (start, angle))
         first, last = ends
         return 2 * (first - last)
 
     psi, step = found.opening, 1e-5
-    rate = (at_a(psi + step) - at_a(psi - step)) / (2 * step)
+    rate = (hinge_a(psi + step) - hinge_a(psi - step)) / (2 * step)
     springs = {spring.hinge: spring.stiffness for spring in scene.springs}
-    for index, name, opening, by in ((0, "A", at_a(psi), rate), (1, "B", psi, 1.0)):
+    for index, name, opening, by in ((0, "A", hinge_a(psi), rate), (1, "B", psi, 1.0)):
         work = springs[index] * opening * by
         assert found.work[f"spring_{name}"] == pytest.approx(work, rel=1e-3), name
     assert np.abs(found.work[STRAIN]).max() < 1e-2

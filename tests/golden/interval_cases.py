@@ -79,7 +79,8 @@ def scans() -> Iterator:
         yield bounds_dataset(samples(box, design, 0), design, model="scan")
     values = RNG.normal(size=(30, 2, 5)).round(1)
     one, other = (
-        RunBounds.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
+        RunBounds.from_runs(values[part], np.arange(30)[part])
+        for part in (slice(12), slice(12, 30))
     )
     yield from (one.merge(other), other.merge(one), other.merge(None), quarter_ends(30))
 

@@ -22,11 +22,11 @@ def same(one: RunBounds, other: RunBounds) -> bool:
 
 @pytest.mark.parametrize("size", [1, 7, 59])
 def test_neither_order_nor_grouping_changes_a_bit(size):
-    whole, runs = RunBounds.of_runs(VALUES, np.arange(60)), np.arange(60)
+    whole, runs = RunBounds.from_runs(VALUES, np.arange(60)), np.arange(60)
     parts = [slice(first, first + size) for first in range(0, 60, size)]
     found = None
     for part in DRAW.permutation(len(parts)):
-        found = RunBounds.of_runs(VALUES[parts[part]], runs[parts[part]]).merge(found)
+        found = RunBounds.from_runs(VALUES[parts[part]], runs[parts[part]]).merge(found)
     assert same(found, whole)
     np.testing.assert_array_equal(whole.low, VALUES.min(axis=0))
     np.testing.assert_array_equal(whole.high_run, VALUES.argmax(axis=0))  # the first of several
@@ -56,7 +56,7 @@ def samples(runs: int) -> tuple[xr.Dataset, xr.Dataset]:
         ("lower", "upper", "lower_run", "upper_run"), ("low", "high", "low_run", "high_run"),
         strict=True,
     ):  # fmt: skip
-        parts = [RunBounds.of_runs(values[a:b], np.arange(a, b)) for a, b in zip(ends, ends[1:])]  # noqa: B905, RUF007
+        parts = [RunBounds.from_runs(values[a:b], np.arange(a, b)) for a, b in zip(ends, ends[1:])]  # noqa: B905, RUF007
         kept[name] = (("quarter", *dims[1:]), [getattr(part, key) for part in parts])
     return whole, xr.Dataset({**common, **kept, "nominal": (dims[1:], values[0])}, coords)
 

@@ -32,7 +32,7 @@ own ours theirs mine instead inwards outward outwards hung broke partly nothing
 nowhere somewhere was has ran won towards may fell late alike
 unlike like amid blamed requiring lacking pursued finished agreeing
 handed_on seen_by by_how_much told_so at_once of_all on_one about_one most_before held_by most_told
-asked_of
+asked_of met drawn early further halfway spent spelt plus minus
 """
 NEVER = frozenset(WORDS.split())
 ALLOWED = {
@@ -41,6 +41,7 @@ ALLOWED = {
     "evidence/rows.py:passed": "a key of rows in summary.json of studies",
     "deployable/intervals/scalars/surrogate.py:alone": "a variable of quantities.nc",
     "fpm/elements/fields.py:above": "keyword of `number`, docs/mechanics.md",
+    "deployable/campaign/results/review.py:met": "the verdict of a clause",
 }
 """Terms of the field, with the reason; `path:name` allows it there."""
 
@@ -68,6 +69,7 @@ TERMS = frozenset(_TERMS.split())
 MEMBERS = {
     "along": "key of margins, docs/responses.md; what a response lies along",
     "above": "exclusive lower bound of a number, docs/mechanics.md",
+    "met": "key of plan.json and summary.json: whether an accuracy or a requirement is",
 }
 """Names of the public interface, allowed for fields and methods and for functions of modules."""
 

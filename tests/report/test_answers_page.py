@@ -11,7 +11,7 @@ from opening import CONFIG
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
-from deployable.campaign.report.data import FURTHER, RunVerdicts
+from deployable.campaign.report.data import REFINEMENT, RunVerdicts
 from deployable.campaign.report.failing_region import meets, panels
 from deployable.campaign.report.page import render
 from deployable.campaign.results.templates import sentence, summary_text
@@ -165,7 +165,7 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
             np.testing.assert_allclose(run.values, end, rtol=1e-12)
             with xarray.open_dataset(folder / "trajectories" / f"{run.id}.nc") as alone:
                 np.testing.assert_array_equal(run.curves[0], alone["opening"].sel(hinge="hinge"))
-    further = [run for run in data.runs if run.role == FURTHER]
+    further = [run for run in data.runs if run.role == REFINEMENT]
     assert not set(map(data.runs.index, further)) & set(data.unfitted_runs)
 
 

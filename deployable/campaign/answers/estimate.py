@@ -100,10 +100,10 @@ class Estimate:
         if self.longest is not None:
             time = f"likely {_duration(self.seconds)} to {_duration(self.longest)}, "
             time += f"at most {_duration(self.ceiling)},"
-        further = f" and further ones for {self.answers}" if self.answers else ""
+        extra_runs = f" and further ones for {self.answers}" if self.answers else ""
         first = _duration(self.compile_time)
         return (
-            f"at most {self.runs} runs{further}, {time} on {count_cores()} cores"
+            f"at most {self.runs} runs{extra_runs}, {time} on {count_cores()} cores"
             f"{f' ({first} of it to compile, once)' if self.compile_time else ''}, "
             f"{size_text(self.bytes)} on disk"
         )

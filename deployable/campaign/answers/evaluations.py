@@ -62,7 +62,7 @@ class ModelEvaluator:
         """Make an evaluator that has the runs of a folder of results, with event margins, from its
         plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
         runs it has those that `fitted_rows` chooses to fit surrogates to. refinements: whether to
-        add the runs in `further.nc`, which must exist. jobs: section of the config; notify:
+        add the runs in `refinement.nc`, which must exist. jobs: section of the config; notify:
         called with each message; threads: number that simulate further runs."""
         model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
         with open_netcdf(folder.samples) as samples:
@@ -76,7 +76,7 @@ class ModelEvaluator:
         model.rest_count = len(numbers) - len(rows)
         model.rest_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if refinements:
-            with open_netcdf(folder.further) as file:
+            with open_netcdf(folder.refinement) as file:
                 if len(points := file["normalized"][:]):
                     model.points = np.concatenate([model.points, points])
                     model.numbers = np.concatenate([model.numbers, file["quantities"][:]])

@@ -356,8 +356,8 @@ def _describe_left(
             values = fit.evaluate((result.samples - center) / half)
             ends = result.samples[[values.argmin(), values.argmax()]]
             extra = model.evaluate(model.plan, ends)[0][:, q]
-            found_values = np.concatenate([numbers[happens, q], extra[np.isfinite(extra)]])
-            lower, upper, error = found_values.min(), found_values.max(), fit.error
+            quantity_values = np.concatenate([numbers[happens, q], extra[np.isfinite(extra)]])
+            lower, upper, error = quantity_values.min(), quantity_values.max(), fit.error
         bounds.append((lower, upper, error if np.isfinite(error) else np.inf, happens))
         rows["quantities"].append({
             "name": quantity.name, "units": quantity.unit,
@@ -367,11 +367,11 @@ def _describe_left(
         })  # fmt: skip
     for spec in list_limits(requirements, list(model.experiment.quantities)):
         row = {"requirement": spec.requirement, **describe_limit(model, spec)}
-        rows["limits"].append({**row, "met": _met(spec, *bounds[spec.quantity])})
+        rows["limits"].append({**row, "met": _judge_limit(spec, *bounds[spec.quantity])})
     return rows
 
 
-def _met(spec: Any, lower: float, upper: float, error: float, happens: np.ndarray) -> str:
+def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: np.ndarray) -> str:
     """In which part of what is left a limit is met: all, some, none, or undecided."""
     if spec.kind == "happens":
         share = np.mean(happens == bool(spec.level))

@@ -1,5 +1,5 @@
 """From the quantities of all runs to their intervals, `quantities.nc`, with the further runs that
-their bounds take, `further.nc`.
+their bounds take, `refinement.nc`.
 
     dims   quantity, parameter
     lower, upper (quantity)         the interval: of the simulated bounds and the surrogate's
@@ -50,7 +50,7 @@ def answer(
     threads: int,
 ) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
-    need them, and write `quantities.nc` and `further.nc` into `folder`, that of a campaign's
+    need them, and write `quantities.nc` and `refinement.nc` into `folder`, that of a campaign's
     results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
     with each message; threads: how many simulate."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
@@ -68,7 +68,7 @@ def answer(
     dataset = quantities_dataset(model, bounds, finer)
     write_dataset(dataset, folder.quantities, "Intervals of quantities")
     write_dataset(
-        make_refinement_dataset(model), folder.further, "Further runs for bounds of quantities"
+        make_refinement_dataset(model), folder.refinement, "Further runs for bounds of quantities"
     )
 
 
@@ -171,7 +171,7 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
 
     influences = [find_influence(b.surrogate, model.nominal) for b in bounds]
     texts = {
-        "share": "share of the widths, 0 where not above the error of the surrogate",
+        "share": "fraction of the sum of the widths `alone`; 0 if not above the error",
         "alone": "width when only this parameter varies",
         "fixed": "width when this parameter is fixed",
         "halved": "width when its interval is half as wide",
@@ -185,9 +185,9 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
 
 
 def make_refinement_dataset(model: ModelEvaluator) -> Any:
-    """Make the content of `further.nc`, an `xarray.Dataset` of the runs that `model` added beyond
-    the plan: ids, coordinates in the box (-1 to 1), parameter values and quantities, each in its
-    unit, and event margins, above 0 where the event occurs. Writes nothing."""
+    """Make the content of `refinement.nc`, an `xarray.Dataset` of the runs that `model` added
+    beyond the plan: ids, coordinates in the box (-1 to 1), parameter values and quantities, each in
+    its unit, and event margins, above 0 where the event occurs. Writes nothing."""
     import xarray as xr
 
     runs, k = model.refinements, model.points.shape[1]
@@ -197,7 +197,7 @@ def make_refinement_dataset(model: ModelEvaluator) -> Any:
     x = np.array([run.normalized for run in runs]).reshape(-1, k)
     ids = np.array([run.id for run in runs], dtype=object)
     variables = {
-        "run_id": ("run", ids, {"long_name": "name of the trajectory"}),
+        "run_id": ("run", ids, {"long_name": "id of the run"}),
         "normalized": (dims, x, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
         "value": (dims, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),

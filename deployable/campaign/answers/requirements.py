@@ -44,11 +44,11 @@ from deployable.campaign.runs.progress import Notify
 
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
     """Assess in which part of the box a campaign's requirements are met, and write
-    `requirements.json` into `folder`, its results with `quantities.nc` and `further.nc`; nothing is
-    simulated. requirements, jobs: sections of the config; notify: gets messages."""
+    `requirements.json` into `folder`, its results with `quantities.nc` and `refinement.nc`; nothing
+    is simulated. requirements, jobs: sections of the config; notify: gets messages."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
-    errors = _of_the_runs(folder)
+    errors = _discretization_errors(folder)
     result = assess_limits(model, model.surrogates(), specs, errors)
     rows = {
         "requirements": [_requirement(model, result, name) for name in requirements],
@@ -59,7 +59,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
 
 
-def _of_the_runs(folder: Folder) -> np.ndarray | None:
+def _discretization_errors(folder: Folder) -> np.ndarray | None:
     """Errors (2, q) by mesh and step, of values and of occurrence; None where not estimated."""
     with open_netcdf(folder.quantities) as data:
         if "error_limit" not in data.variables:
@@ -67,7 +67,7 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
         return np.array([data[name][:] for name in ("error_limit", "error_border")])
 
 
-def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
+def _judge_limits(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
     decide where they agree with the surrogates up to the error. That no run keeps one proves
     nothing: the share is unknown then."""
@@ -100,10 +100,10 @@ def _may_hold(result: LimitAssessment, i: int) -> bool:
 
 def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> dict:
     indices = [i for i, spec in enumerate(result.specs) if spec.requirement == name]
-    met = _met(model, result, indices)
-    rows = [met if len(indices) == 1 else _met(model, result, [i]) for i in indices]
+    verdict = _judge_limits(model, result, indices)
+    rows = [verdict if len(indices) == 1 else _judge_limits(model, result, [i]) for i in indices]
     limits = [_limit(model, result, i) | row for i, row in zip(indices, rows, strict=True)]
-    return {"name": name, **met, "limits": limits}
+    return {"name": name, **verdict, "limits": limits}
 
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
@@ -118,7 +118,10 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
 
 def _combine(model: ModelEvaluator, result: LimitAssessment) -> dict:
     largest, index, _ = result.largest
-    row = {**_met(model, result, list(range(len(result.specs)))), "max_interval_scale": largest}
+    row = {
+        **_judge_limits(model, result, list(range(len(result.specs)))),
+        "max_interval_scale": largest,
+    }
     row["halved"] = _halve_intervals(model, result)
     is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
     row["failures"] = None if model.rest_count else int(is_broken.sum())

@@ -20,7 +20,7 @@ from deployable.campaign.config.measured import band_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
-from deployable.campaign.errors import CampaignError, ConfigError, of_files
+from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
@@ -215,7 +215,7 @@ def _structure(options: argparse.Namespace) -> int:
     try:
         print(f"\npicture       {write_structure(structure.build(), path)}")
     except OSError as error:
-        print(f"error: {of_files(error, path.parent)}", file=sys.stderr)
+        print(f"error: {error_of_files(error, path.parent)}", file=sys.stderr)
         return 1
     return 0
 
@@ -233,7 +233,7 @@ def _export(options: argparse.Namespace) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     except Exception as error:  # a damaged result, a full disk
-        if (problem := of_files(error, place) or wrap_error(error)) is None:
+        if (problem := error_of_files(error, place) or wrap_error(error)) is None:
             raise
         print(f"error: {problem}", file=sys.stderr)
         return 1

@@ -127,10 +127,10 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
-    return _with_cases(campaign, raw, original, case_lists, source) if config.cases else campaign
+    return _resolve_cases(campaign, raw, original, case_lists, source) if config.cases else campaign
 
 
-def _with_cases(
+def _resolve_cases(
     campaign: Campaign, raw: Mapping, original: Mapping, case_lists: Mapping, source: str
 ) -> Campaign:
     """The campaign with its cases, each checked as a campaign of its own; original: the raw config

@@ -157,7 +157,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
                     if keys == error.allowed:  # a key of another kind of response
                         optional_keys = [key for key in OPTIONAL if key != "with"]
                         keys = f" and to, standard, perhaps with {', '.join(optional_keys)}"
-                    error = fpm.SceneError(key, margins[name], f"along{keys}")
+                    value = error.value if isinstance(error.value, str) else margins[name]
+                    error = fpm.SceneError(key, value, f"along{keys}")
                 key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")
             problems.append(_sentence(key, error))

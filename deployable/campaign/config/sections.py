@@ -68,7 +68,7 @@ def scene_type(name: str, file: str = "") -> Any:
         trust(file)
     if Path(file).suffix == ".py":  # which is run whenever it is read
         return structures.load(file)
-    structure = _of_text(read_text(file), file)
+    structure = _structure_from_text(read_text(file), file)
     return structures.load(file) if structure.files else structure  # the text has not all of it
 
 
@@ -84,7 +84,7 @@ def trust(file: str) -> None:
 
 
 @lru_cache(maxsize=8)
-def _of_text(text: str, source: str) -> Any:
+def _structure_from_text(text: str, source: str) -> Any:
     """A structure's text is read once, however many stages and rounds want it."""
     return structures.loads(text, source)
 
@@ -175,13 +175,13 @@ class Experiment:
         """Read the experiment from a text, the JSON in the attribute `config` of a result file.
         Raises `HeldConfigError` if it cannot be used."""
         try:
-            return cls.of_results(json.loads(text))
+            return cls.from_results(json.loads(text))
         except (TypeError, ValueError, RecursionError) as error:
             text = f"the results hold a config that cannot be read: {error}"
             raise HeldConfigError(text) from None
 
     @classmethod
-    def of_results(cls, data: Mapping) -> Experiment:
+    def from_results(cls, data: Mapping) -> Experiment:
         """Make the experiment from `data`, its nested dicts in a result file, which may come from
         anybody: names, after which files are called, and the allowed ranges of the solver's and the
         design's numbers are checked. Raises `HeldConfigError` if it cannot be used."""

@@ -129,7 +129,7 @@ def choose(
                 "set where its config stands in place of its folder"
             )
         try:
-            return _of_results(Folder(path), run)
+            return _select_results_run(Folder(path), run)
         except SceneError as error:
             text = f"{Folder(path).samples}: {error}; run the campaign again"
             raise CampaignError(text) from error
@@ -139,11 +139,11 @@ def choose(
             "run"
         )
     if path.suffix in (".yaml", ".yml") and _is_campaign(path):
-        return _of_config(path, settings or {}, duration)
-    return _of_structure(source, settings or {}, 1.0 if duration is None else duration)
+        return _select_config(path, settings or {}, duration)
+    return _select_structure(source, settings or {}, 1.0 if duration is None else duration)
 
 
-def _of_results(folder: Folder, run: str) -> SelectedRun:
+def _select_results_run(folder: Folder, run: str) -> SelectedRun:
     from deployable.campaign.files import open_netcdf, refuse_links
 
     refuse_links(folder.path)
@@ -185,7 +185,7 @@ def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> i
     return run_ids.index(matches.pop())
 
 
-def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) -> SelectedRun:
+def _select_config(path: Path, settings: Mapping[str, str], duration: float | None) -> SelectedRun:
     from deployable.campaign.config.check import load_config
     from deployable.campaign.plan.plan import choose_step
 
@@ -222,7 +222,7 @@ def _selected_run(
     )
 
 
-def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
+def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
     import fpm
     from deployable.campaign.config.sections import scene_type
 

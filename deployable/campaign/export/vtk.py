@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _VERTEX, _LINE, _HEXAHEDRON = 1, 3, 12  # VTK's numbers of the types of cells
 _TYPES = {"f": "Float64", "i": "Int64", "u": "UInt8"}
-_OF_ELEMENTS = ("axial_strain", "bending_strain", "stress")
+_ELEMENT_VARIABLES = ("axial_strain", "bending_strain", "stress")
 
 
 def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
@@ -60,7 +60,7 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
     points = {"velocity": motion["velocity"].values[frame], "radius": at_points}
     points |= {f"axis_{name}": axes[:, :, k] for k, name in enumerate("xyz")}
     y, z = _section_axes(solid.corners[frame][bars])
-    cells = {name: motion[name].values[frame][bars] for name in _OF_ELEMENTS}
+    cells = {name: motion[name].values[frame][bars] for name in _ELEMENT_VARIABLES}
     cells |= {"bar": solid.bar[bars], "radius": radius, "section_size": width}
     cells |= {"section_y": y, "section_z": z}
     cell_data = {  # cells that are no elements have no strain
@@ -74,7 +74,7 @@ def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
     """Points, cells, data of points and of cells: elements as hexahedra."""
     corners = solid.corners[frame]
     cells = np.arange(8 * len(corners)).reshape(-1, 8)
-    data = {name: motion[name].values[frame] for name in _OF_ELEMENTS}
+    data = {name: motion[name].values[frame] for name in _ELEMENT_VARIABLES}
     return corners.reshape(-1, 3), [(_HEXAHEDRON, cells)], {}, {**data, "bar": solid.bar}
 
 
@@ -99,12 +99,12 @@ def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def grid_text(
-    points: np.ndarray, cells: list[tuple[int, np.ndarray]], of_points: Mapping, of_cells: Mapping,
-    time: float,
+    points: np.ndarray, cells: list[tuple[int, np.ndarray]], point_arrays: Mapping,
+    cell_arrays: Mapping, time: float,
 ) -> str:  # fmt: skip
     """Write the text of a .vtu file with one unstructured grid. points (n, 3): positions (m);
     cells: pairs of VTK's number of a type, as 3 for lines, and cells (m, k) as indices of points;
-    of_points, of_cells: data arrays by name, a row for each point or cell; time: in s."""
+    point_arrays, cell_arrays: data arrays by name, a row for each point or cell; time: in s."""
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])
@@ -114,8 +114,8 @@ def grid_text(
         f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">',
         *_section("Points", {"position": points}),
         *_section("Cells", shape),
-        *_section("PointData", of_points),
-        *_section("CellData", of_cells),
+        *_section("PointData", point_arrays),
+        *_section("CellData", cell_arrays),
         "</Piece>",
     ]  # fmt: skip
     grid = "\n".join(["<UnstructuredGrid>", *body, "</UnstructuredGrid>"])

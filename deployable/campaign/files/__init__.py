@@ -107,7 +107,7 @@ def check_results(folder: Folder, names: Iterable[str]) -> None:
             data, experiment = read_json(path), None
             if path == folder.plan:
                 with report_damage(path):
-                    experiment = Experiment.of_results(data["config"])
+                    experiment = Experiment.from_results(data["config"])
             if path.name == "summary.json" and first is not None:
                 _check_summary(path, data, first[1])
         else:

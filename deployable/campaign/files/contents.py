@@ -73,7 +73,7 @@ number quantity: error error_step? error_mesh? error_whole? error_limit? error_b
 known quantity: unconverged_lower unconverged_upper runs_with runs_without
 known quantity: happens happens_uncertainty is_time
 number quantity parameter: argmin argmax share alone fixed halved""",
-    "further.nc": f"""{_QUANTITIES}
+    "refinement.nc": f"""{_QUANTITIES}
 text run: run_id
 known run parameter: normalized value
 number run quantity: quantities margin""",

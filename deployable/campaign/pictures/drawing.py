@@ -57,7 +57,7 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     for place, axis in hinges:
         ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
-    for place in supports[_in_limits(supports @ view.page.T, limits)]:
+    for place in supports[_clip_to_limits(supports @ view.page.T, limits)]:
         ax.plot(*(view.page @ place), **_MARKER)
     particles = np.setdiff1d(particles, solid.nodes)
     ax.plot(*(scene.position[particles] @ view.page.T).T, "o", color="black", markersize=4)
@@ -88,11 +88,11 @@ def _hinge_lines(scene: Any) -> Iterable[tuple[np.ndarray, np.ndarray]]:
 
 def _particles(scene: Any) -> np.ndarray:
     """Particles of the structure: the ground's has no place of its own."""
-    on_beams = np.zeros(len(scene.position), bool)
+    is_on_beam = np.zeros(len(scene.position), bool)
     for beams in scene.beams:
-        on_beams[beams.nodes.ravel()] = True
-    return np.flatnonzero(on_beams | ~scene.fixed.all(axis=1))
+        is_on_beam[beams.nodes.ravel()] = True
+    return np.flatnonzero(is_on_beam | ~scene.fixed.all(axis=1))
 
 
-def _in_limits(flat: np.ndarray, limits: np.ndarray) -> np.ndarray:
+def _clip_to_limits(flat: np.ndarray, limits: np.ndarray) -> np.ndarray:
     return ((flat >= limits[0]) & (flat <= limits[1])).all(axis=1)

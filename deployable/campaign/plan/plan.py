@@ -220,7 +220,7 @@ def read_plan(path: str | Path) -> Plan:
 
 
 def _plan(path: str | Path, data: Mapping) -> Plan:
-    experiment, mechanics = Experiment.of_results(data["config"]), str(data["mechanics"])
+    experiment, mechanics = Experiment.from_results(data["config"]), str(data["mechanics"])
     time = _time(data)
     if not time.step > 0 or time.output_steps < 1:
         raise ValueError("its step is not above 0")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-FURTHER = "further"
+REFINEMENT = "further"
 """Role of the runs that were made for the ends of quantities."""
 
 MOST_LINES = 48
@@ -161,7 +161,7 @@ class PageData:
     @property
     def unfitted_runs(self) -> tuple[int, ...]:
         """Indices in `runs` of those that no surrogate was fitted to: held out, or the nominal."""
-        fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
+        fitted_ids = {run.id for run in self.runs if run.role in ("node", REFINEMENT)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 
     @property

@@ -41,11 +41,11 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
     (R, q): their values, NaN if absent, which breaks any limit but `happens: false`."""
     from deployable.intervals.scalars import Limit
 
-    met = np.ones(len(numbers), dtype=bool)
+    passes = np.ones(len(numbers), dtype=bool)
     for limit in limits:
         value = numbers[:, list(names).index(limit["quantity"])]
-        met &= Limit(None, limit["kind"], limit["level"]).find_margins(value) >= 0
-    return met
+        passes &= Limit(None, limit["kind"], limit["level"]).find_margins(value) >= 0
+    return passes
 
 
 def _tells_apart(data: PageData) -> bool:
@@ -61,11 +61,11 @@ def panels(data: PageData) -> list[Panel]:
         return []
     coords = [_scale(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
     free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
-    met = data.verdicts.met
-    free.sort(key=lambda k: -abs(coords[k][met].mean() - coords[k][~met].mean()))
+    passes = data.verdicts.met
+    free.sort(key=lambda k: -abs(coords[k][passes].mean() - coords[k][~passes].mean()))
     axes = sorted(free[:MOST_PARAMETERS])
     pairs = list(combinations(axes, 2)) or [(axes[0], None)]
-    runs = _drawn_runs(met)
+    runs = _select_marks(passes)
     return [_panel(data, coords, runs, *pair) for pair in pairs]
 
 
@@ -88,7 +88,10 @@ def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None
     return Panel(
         data.parameters[i],
         None if j is None else data.parameters[j],
-        [(round(float(x), 4), round(float(y), 4), bool(met), bool(c)) for x, y, met, c in marks],
+        [
+            (round(float(x), 4), round(float(y), 4), bool(passes), bool(c))
+            for x, y, passes, c in marks
+        ],
         tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None,
         runs.tolist(),
     )
@@ -106,13 +109,13 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     )
     return [
         (int(run), bool(data.verdicts.met[run]), coords[:, run].round(4).tolist())
-        for run in _drawn_runs(data.verdicts.met)
+        for run in _select_marks(data.verdicts.met)
     ]
 
 
-def _drawn_runs(met: np.ndarray) -> np.ndarray:
+def _select_marks(passes: np.ndarray) -> np.ndarray:
     """At most `MOST_MARKS` runs (indices), evenly chosen: those that meet all, then others."""
-    kinds, most = [np.flatnonzero(met), np.flatnonzero(~met)], MOST_MARKS // 2
+    kinds, most = [np.flatnonzero(passes), np.flatnonzero(~passes)], MOST_MARKS // 2
     counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
     return np.concatenate([
         runs[np.linspace(0, len(runs) - 1, min(count, len(runs))).round().astype(int)]
@@ -168,8 +171,8 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
             axes[x],
             axes[y],
             [
-                (float(a), float(b), met, True)
-                for a, b, met in zip(shares[x], shares[y], flags, strict=True)
+                (float(a), float(b), passes, True)
+                for a, b, passes in zip(shares[x], shares[y], flags, strict=True)
             ],
             frame,
             values,

@@ -35,7 +35,7 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 class ShownRun:
     """A run that the page shows moving: its id (hexadecimal), `values` (k) of the interval
     parameters, in their units, and `label`, what it is in words. row: index in `samples.nc`; None:
-    it is in `further.nc`, of runs added at bounds and limit-state surfaces."""
+    it is in `refinement.nc`, of runs added at bounds and limit-state surfaces."""
 
     id: str
     values: np.ndarray
@@ -60,18 +60,18 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
         ]
         nominal = nominal_row(samples)
         extra_values, extra_ids = values[:0], []
-        if numbers is not None and (folder / "further.nc").exists():
-            with open_dataset(folder / "further.nc") as file:
+        if numbers is not None and (folder / "refinement.nc").exists():
+            with open_dataset(folder / "refinement.nc") as file:
                 extra_values, extra_ids = file["value"].values, file["run_id"].values.tolist()
                 numbers = np.concatenate([numbers, file["quantities"].values])
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
         labels = _label_runs(ends, np.concatenate([values, extra_values]), nominal)
         run_ids = read_ids(samples, rows := [run for run in labels if run < len(values)])
-    of_sample = dict(zip(rows, run_ids, strict=True))
+    ids_by_sample = dict(zip(rows, run_ids, strict=True))
     return [
-        ShownRun(of_sample[run], values[run], label, run)
-        if run in of_sample
+        ShownRun(ids_by_sample[run], values[run], label, run)
+        if run in ids_by_sample
         else ShownRun(extra_ids[run - len(values)], extra_values[run - len(values)], label, None)
         for run, label in labels.items()
     ]

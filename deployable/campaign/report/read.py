@@ -13,7 +13,7 @@ import numpy as np
 from deployable.campaign.files import open_dataset, open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.data import (
-    FURTHER,
+    REFINEMENT,
     Event,
     MovingRun,
     OmittedRun,
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 
 def from_results(folder: str | Path) -> PageData:
     """Read all data of a campaign's page. folder: of the results, with `samples.nc`, `bounds.nc`
-    and `summary.json`, and for its quantities `quantities.nc` and `further.nc`; files that may be
-    absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
+    and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`; files that may
+    be absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
     `make_motions`). Raises `DamagedError` for a damaged result."""
     folder = Path(folder)
     facts = read_json(folder / "summary.json")
@@ -67,7 +67,7 @@ def from_results(folder: str | Path) -> PageData:
     if keeps_extremes(samples):
         return replace(data, runs=runs)
     drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
-    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn_runs))
+    return replace(data, runs=_add_curves(runs, rows, folder / "samples.nc", drawn_runs))
 
 
 def _load(path: Path, omit: str = "") -> xarray.Dataset:
@@ -135,7 +135,7 @@ def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[PageRun, ...]:
     )  # fmt: skip
 
 
-def _with_curves(
+def _add_curves(
     runs: tuple[PageRun, ...], rows: np.ndarray, path: Path, indices: Iterable[int]
 ) -> tuple[PageRun, ...]:
     """The runs, those at `indices` with their curves: a scan may have more than fit into memory."""
@@ -161,7 +161,7 @@ def _moving(
             continue
         run = len(all_runs) if mover.row is None else int(np.searchsorted(rows, mover.row))
         if mover.row is None:
-            all_runs.append(PageRun(mover.id, FURTHER, mover.values, events=_impacts(motion)))
+            all_runs.append(PageRun(mover.id, REFINEMENT, mover.values, events=_impacts(motion)))
         moving.append(MovingRun(run, mover.label, motion))
     return tuple(all_runs), tuple(moving)
 
@@ -171,8 +171,8 @@ def _verdicts(samples: xarray.Dataset, folder: Path, summary: Mapping) -> RunVer
     if not summary["quantities"]:
         return None
     parts = [samples]
-    if (folder / "further.nc").exists():
-        parts.append(_load(folder / "further.nc"))
+    if (folder / "refinement.nc").exists():
+        parts.append(_load(folder / "refinement.nc"))
     values, points, numbers = (
         np.concatenate([part[name].values for part in parts])
         for name in ("value", "normalized", "quantities")

@@ -2,9 +2,9 @@
 
     cases         [{name, folder, page, changes, headline, together}]: page: whether there is one;
                   together: of the case's own requirements, null if it has none
-    requirements  [{name, met, cases, failing, open, worst, limits}]: met is all, some or none of
-                  the boxes of the cases that it is of, or "undecided"; cases: their names; failing,
-                  open: of those in which it fails, is undecided
+    requirements  [{name, met, cases, failing, undecided, worst, limits}]: met is all, some or none
+                  of the boxes of the cases that it is of, or "undecided"; cases: their names;
+                  failing, undecided: of those in which it fails, is undecided
     limits        [{quantity, units, kind, level, worst, by_case}]; by_case: the limit in each
                   case, in their order, null where it is not required
     worst         the limit in the case that decides: its margin, error and place, with its
@@ -12,8 +12,8 @@
     quantities    [{name, units, lower, lower_error, lower_cases, upper, upper_error, upper_cases,
                   beyond, never, by_case}]: errors of the ends; beyond, never: cases in which it has
                   no latest time, in which no run has it
-    together      {met, failing, open, free}: of all requirements; cases in which some fail, are
-                  undecided, or nothing is required; null without requirements
+    together      {met, failing, undecided, free}: of all requirements; cases in which some fail,
+                  are undecided, or nothing is required; null without requirements
     worst         the limit that decides over all requirements
     next          the next test that measured curves ask for, with its `case`; null: none
     notes         [{notes, cases}]: a text on what makes numbers of these cases doubtful
@@ -69,7 +69,7 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
         "together": {
             "met": combine_met(verdict["met"] for verdict in verdicts.values() if verdict),
             "failing": _select_cases(verdicts, "none", "some"),
-            "open": _select_cases(verdicts, "undecided"),
+            "undecided": _select_cases(verdicts, "undecided"),
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
@@ -130,7 +130,7 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             "met": combine_met(row["met"] for row in by_case.values()),
             "cases": list(by_case),
             "failing": _select_cases(by_case, "none", "some"),
-            "open": _select_cases(by_case, "undecided"),
+            "undecided": _select_cases(by_case, "undecided"),
             "worst": min((limit["worst"] for limit in comparisons), key=_severity),
             "limits": comparisons,
         })  # fmt: skip

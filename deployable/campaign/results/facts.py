@@ -61,7 +61,7 @@ def facts_of(
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
-        facts = of_bounds(bounds, samples, published)
+        facts = bounds_facts(bounds, samples, published)
         has_quantities = "quantities" in samples.variables
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as data:
@@ -102,7 +102,7 @@ def facts_of(
             row["doubt"] = experiment.doubts[row["name"]]
     mark_constant(facts)
     if facts["overlap"] > SOFT:
-        facts["contacts"] = _of_contacts(experiment, facts["fixed"])
+        facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = _run_counts(facts)
     return facts
 
@@ -145,7 +145,7 @@ def varies(row: Mapping) -> bool:
     return row.get("lower") is not None
 
 
-def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict[str, Any]:
+def bounds_facts(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict[str, Any]:
     """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
     parameters, design, contacts that close in the nominal run, and bounds by response. bounds,
     samples: those files, open; published: largest difference in the literature by response."""
@@ -201,7 +201,7 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     return {"about": description, "fixed": fixed}
 
 
-def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
+def _contact_names(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
     """Which parameters the stiffness of contacts is proportional to."""
 
     def stiffness(**values: float) -> np.ndarray:
@@ -330,7 +330,7 @@ def _response_errors(bounds: Any, i: int) -> dict[str, float]:
 
     names = [name for name in PARTS if f"error_{name}" in bounds.variables]
     errors = {name: mean(bounds[f"error_{name}"][i]) for name in names}
-    return _with_whole(errors, mean(bounds["upper"][i] - bounds["lower"][i]))
+    return _add_total_error(errors, mean(bounds["upper"][i] - bounds["lower"][i]))
 
 
 def quantity_errors(row: Mapping) -> dict[str, float | None]:
@@ -342,10 +342,10 @@ def quantity_errors(row: Mapping) -> dict[str, float | None]:
     keys = {"surrogate": "error", "step": "error_step", "mesh": "error_mesh"}
     errors = {name: row[key] for name, key in keys.items() if key in row}
     width = None if row["lower"] is None else row["upper"] - row["lower"]
-    return _with_whole(errors, width)
+    return _add_total_error(errors, width)
 
 
-def _with_whole(parts: Mapping[str, float | None], width: float | None) -> dict:
+def _add_total_error(parts: Mapping[str, float | None], width: float | None) -> dict:
     values = list(parts.values())
     whole = None if None in values else sum(values)
     if not width:  # nothing varies, or there is no interval

@@ -79,14 +79,14 @@ class FittedRuns(NamedTuple):
 def runs_of(folder: Folder) -> FittedRuns:
     """Read the runs that surrogates of quantities are fitted to, from a campaign's folder: those of
     `samples.nc` (of a large scan a part) with event margins, and of the search for bounds
-    (`further.nc`, which must exist)."""
+    (`refinement.nc`, which must exist)."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)
         experiment = Experiment.read(file.config)
         margins = margins_of_samples(experiment, file, rows)
         parts = [(file["normalized"][:][rows], numbers[rows], margins)]
-    with open_netcdf(folder.further) as file:
+    with open_netcdf(folder.refinement) as file:
         parts.append(tuple(file[name][:] for name in ("normalized", "quantities", "margin")))
     return FittedRuns(*map(np.concatenate, zip(*parts, strict=True)))
 
@@ -165,7 +165,7 @@ def _bars(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     widths = np.where(np.isfinite(widths), widths, 0.0)
     ax.barh(names, widths, color=[BLUE if s > 0 else _GREY for s in share], height=0.6)
     for row, s in enumerate(share):
-        text = f" {100 * s:.0f} %" if s > 0 else " not told apart from the error"
+        text = f" {100 * s:.0f} %" if s > 0 else " not above the error"
         ax.text(widths[row], row, text, va="center", fontsize=7)
     ax.set_xlim(0, 1.45 * widths.max() or 1.0)
     ax.invert_yaxis()

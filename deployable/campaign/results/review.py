@@ -64,7 +64,7 @@ CLAUSES = {
         Clause("4.7.5.4.4", "a stop does not end in a state that cannot be left", ""),
         Clause("4.7.5.4.8", "clearance of at least three times its tolerance, with thermoelastic "
                "effects", "clearance"),
-        Clause("4.8.2.1", "effects on ground told apart from those in orbit", ""),
+        Clause("4.8.2.1", "effects on ground separated from those in orbit", ""),
         Clause("4.8.2.5", "budgets of preload and tolerance", "budget"),
         Clause("4.8.2.6", "a parametric study of all mechanical variables", "parametric"),
         Clause("4.8.2.6", "conformance at the worst combinations of parameters", "together"),
@@ -220,7 +220,7 @@ class _Sheet:
                           if clause.topic in self._topics(row["name"])]  # fmt: skip
             if clause.topic == "margin":  # those by own factors behind those of the standard
                 quantities.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
-            rows = [x for row in quantities for x in self._of_quantity(row, clause.topic)]
+            rows = [x for row in quantities for x in self._quantity_rows(row, clause.topic)]
             rows += self._find_latches(clause.topic, quantities)
         rows = [row for row in rows if row] or [_row("", NO_VERDICT)]
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
@@ -237,7 +237,7 @@ class _Sheet:
                     "clause": STANDARDS[margin["standard"]].title,
                     "asks": "a margin of at least 0 over the full range of travel",
                 }
-                rows += [names | x for x in self._of_quantity(row, "margin")]
+                rows += [names | x for x in self._quantity_rows(row, "margin")]
             else:
                 rows += self._list_requirements(row, self._limits.get(name, []))
         return rows
@@ -258,7 +258,7 @@ class _Sheet:
 
     # -- rows of quantities ------------------------------------------------------------------------
 
-    def _of_quantity(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
+    def _quantity_rows(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
         """What a quantity says of a topic, and of each own requirement of it."""
         name = row["name"]
         self._row_names.add(name)

@@ -84,10 +84,10 @@ def count_roles(samples: Any) -> Counts:
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)
-    of_role: dict[str, set] = {role: set() for role in ROLES}
+    runs_by_role: dict[str, set] = {role: set() for role in ROLES}
     for role, run in zip(read_roles(samples), read_ids(samples, slice(None)), strict=True):
-        of_role[role].add(run)
-    nominal, nodes, held_out, _ = of_role.values()
+        runs_by_role[role].add(run)
+    nominal, nodes, held_out, _ = runs_by_role.values()
     held_out = held_out - nodes
     design_runs = nodes | held_out
     return Counts(

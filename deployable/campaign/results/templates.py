@@ -35,9 +35,9 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         finalize=(lambda v: numbers.tie_units(v, units) if type(v) is str else v)
         if html else None,
     )  # fmt: skip
-    of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
+    filters = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "earliest", "capitalise")  # fmt: skip
-    env.filters |= {name: getattr(numbers, name) for name in of_numbers}
+    env.filters |= {name: getattr(numbers, name) for name in filters}
     env.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts, "has_effect": has_effect,

@@ -71,7 +71,7 @@ class ScanChunk:
         results: one each. Raises ValueError if a response is not finite."""
         outcomes = [result.outcome for result in results]
         values = common.values_of(self.responses, outcomes)
-        self.bounds = RunBounds.of_runs(values, np.array(rows, np.int32)).merge(self.bounds)
+        self.bounds = RunBounds.from_runs(values, np.array(rows, np.int32)).merge(self.bounds)
         if not self.mask.any():
             self.time, self.first = outcomes[0].time, np.zeros_like(values[0])
         if rows[0] == 0:

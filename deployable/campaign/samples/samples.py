@@ -99,7 +99,7 @@ def _write_runs(file: Any, plan: Plan) -> None:
     file.createDimension("run", len(runs))
     file.createDimension("event", None)
     _text(file, "role", "run", [run.role for run in runs], "what the run is for")
-    _text(file, "run_id", "run", [run.id for run in runs], "name of the trajectory")
+    _text(file, "run_id", "run", [run.id for run in runs], "id of the run")
     write_points(file, runs)
     for name, column, unit in zip(plan.experiment.intervals, runs.values.T, units, strict=True):
         _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)

@@ -18,7 +18,7 @@ from deployable.campaign.config.sections import (
     from_data,
     trust,
 )
-from deployable.campaign.errors import CampaignError, of_files
+from deployable.campaign.errors import CampaignError, error_of_files
 from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
@@ -29,7 +29,7 @@ from fpm.files.seals import DamagedError, check, remove_temporary
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", BOUNDS, SENSITIVITIES
-ANSWERS = "quantities.nc", "further.nc"
+ANSWERS = "quantities.nc", "refinement.nc"
 
 FRAMES = 401
 """Frames of the runs that move on a page, unless others are asked for."""
@@ -89,7 +89,7 @@ class Stage:
             place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error
         except (OSError, RuntimeError) as error:
-            file_error = of_files(error, folder.path)
+            file_error = error_of_files(error, folder.path)
             if file_error is None:
                 raise
             raise file_error from error
@@ -109,7 +109,8 @@ class Stage:
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
         """Return the config sections that the stage depends on, by name. config: path of a YAML
         file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
-        it names; folder: of the results, which tells the case. Raises `CampaignError`."""
+        it names; folder: of the results, which tells the case, None for a campaign without
+        cases. Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             campaign = check.load_config([config])

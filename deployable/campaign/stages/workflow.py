@@ -41,7 +41,7 @@ class Workflow:
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
         """Make the workflow of the config in YAML files; later files win over earlier ones, and
-        `overrides` (Snakemake's `--config`) over all. Raises `ConfigError`."""
+        `overrides` (Snakemake's `--config`; None: nothing) over all. Raises `ConfigError`."""
         return cls(load_config([_relative(path) for path in paths], restore_types(overrides or {})))
 
     @classmethod

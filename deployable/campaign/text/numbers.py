@@ -144,11 +144,11 @@ def spread(parameter: Mapping[str, Any]) -> str:
     the middle, else both bounds, `1 to 2 m`. parameter: dict with lower, nominal, upper and units,
     as in `summary.json` (`facts_of`)."""
     nominal, units = parameter["nominal"], parameter["units"]
-    minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
-    if abs(plus - minus) < 1e-6 * abs(nominal):
+    below_nominal, above_nominal = nominal - parameter["lower"], parameter["upper"] - nominal
+    if abs(above_nominal - below_nominal) < 1e-6 * abs(nominal):
         if unit := _ANGLES.get(units):  # a share of an angle says little
-            return f"± {number(plus)}{unit}"
-        return f"± {100 * plus / abs(nominal):.2g} %"
+            return f"± {number(above_nominal)}{unit}"
+        return f"± {100 * above_nominal / abs(nominal):.2g} %"
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 

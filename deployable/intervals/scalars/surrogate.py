@@ -49,8 +49,8 @@ def find_extremes(
 ) -> Extremes:
     """Find the least and largest value that a function attains over the part of the box from
     `lower` to `upper` (k each, in [-1, 1]). function: takes points (P, k) and returns values (P),
-    NaN where it has none; extra_points (P, k): tried beside those spread over the part; climbs:
-    number of best points from which a search goes on, 0 for none."""
+    NaN where it has none; extra_points (P, k): tried beside those spread over the part, or None;
+    climbs: number of best points from which a search goes on, 0 for none."""
     low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
     high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
     return Extremes(low, high, argmin, argmax)
@@ -67,9 +67,9 @@ def extreme(
     """Find the largest (sign 1) or least (sign -1) value that a function attains over the part of
     the box from `lower` to `upper` (k each, in [-1, 1]), and where (k); both NaN if it has none
     there. function: takes points (P, k) and returns values (P), NaN where it has none. The best of
-    points spread over the part, its faces and corners, and of those `extra_points` (P, k) that lie
-    in it; from the best `climbs` of them (on a line one, at 0 none) a quasi-Newton search goes on
-    (L-BFGS-B), which takes a smooth function."""
+    points spread over the part, its faces and corners, and of those `extra_points` (P, k; None:
+    none) that lie in it; from the best `climbs` of them (on a line one, at 0 none) a quasi-Newton
+    search goes on (L-BFGS-B), which takes a smooth function."""
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     middle, half = (lower + upper) / 2, (upper - lower) / 2
     trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)

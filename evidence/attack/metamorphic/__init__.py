@@ -2,6 +2,6 @@
 
     python -m deployable attack --only pairs
 
-`drawn` draws a structure in the language of docs/structures.md, `families` says it otherwise
-(turned, mirror, later, rename_all, ...), `pairs` runs both and compares.
+`draw_structure` draws a structure in the language of docs/structures.md, `families` says it
+otherwise (turned, mirror, later, rename_all, ...), `pairs` runs both and compares.
 """

@@ -11,7 +11,7 @@ from evidence.attack.ledger import Ledger
 from evidence.attack.metamorphic.ballast import add_ballast
 from evidence.attack.metamorphic.families import DELAY, FAMILIES
 from evidence.attack.metamorphic.pairs import Trial, Verdict
-from evidence.attack.metamorphic.runs import drawn
+from evidence.attack.metamorphic.runs import draw_structure
 from evidence.attack.metamorphic.structure_text import as_text
 
 ALL = (*FAMILIES, DELAY)
@@ -24,7 +24,7 @@ OUTCOMES = {"right": "right", "wrong": "wrong", "sensitive": "open", "failed": "
 
 def trial(seed: str) -> Trial:
     """The pairs of the structure of a seed, beside the ballast where loops are compiled."""
-    structure, duration = drawn(seed)
+    structure, duration = draw_structure(seed)
     if numba.config.DISABLE_JIT:
         return Trial(structure, duration, seed)
     return Trial(structure, duration, seed, add_ballast)

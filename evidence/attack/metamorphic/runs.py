@@ -35,7 +35,7 @@ class Run:
     reason: str = ""
 
 
-def drawn(seed: str) -> tuple[Structure, float]:
+def draw_structure(seed: str) -> tuple[Structure, float]:
     """The first structure from a seed that the language takes, and how long it runs (s)."""
     rng = random.Random(seed)
     while True:

@@ -31,7 +31,7 @@ EXUDYN = [
     {"name": "explicit, velocity Verlet, step 2e-5 s", "step": 2e-5, "solver": "VelocityVerlet"},
     {"name": "explicit, velocity Verlet, step 1e-5 s", "step": 1e-5, "solver": "VelocityVerlet"},
 ]
-WHAT_EXUDYN = "fastest flexible run of Exudyn against ours, one sample of a batch of 32"
+EXUDYN_RATIO = "fastest flexible run of Exudyn against ours, one sample of a batch of 32"
 ELASTICA = [
     {"name": f"{rod_text}, step {step:g} s", "rods": rods, "step": step}
     for rods, rod_text in ((1, "one rod of 40 elements"), (4, "4 rods of 10 elements, 3 hinges"))
@@ -86,7 +86,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     python = interpreter("exudyn", "EXUDYN_PYTHON")
     if python is None:
         reason = "not installed: pip install -e '.[peer-exudyn]'"
-        return [skip_row(f"Exudyn: {WHAT_EXUDYN}", reason, "x")]
+        return [skip_row(f"Exudyn: {EXUDYN_RATIO}", reason, "x")]
     # The reference has four times as many elements, and so about a fourteenth of the step.
     fine = distances(4 * ELEMENTS, duration)
     cost, error = cost_of(ELEMENTS, duration, repeats), rms(distances(ELEMENTS, duration), fine)
@@ -118,7 +118,7 @@ def _against_exudyn(
     """Our result, cost (cpu s per s) and error (m), against Exudyn's, with its version."""
     cost, error = result
     fastest, deviation, version = min(exact)
-    name = f"{WHAT_EXUDYN} (Exudyn {version})"
+    name = f"{EXUDYN_RATIO} (Exudyn {version})"
     elements, error_ours = find_equal_mesh(deviation, fine, duration)
     ratio = fastest / cost_of(elements, duration, repeats)
     note = f"ours with 4 x {elements} elements, error {error_ours:.2g} m against {deviation:.2g} m"

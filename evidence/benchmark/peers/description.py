@@ -40,11 +40,11 @@ def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
                     "inertia": [m.rho * (s.Iy + s.Iz), m.rho * s.Iy, m.rho * s.Iz],
                 }
             )
-    on_beams = {node for element in elements for node in element["nodes"]}
+    beam_nodes = {node for element in elements for node in element["nodes"]}
     bodies = [
         {"node": n, "mass": float(scene.mass[n]), "inertia": scene.inertia[n].tolist()}
         for n in range(len(scene.position))
-        if n not in on_beams and not scene.fixed[n].all()
+        if n not in beam_nodes and not scene.fixed[n].all()
     ]
     return {
         "position": scene.position.tolist(),

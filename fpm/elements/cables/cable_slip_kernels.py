@@ -81,9 +81,9 @@ def find_free_strain(part, first, j, tight, slope, close):
     for _ in range(MOST):
         flow, steep = find_flow(part, first, j, strain)
         low, high = where_negative(flow, strain, low), where_negative(flow, high, strain)
-        better, halfway = strain - flow / steep, sqrt(low * high)
-        better = where_negative(low - better, better, halfway)
-        better = where_negative(better - high, better, halfway)
+        better, bisection = strain - flow / steep, sqrt(low * high)
+        better = where_negative(low - better, better, bisection)
+        better = where_negative(better - high, better, bisection)
         slope = where_negative(-is_open, steep, slope)
         is_open = where_negative(absolute(flow) - close, 0.0, is_open)
         strain = where_negative(-is_open, better, strain)

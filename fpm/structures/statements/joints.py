@@ -61,7 +61,7 @@ def _axes(build, args) -> np.ndarray:
     return axes if build.hold is not None else np.tile(axes[0], (len(axes), 1))
 
 
-def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
+def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     """Name and particles of joints of the first part with those after the second; their places."""
     for k in range(2, len(particles)):
         label = args.parts[k].name.rpartition(".")[2]  # without that of its unit
@@ -112,7 +112,7 @@ def revolute(build, args):
         text, angle = (f"{math.degrees(x):.6g} deg" for x in (args.opening, actual))
         allowed = f"{angle}, the angle of its `references`; or leave out one of both"
         build.refuse("opening", text, f"{allowed}; or turn `axis` around, for the other sign")
-    for name, pair, ends in _further(args, particles):
+    for name, pair, ends in _extra_pairs(args, particles):
         scene.add_hinge(name, pair, points[ends], axes[ends])
     return hinge
 
@@ -129,7 +129,7 @@ def _join(build, args, type: str) -> None:
     """Join all parts to the first."""
     particles, points = _meet(build, args)
     build.scene.add_joint(args.name, type, particles[:2], points[:2])
-    for name, pair, ends in _further(args, particles):
+    for name, pair, ends in _extra_pairs(args, particles):
         build.scene.add_joint(name, type, pair, points[ends])
 
 

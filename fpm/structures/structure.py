@@ -4,6 +4,7 @@ A method states one entry of the mapping that a YAML file is; the checks and mes
 file, by key instead of line. The methods of groups are made of the table of statements."""
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
@@ -148,9 +149,7 @@ def _method(group: str, name: str) -> Callable[..., None]:
 
 def _singular(group: str) -> str:
     """The name of one entry of a group: body of bodies, mass of masses, joint of joints."""
-    if group.endswith("ies"):
-        return f"{group[:-3]}y"
-    return group.removesuffix("es" if group.endswith("sses") else "s")
+    return re.sub(r"(?<=ss|ch|sh)es$|s$", "", re.sub("ies$", "y", group))
 
 
 for _group in GROUPS:

@@ -136,8 +136,7 @@ class Structure(StatementTable):
 
 def _method(group: str, name: str) -> Callable[..., None]:
     def add(self: StatementTable, name: str, /, **keys: Any) -> None:
-        values = {key.removesuffix("_"): x for key, x in keys.items() if x is not None}
-        self._add(group, name, values)
+        self._add(group, name, {key.removesuffix("_"): value for key, value in keys.items()})
 
     lines = (f"{kind.type or 'keys'}: {', '.join(kind.keys)}" for kind in GROUPS[group].values())
     types = " of one `type`" if "" not in GROUPS[group] else ""
@@ -161,7 +160,8 @@ def _plain(value: Any, key: str) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(name): _plain(entry, f"{key}.{name}") for name, entry in value.items()}
+        items = ((str(name), x) for name, x in value.items() if x is not None)
+        return {name: _plain(entry, f"{key}.{name}") for name, entry in items}
     if isinstance(value, list | tuple):
         return [_plain(entry, key) for entry in value]
     if isinstance(value, bool):

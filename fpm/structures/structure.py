@@ -4,6 +4,7 @@ A method states one entry of the mapping that a YAML file is; the checks and mes
 file, by key instead of line. The methods of groups are made of the table of statements."""
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
@@ -135,8 +136,7 @@ class Structure(StatementTable):
 
 def _method(group: str, name: str) -> Callable[..., None]:
     def add(self: StatementTable, name: str, /, **keys: Any) -> None:
-        values = {key.removesuffix("_"): x for key, x in keys.items() if x is not None}
-        self._add(group, name, values)
+        self._add(group, name, {key.removesuffix("_"): value for key, value in keys.items()})
 
     lines = (f"{kind.type or 'keys'}: {', '.join(kind.keys)}" for kind in GROUPS[group].values())
     types = " of one `type`" if "" not in GROUPS[group] else ""
@@ -148,9 +148,7 @@ def _method(group: str, name: str) -> Callable[..., None]:
 
 def _singular(group: str) -> str:
     """The name of one entry of a group: body of bodies, mass of masses, joint of joints."""
-    if group.endswith("ies"):
-        return f"{group[:-3]}y"
-    return group.removesuffix("es" if group.endswith("sses") else "s")
+    return re.sub(r"(?<=ss|ch|sh)es$|s$", "", re.sub("ies$", "y", group))
 
 
 for _group in GROUPS:
@@ -162,7 +160,8 @@ def _plain(value: Any, key: str) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(name): _plain(entry, f"{key}.{name}") for name, entry in value.items()}
+        items = ((str(name), x) for name, x in value.items() if x is not None)
+        return {name: _plain(entry, f"{key}.{name}") for name, entry in items}
     if isinstance(value, list | tuple):
         return [_plain(entry, key) for entry in value]
     if isinstance(value, bool):

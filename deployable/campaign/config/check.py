@@ -127,9 +127,7 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
-    if config.cases:
-        return _resolve_cases(campaign, raw, original, case_lists, source)
-    return campaign
+    return _resolve_cases(campaign, raw, original, case_lists, source) if config.cases else campaign
 
 
 def _resolve_cases(

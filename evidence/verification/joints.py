@@ -1,11 +1,13 @@
 """Hinges, torsion springs and contact against closed forms of rigid bodies and stiff bars."""
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from evidence.verification.bench import Bench
+from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.rotation import crossings
+from fpm.structures import loads
 
 MASS, INERTIA, ARM = 2.0, 0.3, 0.5  # kg; kg m² about the centre; m from the hinge to the centre
 ABOUT_HINGE = INERTIA + MASS * ARM**2
@@ -117,7 +119,81 @@ def contact_bounce(bench: Bench) -> None:
         figure.curve(outcome.time, swing, name)
 
 
+LED = """
+points: {pivot: [0, 0, 0], c: [(0.5 m)*sin(ANGLE), 0, (-0.5 m)*cos(ANGLE)]}
+bodies: {bob: {mass: 2, centre: c, points: [pivot], inertia: [0.3, 0.3, 0.3]}}
+curves: {path: {times: TIMES, values: VALUES}}
+drives:
+  lead:
+    {part: bob, at: pivot, velocity: WAY, translations: xz, rotations: none, curve: path}
+supports: {plane: {part: bob, at: pivot, translations: y, rotations: none}}
+gravity: [0, 0, -9.81]
+record: {c: {part: bob, at: c}}
+"""
+
+
+def led_pendulum(bench: Bench) -> None:
+    """A body whose point is led along x and z, free to turn about it: aside to and fro; and up and
+    down so fast that it stands upright (Kapitza), where a slower motion lets it fall."""
+    source = "Lagrange's equations in the momentum of the angle, DOP853"
+    ramps = np.linspace(0.0, 2.0, 5), np.array([0.0, 1.0, -0.5, 0.7, 0.0])
+    outcome = _check_led(bench, "to and fro", 0.6, (2.0, 0.0, 0.5), ramps, source)
+    force = outcome.columns["reaction_force", "lead z"]
+    power = np.interp(outcome.time, *ramps) * (
+        2 * outcome.columns["reaction_force", "lead x"] + 0.5 * force
+    )
+    bench.check("work of the drive (J)", np.trapezoid(power, outcome.time),
+                outcome.energies["load_work"][-1] + MASS * 9.81 * outcome.points["c"][0][-1, 2]
+                - MASS * 9.81 * outcome.points["c"][0][0, 2], 0.01,
+                "reactions times velocities")  # fmt: skip
+    times = np.linspace(0.0, 1.0, 801)
+    for speed, stands in ((9.0, True), (1.0, False)):
+        sway = times, np.sin(2 * np.pi * 40 * times)
+        case = f"up and down with {speed:g} m/s"
+        outcome = _check_led(bench, case, np.pi - 0.1, (0.0, 0.0, speed), sway, source)
+        pivot = speed * (1 - np.cos(2 * np.pi * 40 * outcome.time)) / (2 * np.pi * 40)
+        height = (outcome.points["c"][0][:, 2] - pivot).min() / ARM
+        bench.check(f"{case}, stands", float(height > 0.9), float(stands), 0.1,
+                    "stands where (m d v)² / 2 > I m g d")  # fmt: skip
+
+
+def _check_led(bench: Bench, case: str, angle: float, velocity, curve, source: str):
+    """Hold a led pendulum against Lagrange's equations, with steps that are halved."""
+    words = {"ANGLE": f"{angle!r} rad", "TIMES": curve[0].tolist(), "VALUES": curve[1].tolist()}
+    words["WAY"] = list(velocity)
+    text = LED
+    for word, value in words.items():
+        text = text.replace(word, str(value))
+    scene, duration = loads(text).build(), float(curve[0][-1])
+    record = [("reaction_force", f"lead {axis}") for axis in "xz"]
+    outcomes = [
+        bench.simulate(scene, duration=duration, instants=101, step=step, record=record)[0]
+        for step in duration / 800 / np.array([1, 2, 4])
+    ]
+    couple, weight = MASS * ARM, MASS * ARM * 9.81
+
+    def slopes(time, y):
+        along, _, up = np.interp(time, *curve) * np.array(velocity)
+        sine, cosine = np.sin(y[0]), np.cos(y[0])
+        rate = (y[1] - couple * (along * cosine + up * sine)) / ABOUT_HINGE
+        return [rate, couple * rate * (up * cosine - along * sine) - weight * sine]
+
+    times, longest = outcomes[0].time, float(np.diff(curve[0]).min())
+    exact = solve_ivp(slopes, (0, duration), [angle, 0], "DOP853", times, rtol=1e-9, atol=1e-10,
+                      max_step=longest).y[0]  # fmt: skip
+    fine = np.linspace(0.0, duration, 8001)
+    values = np.interp(fine, *curve)
+    path = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(fine))])
+    pivot = np.interp(times, fine, path)[:, None] * np.array(velocity)
+    place = pivot + ARM * np.stack([np.sin(exact), 0 * exact, -np.cos(exact)], axis=1)
+    errors = np.array([np.abs(o.points["c"][0] - place).max() for o in outcomes])
+    bench.check_small(f"{case}, centre (m)", errors[-1] / ARM, 1e-3, source, "the arm")
+    bench.check_at_least(f"{case}, order", observed_orders(errors).min(), 1.9, source)
+    return outcomes[-1]
+
+
 PROBLEMS = {
+    "led pendulum": led_pendulum,
     "pendulum": pendulum,
     "spring oscillator": spring_oscillator,
     "contact bounce": contact_bounce,

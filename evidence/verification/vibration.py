@@ -1,6 +1,8 @@
 """Natural frequencies of bars: bending, axial and torsional, by eigenvalues and from a run; and the
 wave that a sudden force sends through one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import fpm
@@ -11,6 +13,7 @@ from fpm.elements import Viscosity
 
 LENGTH, MATERIAL = 1.0, fpm.Material(1e9, 0.25, 1000.0)
 SECTION = fpm.Section.square(0.004)  # slender: rotary inertia changes no bending frequency by 1e-4
+THICK = fpm.Section.square(0.1)  # so that damping of low modes leaves the step long
 THIN = fpm.Section.square(0.001)  # and here by 1e-5
 ROOTS = {
     "cantilever": (1.87510407, 4.69409113),
@@ -123,6 +126,36 @@ def check_frequencies_of_runs(bench: Bench) -> None:
         figure.curve(outcome.time / (2 * np.pi / linear), strain, support)
 
 
+def check_modal_damping(bench: Bench) -> None:
+    """Modes of thick bars that are damped in proportion to stiffness, each as an oscillator with
+    the share z = beta w/2 of critical damping: exp(-z w t) sin(w' t)/w', w' = w sqrt(1 - z²)."""
+    share, source = 0.05, "Rayleigh: z = beta w/2 for every mode"
+    figure = bench.figure("Bars damped by 5 % in a mode", "w t", "way, scaled")
+    for support, mode in (("cantilever", 0), ("cantilever", 1), ("axial", 0)):
+        scene = bar(5, support, THICK)
+        linear = modes(scene, support)[mode]
+        shape = 1e-5 * linear * mode_shape(scene, linear)
+        scene.velocity += shape[:, :3]
+        scene.spin += shape[:, 3:]
+        scene.add_point("end", int(scene.beams[0].nodes[-1, 1]))
+        material = replace(MATERIAL, stiffness_damping=2 * share / linear)
+        scene.beams[:] = [replace(beams, material=material) for beams in scene.beams]
+        last, interval = np.sqrt(1 - share**2) * linear, 0.1 / linear
+        step = interval / np.ceil(interval / (0.5 * fpm.find_stable_step(scene).step))
+        errors = []
+        for part in (1, 2, 4):
+            (outcome,) = bench.simulate(scene, duration=6 / linear, instants=61, step=step / part)
+            exact = np.exp(-share * linear * outcome.time) * np.sin(last * outcome.time) / last
+            place = outcome.points["end"][0]
+            displacement = (place - place[0]) @ shape[-1, :3] / (shape[-1, :3] @ shape[-1, :3])
+            errors.append(np.abs(displacement - exact).max() / exact.max())
+        name = f"{support}, mode {mode + 1}"
+        bench.check_small(f"{name}, largest error of the way", errors[-1], 3e-4, source, "the way")
+        figure.curve(linear * outcome.time, linear * displacement, name)
+    order = observed_orders(np.array(errors)).min()
+    bench.check_at_least("axial, order in the step", order, 1.95, source)
+
+
 def check_sudden_pull(bench: Bench) -> None:
     """A bar that a force F pulls at its end from t = 0 on, with bulk viscosity: a wave of F/A,
     twice that where it meets the clamp, and an end that moves to 2 F L/(E A) and back (d'Alembert).
@@ -152,4 +185,5 @@ PROBLEMS = {
     "frequencies": eigenvalues,
     "frequencies of runs": check_frequencies_of_runs,
     "pulled at once": check_sudden_pull,
+    "damped in proportion to stiffness": check_modal_damping,
 }

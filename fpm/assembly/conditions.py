@@ -283,9 +283,12 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
     if joint.type == "held":
         particle = joint.beams[0].particle
         place = scene.position[particle] + scene.frame[particle] @ arms[0]
-        pair, arms = (particle, particle), np.array([arms[0], zero])
+        pair, is_on_second = (particle, particle), 0.0
+        if len(joint.beams) == 2:
+            pair, is_on_second, place = joint.particles, 1.0, zero
+        arms = np.array([arms[0], arms[-1] * is_on_second])
         axes = [np.eye(3)[AXES.index(axis)] for axis in joint.support_axes]
-        return [(joint.name, pair, GLOBAL, axis, zero, arms, 0.0, place) for axis in axes]
+        return [(joint.name, pair, GLOBAL, axis, zero, arms, is_on_second, place) for axis in axes]
     axis, reference = joint.axes[0], joint.references[0]
     third, axis2, reference2 = np.cross(axis, reference), joint.axes[1], joint.references[1]
     pair, type_bits, ends = joint.particles, TYPES[joint.type].bits, (arms, 1.0, zero)

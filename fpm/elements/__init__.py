@@ -1,6 +1,7 @@
 """What a scene is made of: one kind of element per definition file, with its kernels beside it."""
 
 from fpm.elements.bars.beam import Beams
+from fpm.elements.bars.stiffness_damping import StiffnessDamping
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.cables.cable import Cable
 from fpm.elements.cables.strut import Strut
@@ -57,6 +58,7 @@ KINDS: tuple[type[ElementType], ...] = (
     Drag,
     Strut,
     Journal,
+    StiffnessDamping,
     Drive,
     Support,
     Damping,

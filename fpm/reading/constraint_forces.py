@@ -29,8 +29,8 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """Return all joints of a scene that connect two bodies (hinges, slides, balls, ...), by name;
     without those that only hold an opening (joint coordinate), and without pins with play, whose
     force is that of a contact (Journal)."""
-    joints = [joint for joint in (*Hinge.find(scene), *Joint.find(scene)) if joint.type != PIN]
-    return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
+    joints = [j for j in (*Hinge.find(scene), *Joint.find(scene)) if j.type not in (PIN, "held")]
+    return {j.name: j for j in joints if not j.holds_opening}
 
 
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
@@ -63,7 +63,7 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
                 continue
             joint_force, sign = ((sides.force1, -1.0), (sides.force2, 1.0))[k]
             force = force + joint_force
-            if len(joint.beams) == 1:
+            if joint.type == "held":
                 moment = moment + np.cross(run.arm(beam), joint_force)
                 continue
             lever = point_of(run, joint) - run.place(particle)
@@ -84,7 +84,7 @@ class Reaction(NamedTuple):
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Return the points of a scene that have a reaction force, by name: supports and drives, named
     points on particles that are fixed or driven, and hinges with a support."""
-    supports = {joint.name: joint for joint in Joint.find(scene) if len(joint.beams) == 1}
+    supports = {joint.name: joint for joint in Joint.find(scene) if joint.type == "held"}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
@@ -107,10 +107,11 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))
     for joint, sides in run.joints:
-        if joint.name in support.holders and len(joint.beams) == 2:
+        if joint.type == "held":
+            if joint.name.removesuffix(SUPPORT) in support.holders:
+                force = force + sides.force1
+        elif joint.name in support.holders:
             force = force + (sides.force1 + sides.force2)
-        elif joint.name.removesuffix(SUPPORT) in support.holders and len(joint.beams) == 1:
-            force = force + sides.force1
     if support.particle:
         fixed = scene.fixed[particle]
         terms = run.inertia(particle), run.force(particle), on_particle(run, particle)

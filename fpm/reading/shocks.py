@@ -15,6 +15,9 @@ _CONSTRAINTS = ("sum", "latch", "motor", "release")
 """Parts of the moment on a joint by which it may be held, which bear what the motion asks for; all
 others follow from openings and their rates."""
 
+USUAL_SHARE = 0.06
+"""Share of critical damping of an element that explicit codes take as bulk viscosity, and above."""
+
 
 def warn(scene: Scene, response: Response) -> str:
     """Return a warning, with the remedy, that peaks of a response do not converge as mesh and step
@@ -31,7 +34,7 @@ def warn(scene: Scene, response: Response) -> str:
             "bears it"
         )
     starts = any(_is_sudden(scene, load) for load in Load.find(scene))
-    if scene.beams and starts and not any(viscosity.share for viscosity in Viscosity.find(scene)):
+    if scene.beams and starts and not _is_damped(scene):
         return (
             "a load begins at once, and the wave that it sends through the bars rings in the last "
             "mode of the mesh, a quarter too high and more the finer it is: state "
@@ -47,6 +50,16 @@ def _join(latches: list[str]) -> str:
         return f"latch {latches[0]}"
     names = latches if len(latches) == 2 else [", ".join(latches[:2]), f"{len(latches) - 2} more"]
     return f"latches {' and '.join(names)}"
+
+
+def _is_damped(scene: Scene) -> bool:
+    """Whether bulk viscosity damps waves of the size of the mesh, or all materials as much."""
+    shares = [  # of critical damping, as those of viscosities
+        beams.material.stiffness_damping * np.sqrt(beams.material.E / beams.material.rho) / length
+        for beams in scene.beams
+        for length in beams.length
+    ]
+    return any(viscosity.share for viscosity in Viscosity.find(scene)) or min(shares) >= USUAL_SHARE
 
 
 def _is_sudden(scene: Scene, load: Load) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from fpm.elements import Drag, kinds_of
+from fpm.elements import Drag, StiffnessDamping, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
@@ -80,6 +80,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     energy = report.kinetic_energy(start, start.velocity, start.spin)
     yield "at the start", f"kinetic energy {energy:.4g} J" if energy else ""
     yield "stable step", _step(cost)
+    yield "", _damped_step(scene)
     yield "", _remedy(structure, scene, cost)
     steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"
     seconds = f"about {cost.seconds:.2g} s of a core (one of eight side by side)"
@@ -105,6 +106,13 @@ def _step(cost: report.RunCost) -> str:
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"
+
+
+def _damped_step(scene: Scene) -> str:
+    """What damping in proportion to stiffness does to the stable step."""
+    if not StiffnessDamping.find(scene):
+        return ""
+    return f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
 
 
 def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:

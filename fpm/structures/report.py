@@ -1,6 +1,8 @@
 """What a built scene is, before it runs: masses, mobility, and what a run costs."""
 
 import math
+from copy import copy
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
+from fpm.elements.bars.beam import Beams
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
@@ -119,6 +122,18 @@ def redundant(scene: Scene) -> list[str]:
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, size in zip(names, shares, strict=True) if size > 1e-6))
+
+
+def undamped_step(scene: Scene) -> float:
+    """Return the stable step (s) of a scene without damping in proportion to stiffness; inf: none
+    limits it."""
+    plain = copy(scene)
+    groups = [
+        replace(beams, material=replace(beams.material, stiffness_damping=0.0))
+        for beams in scene.beams
+    ]
+    plain.kinds = {**scene.kinds, Beams: groups}
+    return find_stable_step(plain).step
 
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:

@@ -102,14 +102,16 @@ def driven(**load) -> fpm.Scene:
     return free
 
 
-def bar(viscosity=0.0) -> fpm.Scene:
+def bar(viscosity=0.0, beta=0.0) -> fpm.Scene:
     """A soft bar in space whose end was pushed aside and outwards."""
     scene = fpm.Scene("bar")
-    wood = fpm.Material(1e5, 0.3, 500.0)
+    wood = fpm.Material(1e5, 0.3, 500.0, beta)
     link = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.05), wood, 2)
     scene.velocity[link.particles[-1]] = (0.1, 0.2, 0.0)
     if viscosity:
         scene.add(k.Viscosity(viscosity))
+    if beta:
+        scene.beams[:] = [beams.with_strain(0.02, 0.3) for beams in scene.beams]
     return scene
 
 
@@ -145,6 +147,7 @@ SCENES = {
     "drag": acting(lambda s: s.add(k.Drag(s.arm_to(1, (1.0, 0.1, 0.2)), 0.3))),
     "bar": bar,
     "viscous bar": lambda: bar(0.2),
+    "damped bent bar": lambda: bar(beta=2e-3),
     "torsion spring": on(k.TorsionSpring(0, 20.0, 1.0)),
     "contact": on(k.Contact(0, 200.0), rate=-1.0),
     "table": on(k.TableSpring(0, (-2.0, 0.1, 0.3, 2.0), (3.0, -1.0, -4.0, 2.0))),

@@ -1,5 +1,7 @@
 """Bulk viscosity of beams: a rod that is pulled at once against the wave equation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -106,3 +108,7 @@ def test_a_load_at_once_is_in_doubt_without_viscosity_only():
     stress = Response("s", "stress", ("all",), "", "Pa", "stress", tuple(STRESS))
     assert "viscosity: 0.2" in warn(rod(4), stress)
     assert warn(rod(4, 0.2), stress) == ""
+    for share, is_silent in ((0.05, False), (0.2, True)):  # as much by the material
+        scene, damped = rod(4), replace(STEEL, stiffness_damping=share * 0.25 / SPEED)
+        scene.beams[:] = [replace(beams, material=damped) for beams in scene.beams]
+        assert (warn(scene, stress) == "") == is_silent

@@ -243,6 +243,8 @@ class Draw(StructureDraft):
             self.structure["gravity"] = self.flatten(self.vector(10.0))
         if "bars" in self.structure and self.chance(0.3):
             self.structure["viscosity"] = self.number(0.05, 0.5)
+        if "bars" in self.structure and self.chance(0.3):
+            self.structure["materials"]["foam"]["stiffness_damping"] = self.number(1e-4, 5e-4)
         if self.chance(0.2):
             self.structure["damping"] = self.number(0.1, 1.0)
         supports = {"supports", "drives"} & self.structure.keys()

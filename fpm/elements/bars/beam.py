@@ -33,11 +33,13 @@ class Material:
     ----------
     E: Young's modulus (Pa), above 0.
     nu: Poisson's ratio, -1 < nu <= 0.5.
-    rho: density (kg/m³), above 0."""
+    rho: density (kg/m³), above 0.
+    stiffness_damping: Rayleigh's beta (s), at least 0 (stiffness_damping.py)."""
 
     E: float
     nu: float
     rho: float
+    stiffness_damping: float = 0.0
 
     def __post_init__(self):
         if not self.E > 0:
@@ -46,6 +48,8 @@ class Material:
             raise SceneError("Poisson's ratio nu", self.nu, "-1 < nu <= 0.5")
         if not self.rho > 0:
             raise SceneError("density rho", self.rho, "a positive number (kg/m3)")
+        if not 0 <= self.stiffness_damping < np.inf:
+            raise SceneError("stiffness damping", self.stiffness_damping, "a time >= 0 (s)")
 
     @property
     def G(self) -> float:

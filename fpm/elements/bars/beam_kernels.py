@@ -128,28 +128,48 @@ def forces(part, world, timing):
     for e in range(last + 1):
         n, inverse, axial = next_chord
         next_chord = chord_of(part, state, min(e + 1, last))
-        a, b = part.nodes[e, 0], part.nodes[e, 1]
-        a2, a3, b2, b3 = end_axes(part, state, e)
-        twist = load(beams, e, TWIST) * twist_of(a2, a3, b2, b3)
-        moment = twist * (cross(a3, b2) - cross(a2, b3))
-        sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
-        ta2, da2 = angle(sa2)
-        ta3, da3 = angle(sa3)
-        tb2, db2 = angle(sb2)
-        tb3, db3 = angle(sb3)
-        kz, ky = load(beams, e, BEND_Z), load(beams, e, BEND_Y)
-        # Generalised forces: derivatives of the energy with respect to the four sines.
-        t2, t3 = ta2 + tb2, ta3 + tb3
-        ca2, cb2 = kz * (t2 + ta2) * da2, kz * (t2 + tb2) * db2
-        ca3, cb3 = ky * (t3 + ta3) * da3, ky * (t3 + tb3) * db3
-        ga = ca2 * a2 + ca3 * a3
-        gb = cb2 * b2 + cb3 * b3
-        shear = inverse * (ga + gb)
-        force = shear + (axial - dot(n, shear)) * n
-        add3(state, a, F, force)
-        put3(state, b, F, get3(state, b, F) - force)
-        add3(state, a, M, cross(n, ga) - moment)
-        add3(state, b, M, cross(n, gb) + moment)
+        axes = end_axes(part, state, e)
+        twist = load(beams, e, TWIST) * twist_of(axes[0], axes[1], axes[2], axes[3])
+        turns, slopes = bends_of(n, axes)
+        push_ends(part, state, e, n, inverse, axes, slopes, (axial, twist, turns))
+
+
+@kernel
+def bends_of(n, axes):
+    """Return two tuples of four, for the axes 2, 3 at end a and 2, 3 at end b of an element: six
+    times the angles (rad) by which they are off the normal to its chord n (unit vector), and twice
+    the derivatives of these angles by their sines. axes: the four, as `end_axes` returns them."""
+    ta2, da2 = angle(dot(n, axes[0]))
+    ta3, da3 = angle(dot(n, axes[1]))
+    tb2, db2 = angle(dot(n, axes[2]))
+    tb3, db3 = angle(dot(n, axes[3]))
+    return (ta2, ta3, tb2, tb3), (da2, da3, db2, db3)
+
+
+@kernel
+def push_ends(part, state, e, n, inverse, axes, slopes, loads):
+    """Add forces (N) and moments (N m) of element e to its end particles. part: Straight- or
+    FramedElements; state: World.state, changed; n, inverse: unit vector of its chord, and inverse
+    of its length (1/m); axes, slopes: as `end_axes` and `bends_of` return them; loads: axial force
+    (N), moment of its twist (N m), and six times the angles (rad) that its bending moments have."""
+    axial, twist, (ta2, ta3, tb2, tb3) = loads
+    a, b = part.nodes[e, 0], part.nodes[e, 1]
+    a2, a3, b2, b3 = axes
+    da2, da3, db2, db3 = slopes
+    moment = twist * (cross(a3, b2) - cross(a2, b3))
+    kz, ky = load(part.beams, e, BEND_Z), load(part.beams, e, BEND_Y)
+    # Generalised forces: derivatives of the energy with respect to the four sines.
+    t2, t3 = ta2 + tb2, ta3 + tb3
+    ca2, cb2 = kz * (t2 + ta2) * da2, kz * (t2 + tb2) * db2
+    ca3, cb3 = ky * (t3 + ta3) * da3, ky * (t3 + tb3) * db3
+    ga = ca2 * a2 + ca3 * a3
+    gb = cb2 * b2 + cb3 * b3
+    shear = inverse * (ga + gb)
+    force = shear + (axial - dot(n, shear)) * n
+    add3(state, a, F, force)
+    put3(state, b, F, get3(state, b, F) - force)
+    add3(state, a, M, cross(n, ga) - moment)
+    add3(state, b, M, cross(n, gb) + moment)
 
 
 @kernel

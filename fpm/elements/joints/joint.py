@@ -53,7 +53,8 @@ class Joint(JointBase):
     particle's frame, the same but for universal joints, where they are normal to each other;
     references (2, 3): a direction normal to the axis in each frame, the same at the start; lead: of
     a screw (m/rad). A "held" joint has one virtual beam, held at its end along global axes
-    `support_axes`, as "xz"."""
+    `support_axes`, as "xz"; a second one, to a driven particle that does not turn, leads it along
+    them."""
 
     name: str
     type: str
@@ -191,14 +192,17 @@ class Joint(JointBase):
         return tuple(hinges)
 
     @staticmethod
-    def held_point(scene, name, particle: int, point, axes: str) -> "Joint":
+    def held_point(scene, name, particle: int, point, axes: str, leader=None) -> "Joint":
         """A "held" joint, not added to the scene: it keeps a point of a particle in its present
         place along some global axes. name: for messages; particle: index; point (3,) m, global;
-        axes: letters out of "xyz", at least one, else SceneError."""
+        axes: letters out of "xyz", at least one, else SceneError; leader: index of a driven
+        particle that does not turn, with which the place moves, None: it stays."""
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
         zeros = np.zeros((2, 3))
-        return Joint(name, "held", (scene.arm_to(particle, point),), zeros, zeros, axes)
+        ends = (particle,) if leader is None else (particle, leader)
+        beams = tuple(scene.arm_to(end, point) for end in ends)
+        return Joint(name, "held", beams, zeros, zeros, axes)
 
     @property
     def conditions(self) -> int:

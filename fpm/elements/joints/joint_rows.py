@@ -111,13 +111,13 @@ def find_rows(part, state):
         if kind == SUPPORT:
             arm = point - x1
             if part.fixed_axes[j, 0]:
-                put_row(part, state, j, r, ex, cross(arm, ex), ex)
+                put_row(part, state, j, r, ex, cross(arm, ex), 0.0 * ex)
                 r += 1
             if part.fixed_axes[j, 1]:
-                put_row(part, state, j, r, ey, cross(arm, ey), ey)
+                put_row(part, state, j, r, ey, cross(arm, ey), 0.0 * ey)
                 r += 1
             if part.fixed_axes[j, 2]:
-                put_row(part, state, j, r, ez, cross(arm, ez), ez)
+                put_row(part, state, j, r, ez, cross(arm, ez), 0.0 * ez)
             continue
         x2, second, x3 = place(part, state, j, 1)
         axis, p, q = directions(part, j, first)
@@ -171,7 +171,10 @@ def find_gaps(part, state, j):
     rows, kind, r = part.rows, part.types[j], part.pattern.first[j]
     _, first, point = place(part, state, j, 0)
     if kind == SUPPORT:
-        gap = point - get3(part.places, j, 0)
+        if part.slots[2 * j + 1] >= 0:
+            gap = point - place(part, state, j, 1)[2]
+        else:
+            gap = point - get3(part.places, j, 0)
         gap2 = 0.0 * gap.x
         if part.fixed_axes[j, 0]:
             store(rows, r, RESIDUAL, gap.x)

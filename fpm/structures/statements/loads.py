@@ -6,6 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from fpm.elements import Drag, Load
+from fpm.elements.joints.hinge import list_names
+from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
@@ -15,6 +17,7 @@ from fpm.structures.keys import (
     CurveExpressionKey,
     CurvesKey,
     DirectionKey,
+    LettersKey,
     ListKey,
     NumberKey,
     OpeningKey,
@@ -218,21 +221,51 @@ def cable(build, args):
     velocity=VectorKey(ZERO, unit="m/s", text="its velocity"),
     spin=VectorKey(ZERO, unit="rad/s", text="its angular velocity"),
     curve=CURVE,
+    translations=LettersKey("xyz", "axes along which it is driven; along others it is free"),
+    rotations=LettersKey("xyz", "axes about which it is driven: all, if along all, or none"),
 )
 def drive(build, args):
-    """Prescribes how a point of a part moves and turns.
+    """Prescribes how a point of a part moves and turns, or how it moves along some global axes.
 
-    Adds a Drive to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: part (Body), at (one of its Points), velocity (3,) m/s, spin (3,) rad/s, curve (index of
-    what scales both with time, or None)."""
+    Adds a Drive to the scene; where it leaves axes free, of a particle of its own that leads the
+    point. build: Builder of the sample, with its scene; args: values of an entry: part (Body), at
+    (one of its Points), velocity (3,) m/s, spin (3,) rad/s, curve (index of what scales both with
+    time, or None), translations and rotations (axes driven, as "xz")."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
+    if len(args.translations + args.rotations) < 6:
+        _lead(build, args, particle, arm)
+        return
     distance = float(np.linalg.norm(arm.arm))
     if distance > POINT_TOL * build.size and np.any(args.spin):
         build.refuse("at", args.at.name, "the centre of a body, or a point on the bar's axis")
     build.scene.drive(particle, args.velocity, args.spin, _index(args.curve))
-    name = f"drive {args.name}" if args.name in build.scene.supports else args.name
-    build.scene.supports[name] = arm
+    build.scene.supports[_drive_name(build.scene, args.name)] = arm
+
+
+def _drive_name(scene, name: str) -> str:
+    return f"drive {name}" if name in {*scene.supports, *list_names(scene)} else name
+
+
+def _lead(build, args, particle: int, arm) -> None:
+    """Lead a point along some global axes, as one of a part that is free along and about others."""
+    scene, axes = build.scene, args.translations
+    if args.rotations:
+        build.refuse("rotations", args.rotations, "xyz with all `translations`, or none")
+    if not axes:
+        build.refuse("translations", "none", "one of x, y, z, or several, with `rotations: none`")
+    free = [axis for axis, v in zip("xyz", args.velocity, strict=True) if v and axis not in axes]
+    if free:
+        allowed = f"0 along {', '.join(free)}, or `translations` with it"
+        build.refuse("velocity", args.velocity.tolist(), allowed)
+    if np.any(args.spin):
+        build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
+    leader = int(scene.add_particles(args.at.position, 1.0, 1.0)[0])
+    scene.drive(leader, args.velocity, args.spin, _index(args.curve))
+    name = _drive_name(scene, args.name)
+    scene.add(Joint.held_point(scene, name, particle, args.at.position, axes, leader))
+    scene.supports[name] = arm
+    build.joints_of.setdefault(particle, []).append(args.name)
 
 
 @statement(

@@ -40,13 +40,17 @@ def _size(text: str, unit: str = "m") -> NumberKey:
     E=_size("Young's modulus", "Pa"),
     nu=NumberKey(0.3, "Poisson's ratio"),
     rho=_size("density", "kg/m3"),
-)
+    stiffness_damping=NumberKey(
+        0.0, "damping over stiffness (Rayleigh's beta): 2 zeta/omega damps what swings at omega by "
+        "the share zeta of critical", unit="s", least=0,
+    ),
+)  # fmt: skip
 def material(build, args):
     """A linear elastic material.
 
     Returns a Material. build: Builder of the sample; args: values of an entry: E (Young's modulus,
-    Pa), nu (Poisson's ratio), rho (kg/m³)."""
-    return Material(args.E, args.nu, args.rho)
+    Pa), nu (Poisson's ratio), rho (kg/m³), stiffness_damping (s)."""
+    return Material(args.E, args.nu, args.rho, args.stiffness_damping)
 
 
 def _tube(build, args):

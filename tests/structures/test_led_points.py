@@ -1,0 +1,81 @@
+"""Points that are led along some global axes, and free along and about others."""
+
+import numpy as np
+import pytest
+
+import fpm
+from fpm.structures import loads
+from fpm.structures.report import mass, mobility
+
+TEXT = """
+name: led
+materials: {wood: {E: 10 GPa, rho: 600 kg/m3}}
+sections: {square: {type: square, side: 20 mm}}
+points: {a: [0, 0, 0], b: [0.6 m, 0, 0.3 m], c: [0.6 m, 0.1 m, 0.5 m]}
+bars: {rod: {through: [a, b], section: square, material: wood, elements: 2}}
+bodies: {bob: {mass: 0.3, centre: c, points: [b], box: [0.1, 0.2, 0.05]}}
+joints: {wrist: {type: spherical, parts: [rod, bob], at: b}}
+curves: {ramp: {times: [0, 0.1, 0.2, 0.3], values: [0, 1, -1, 0.5]}}
+gravity: [0, 0, -9.81]
+record: {tip: {part: rod, at: b}, c: {part: bob, at: c}}
+"""
+PATH = "velocity: [1, -0.5, 0.3], curve: ramp"
+LEAD = f"drives: {{lead: {{part: rod, at: a, translations: zyx, rotations: none, {PATH}}}}}\n"
+CART = f"""
+drives: {{lead: {{part: cart, at: a, {PATH}}}}}
+bodies: {{bob: {{mass: 0.3, centre: c, points: [b], box: [0.1, 0.2, 0.05]}},
+  cart: {{mass: 7, centre: a, box: [0.1, 0.2, 0.3]}}}}
+joints: {{wrist: {{type: spherical, parts: [rod, bob], at: b}},
+  hook: {{type: spherical, parts: [rod, cart], at: a}}}}
+"""
+
+
+def run(text):
+    scene = loads(text).build()
+    record = [("reaction_force", f"lead {axis}") for axis in "xyz"]
+    (outcome,) = fpm.simulate(scene, duration=0.3, instants=31, record=record)
+    assert outcome.failure is None
+    return scene, outcome, np.array([outcome.columns[key] for key in record])
+
+
+@pytest.mark.slow
+def test_a_led_point_hangs_on_a_ball_joint_of_a_driven_cart():
+    """To rounding, and without the cart's mass; what leads the cart moves that as well."""
+    scene, led, force = run(TEXT + LEAD)
+    lines = [line for line in TEXT.splitlines() if not line.startswith(("bodies", "joints"))]
+    carried_scene, carried, cart_force = run("\n".join(lines) + CART)
+    for name in ("tip", "c"):
+        assert led.points[name][0] == pytest.approx(carried.points[name][0], abs=1e-11)
+    assert led.energies["load_work"] == pytest.approx(carried.energies["load_work"], abs=1e-9)
+    assert mass(carried_scene) == pytest.approx(mass(scene) + 7)
+    inertia = 7 * np.outer([1, -0.5, 0.3], [10.0, -20.0, 15.0])  # of the cart, in each stretch
+    weight = 7 * np.array([[0], [0], [9.81]])
+    extra = (cart_force - force)[:, [5, 15, 25]]
+    assert extra == pytest.approx(inertia + weight, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_along_free_axes_nothing_acts():
+    """Led along y alone, all the rest falls, and the energy balances."""
+    lead = LEAD.replace("zyx", "y").replace("[1, -0.5, 0.3]", "[0, -0.5, 0]")
+    scene, outcome, force = run(TEXT + lead)
+    assert mobility(scene).degrees == 6 + 3 - 1
+    assert (force[[0, 2]] == 0).all() and np.abs(force[1]).max() > 0.1
+    energies = dict(outcome.energies)
+    assert np.abs(energies.pop("balance")).max() < 1e-3 * energies["kinetic"].max()
+
+
+@pytest.mark.parametrize(
+    "keys, problem",
+    [
+        ("translations: x, velocity: [1, 0, 0]", "lead: `rotations`"),
+        ("rotations: yz, velocity: [1, 0, 0]", "drives.lead.rotations"),
+        ("translations: none, rotations: none", "drives.lead.translations"),
+        ("translations: x, rotations: none, velocity: [1, 0, 2]", "drives.lead.velocity"),
+        ("rotations: none, velocity: [1, 0, 2], spin: [0, 1, 0]", "drives.lead.spin"),
+        ("translations: xx, rotations: none", "drives.lead.translations"),
+    ],
+)
+def test_what_does_not_fit_is_refused(keys, problem):
+    with pytest.raises(fpm.SceneError, match=problem):
+        loads(TEXT + f"drives: {{lead: {{part: rod, at: a, {keys}}}}}\n").build()

@@ -126,6 +126,7 @@ class _RestSearch:
         self._conditions = conditions
         self._elastic, self._unstressed = elastic, elastic.unstressed
         self._can_fall, self._key = len(elastic.nodes) > 0, "assembly"
+        self._remedy = "`curvature` of the bar"
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._free = np.flatnonzero(~scene.fixed.ravel())
@@ -159,8 +160,7 @@ class _RestSearch:
             energy = self._elastic.energy(sides[0][1])
             requirement = (
                 f"a stable position; this one snaps to either of two with {energy:.4g} J, as "
-                "a straight bar pressed beyond its buckling load: `curvature` of the bar says to "
-                "which"
+                f"a straight bar pressed beyond its buckling load: {self._remedy} says to which"
             )
         energy = self._elastic.energy(state)
         raise MisfitError(self._key, f"{energy:.4g} J in an unstable position", requirement)

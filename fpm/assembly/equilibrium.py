@@ -57,6 +57,10 @@ RESOLUTION, ROUNDING, NEGATIVE = 1e-9, 1e-14, 1e-12
 """Share of the largest stiffness of elements that differences of their forces resolve, share of the
 largest force that may be left, and share of the largest eigenvalue below which one is negative."""
 
+FOLD = 0.7
+"""Bend of an element (sine) on the way beyond which it might come to lie the other way round, where
+its energy is none again."""
+
 EASE_SHARE, EASE_DECREASE, EASE_INCREASE = 1e-2, 1 / 30, 10.0
 """ε at first, as a share of the largest force; its factors after a position that was found, and
 after one that was not."""
@@ -213,6 +217,7 @@ class _EquilibriumSearch(_RestSearch):
         super().__init__(scene, start, conditions, self.potential, list(hold))
         mass = scale_matrix(masses(scene, start), self._scales, self._scales)
         self._can_fall, self._key, self._mass = True, "start", mass / mass.max()
+        self._remedy = "a stated position to its side, or `curvature` of the bar,"
 
     def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
         """Return the largest force or moment (N, N m) that is left at `poses` and that acts there,
@@ -265,13 +270,15 @@ class _EquilibriumSearch(_RestSearch):
                 continue
             poses, impulses, motion = trial
             self.potential.follow(poses)
+            if self.potential.bars.largest(poses)[0] > FOLD:
+                self._check_strains(poses)
             largest = np.abs(motion).max(initial=0.0)
             is_closed = self._gap(poses) <= GAP_TOL
             if np.abs(poses.position - start).max() > DISTANCE * self._size:
                 break
             if is_led or (largest <= STEP_TOL and is_closed and ease <= floor):
                 return poses, impulses, count
-            ease *= max(largest / AIM, EASE_DECREASE)
+            ease *= max(largest / AIM, EASE_DECREASE) if largest > SMALL else 0.0
         self._refuse_motion(motion)
 
     def _approach(self, poses, impulses, ease: float, rounding: float):

@@ -282,8 +282,11 @@ def test_a_margin_begins_where_a_pendant_hangs():
          " moves on along (0, 0, -1)'"),
         pytest.param(ARM + "actions: {m: {type: torque motor, joint: pin, torque: 10 N m}}",
                      "start: 'body arm turns on about (0, 1, 0)'", marks=pytest.mark.slow),
-        (ROD.replace("Q: [2 m, 0, 0]", "Q: [0, 0, 4 m]").replace("value: 16", "value: 4"),
+        (ARM.replace("c: [0.5 m, 0, 0]", "c: [0, 0, 0.5 m]")
+         + "actions: {k: {type: torsion spring, joint: pin, stiffness: 5 N m/rad}}",
          "snaps to either of two"),
+        pytest.param(ROD.replace("[2 m, 0, 0]", "[0, 0, 4 m]").replace("value: 16", "value: 4"),
+                     "none was found downhill", marks=pytest.mark.slow),
         (ROD.replace("4 mm", "0.2 mm").replace("value: 16", "value: 2"), "bent or twisted"),
         (ROD.replace("start: equilibrium", "start: rest"), "as stated, equilibrium"),
     ],

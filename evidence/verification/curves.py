@@ -18,7 +18,7 @@ joints: {{rail: {{type: prismatic, parts: [ground, ball], at: c, axis: x}}}}
 curves: {{lift: {{expression: 10*u**3 - 15*u**4 + 6*u**5, over: [0.2 s, 1.2 s]}}}}
 actions: {{drive: {{type: motor, joint: rail, travel: 0.3 m, curve: lift}}}}
 """
-PUSHED = f"""{BALL}
+HALF_SINE = f"""{BALL}
 curves: {{sway: {{expression: sin(pi*u), over: [0, 1 s]}}}}
 loads: {{push: {{part: ball, at: c, force: [3 N, 0, 0], curve: sway}}}}
 """
@@ -47,11 +47,11 @@ def slider(bench: Bench) -> None:
     figure.curve(outcome.time, force, "closed form", True)
 
 
-def pushed(bench: Bench) -> None:
+def check_half_sine(bench: Bench) -> None:
     """A free mass under half a sine: its path is that integrated twice."""
     errors = []
     for step in STEPS:
-        (outcome,) = bench.simulate(loads(PUSHED).build(), duration=1.6, instants=101, step=step)
+        (outcome,) = bench.simulate(loads(HALF_SINE).build(), duration=1.6, instants=101, step=step)
         t, rest = np.minimum(outcome.time, 1.0), np.maximum(outcome.time - 1.0, 0.0)
         speed = 1.5 / np.pi * (1 - np.cos(np.pi * t))
         exact = 1.5 / np.pi * (t - np.sin(np.pi * t) / np.pi) + rest * speed
@@ -70,4 +70,4 @@ def _balance(bench: Bench, outcome) -> None:
     bench.check_small("energy balance", float(error), 1e-12, "required", "energy")
 
 
-PROBLEMS = {"slider led by a smooth step": slider, "mass under half a sine": pushed}
+PROBLEMS = {"slider led by a smooth step": slider, "mass under half a sine": check_half_sine}

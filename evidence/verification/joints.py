@@ -119,7 +119,7 @@ def contact_bounce(bench: Bench) -> None:
         figure.curve(outcome.time, swing, name)
 
 
-LED = """
+SWING = """
 points: {pivot: [0, 0, 0], c: [(0.5 m)*sin(ANGLE), 0, (-0.5 m)*cos(ANGLE)]}
 bodies: {bob: {mass: 2, centre: c, points: [pivot], inertia: [0.3, 0.3, 0.3]}}
 curves: {path: {times: TIMES, values: VALUES}}
@@ -137,7 +137,7 @@ def led_pendulum(bench: Bench) -> None:
     down so fast that it stands upright (Kapitza), where a slower motion lets it fall."""
     source = "Lagrange's equations in the momentum of the angle, DOP853"
     ramps = np.linspace(0.0, 2.0, 5), np.array([0.0, 1.0, -0.5, 0.7, 0.0])
-    outcome = _check_led(bench, "to and fro", 0.6, (2.0, 0.0, 0.5), ramps, source)
+    outcome = _check_swing(bench, "to and fro", 0.6, (2.0, 0.0, 0.5), ramps, source)
     force = outcome.columns["reaction_force", "lead z"]
     power = np.interp(outcome.time, *ramps) * (
         2 * outcome.columns["reaction_force", "lead x"] + 0.5 * force
@@ -150,18 +150,18 @@ def led_pendulum(bench: Bench) -> None:
     for speed, stands in ((9.0, True), (1.0, False)):
         sway = times, np.sin(2 * np.pi * 40 * times)
         case = f"up and down with {speed:g} m/s"
-        outcome = _check_led(bench, case, np.pi - 0.1, (0.0, 0.0, speed), sway, source)
+        outcome = _check_swing(bench, case, np.pi - 0.1, (0.0, 0.0, speed), sway, source)
         pivot = speed * (1 - np.cos(2 * np.pi * 40 * outcome.time)) / (2 * np.pi * 40)
         height = (outcome.points["c"][0][:, 2] - pivot).min() / ARM
         bench.check(f"{case}, stands", float(height > 0.9), float(stands), 0.1,
                     "stands where (m d v)² / 2 > I m g d")  # fmt: skip
 
 
-def _check_led(bench: Bench, case: str, angle: float, velocity, curve, source: str):
+def _check_swing(bench: Bench, case: str, angle: float, velocity, curve, source: str):
     """Hold a led pendulum against Lagrange's equations, with steps that are halved."""
     words = {"ANGLE": f"{angle!r} rad", "TIMES": curve[0].tolist(), "VALUES": curve[1].tolist()}
     words["WAY"] = list(velocity)
-    text = LED
+    text = SWING
     for word, value in words.items():
         text = text.replace(word, str(value))
     scene, duration = loads(text).build(), float(curve[0][-1])
@@ -173,10 +173,10 @@ def _check_led(bench: Bench, case: str, angle: float, velocity, curve, source: s
     couple, weight = MASS * ARM, MASS * ARM * 9.81
 
     def slopes(time, y):
-        along, _, up = np.interp(time, *curve) * np.array(velocity)
+        speed_x, _, speed_z = np.interp(time, *curve) * np.array(velocity)
         sine, cosine = np.sin(y[0]), np.cos(y[0])
-        rate = (y[1] - couple * (along * cosine + up * sine)) / ABOUT_HINGE
-        return [rate, couple * rate * (up * cosine - along * sine) - weight * sine]
+        rate = (y[1] - couple * (speed_x * cosine + speed_z * sine)) / ABOUT_HINGE
+        return [rate, couple * rate * (speed_z * cosine - speed_x * sine) - weight * sine]
 
     times, longest = outcomes[0].time, float(np.diff(curve[0]).min())
     exact = solve_ivp(slopes, (0, duration), [angle, 0], "DOP853", times, rtol=1e-9, atol=1e-10,

@@ -237,7 +237,7 @@ def winding_of(part, c):
 
 
 @kernel
-def record_winding(openings, part, c):
+def record_drum(openings, part, c):
     """Raise part.peaks to the winding of cable c. openings: joint coordinates, None where the scene
     has no drums; part: arrays of all cables (Cables or RubbingCables)."""
     if openings is not None:
@@ -264,7 +264,7 @@ def record_cable(part, c, row):
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding_of(part, c)))
     for j in range(part.start[c], part.start[c + 1] - 1):
         record_stretch(part, j, row, tension)
-    record_winding(part.openings, part, c)
+    record_drum(part.openings, part, c)
 
 
 @hook(Cables)

@@ -27,8 +27,8 @@ from fpm.elements.cables.cable_kernels import (
     note_events,
     pull_points,
     record_cable,
-    record_stretch,
     record_drum,
+    record_stretch,
     turn_drum,
     work_of_winch,
 )

@@ -4,6 +4,7 @@
 Builder of every sample, which returns the value there or raises SceneError for numbers that are not
 allowed. A further type of value goes here."""
 
+import re
 from collections.abc import Callable, Container, Iterator
 from contextlib import suppress
 from copy import copy
@@ -82,6 +83,7 @@ class NumberKey(Key):
         return replace(self, unit=of_slide) if self.joint in joints else self
 
     def read(self, node, place):
+        _refuse_hertz(node, place, self.unit)
         bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
         return _check(bound, place, self.allowed, self._allows)
 
@@ -101,6 +103,12 @@ class WholeKey(Key):
         value = place.whole(node, self.allowed)
         number = _check(value, place, self.allowed, lambda x: x == round(x) and 1 <= x <= MOST)
         return lambda build: round(number(build))
+
+
+def _refuse_hertz(node: Any, place: Place, unit_text: str) -> None:
+    """Refuse a rate of an angle in Hz: units tell turns a second and radians a second not apart."""
+    if unit_text == "rad/s" and re.search(r"(?<![\w.])Hz\b", node.text or ""):
+        place.refuse(node, "a value in rad/s, deg/s or rpm (1 turn a second is 2*pi rad/s)")
 
 
 def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> BuildValue:
@@ -128,6 +136,8 @@ class VectorKey(Key):
 
     def read(self, node, place):
         dimension = unit(self.unit).dimension
+        for item in node.items or [node]:
+            _refuse_hertz(item, place, self.unit)
         if node.text:
             vector = place.number(node, dimension._replace(vector=True), self.allowed)
             return lambda build: build.number(vector, place.key)

@@ -182,7 +182,8 @@ class Curve:
         return np.minimum.accumulate(kinks[::-1])[::-1]
 
     def extremes(self, start: float = -np.inf) -> tuple[float, float]:
-        """Return the least and the largest value from a time `start` (s) on."""
+        """Return the least and the largest value from a time `start` (s) on; of a smooth curve 0
+        for what is 0 but for rounding."""
         values = [self.value(max(start, self.times[0])), *self.values[self.times > start]]
         ends = np.sort([self.values[:-1], self.values[1:]], axis=0)
         reach = np.abs(self.powers[:-1]).sum(axis=1)
@@ -193,7 +194,12 @@ class Curve:
             roots = np.clip(np.polynomial.polynomial.polyroots(slope).real, 0, 1)
             times = self.times[k] + roots * (self.times[k + 1] - self.times[k])
             values.extend(self.value(times[times > start]))
-        return float(min(values)), float(max(values))
+        least, largest = float(min(values)), float(max(values))
+        rounding = 10 * TOL * max(-least, largest) if self.powers.size else 0.0
+        return (
+            0.0 if abs(least) < rounding else least,
+            0.0 if abs(largest) < rounding else largest,
+        )
 
 
 CONSTANT = Curve.table(np.zeros(1), np.ones(1))

@@ -380,10 +380,15 @@ class Scene:
         """Add a curve of time through points; returns its index. times: of these (s), increasing;
         values: at them, in the unit of what refers to the curve, constant beyond both ends; smooth:
         whether it is a smooth cubic, not straight, between them. SceneError for times that do not
-        increase, or not as many values."""
+        increase, not as many values, or values whose differences overflow."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
             raise SceneError("times", times.tolist(), "increasing times, one for each value")
+        with np.errstate(over="ignore"):
+            slopes = np.diff(values) / (np.diff(times) if smooth else 1.0)
+        if not np.isfinite(slopes).all():
+            raise SceneError("values", float(np.abs(values).max()), "values that do not differ by "
+                             "more than numbers can")  # fmt: skip
         self.curves.append((Curve.smooth if smooth else Curve.table)(times, values))
         return len(self.curves) - 1
 

@@ -188,6 +188,7 @@ def test_margins_and_the_step_count_curves_at_their_extremes_between_points():
     parts = {part.name: part for part in components_of(scene)}
     weights = [e.acceleration[2] for e in parts["weight 0"].elements]
     assert weights == pytest.approx([0.0, -2 * 9.81], abs=1e-11)
+    assert Curve.fit(lambda u: min(1.0, max(0.0, 3 * u - 1)), 0.0, 1.0).extremes()[0] == 0.0
     peak = np.abs(swing(np.linspace(0, 1, 100001))).max()
     assert parts["a"].element.torque == pytest.approx(2 * peak, rel=1e-9)
     (motor,) = scene.kinds[type(parts["a"].element)]
@@ -209,6 +210,7 @@ def test_margins_and_the_step_count_curves_at_their_extremes_between_points():
         ("expression: u, over: [0, 1 s], smooth: true", "smooth: 'true' is not allowed"),
         ("times: [0, 1], values: [0, 1], smooth: yes", "smooth: 'yes' .* allowed: true, false"),
         ("times: [0, 1], values: [0, 1], over: [0, 1]", "over: 'times, values, over'"),
+        ("times: [0, 1], values: [1e308, -1e308], smooth: true", "values: .* do not differ by"),
     ],
 )
 def test_what_is_refused_of_a_curve(curve, words):

@@ -75,7 +75,7 @@ class StructureDraft:
     # -- what acts ----------------------------------------------------------------------------
 
     def curve(self, ends_at_0: bool = False) -> str:
-        """A curve that begins at 0, there or a little later."""
+        """A curve that begins at 0, there or a little later; a smooth one through three points."""
         start = self.rng.choice([0.0, 0.0, self.number(0.02, 0.1)])
         count = self.rng.choice([2, 3, 4])
         times = [start]
@@ -86,7 +86,8 @@ class StructureDraft:
             times.append(times[-1] + 0.1)
             values.append(0.0)
         name = self.name("curves", "f")
-        return self.add("curves", name, times=times, values=values)
+        smooth = {"smooth": "true"} if count == 3 else {}
+        return self.add("curves", name, times=times, values=values, **smooth)
 
     def act(self, joint: str, opening: float, turns: bool) -> None:
         """Up to three different things on an opening."""

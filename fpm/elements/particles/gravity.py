@@ -67,10 +67,8 @@ class Gravity(ElementType):
 
     @classmethod
     def pack(cls, batch):
-        acceleration, account = (
-            batch.stack(1, 3, lambda s: s.gravity[None]),
-            batch.work_account(cls),
-        )
+        acceleration = batch.stack(1, 3, lambda s: s.gravity[None])
+        account = batch.work_account(cls)
         if (curve := cls.curve_of(batch.scene)) >= 0:
             from fpm.elements.particles.varying_gravity_kernels import VaryingWeight
 

@@ -114,16 +114,16 @@ def slopes(_, state: np.ndarray) -> np.ndarray:
     f[5] = -m6 * u * (zf - fa) * ept**2 * np.cos(om)
     f[6] = m6 * u * (zf - fa) * omt * (omt + 2 * ept) * np.cos(om)
 
-    # E by four ways, as lengths at angles: that by the crank less each of the others is 0.
-    ways = (
+    # E by four chains, as lengths at angles: that by the crank less each of the others is 0.
+    chains = (
         ((rr, be, bet, (0,)), (-d, be + th, bet + tht, (0, 1))),
         ((ss, ga - np.pi / 2, gat, (2,)),),
         ((e, ph + de - np.pi / 2, pht + det, (3, 4)), (zt, de, det, (4,))),
         ((zf, om + ep, omt + ept, (5, 6)), (u, ep - np.pi / 2, ept, (6,))),
     )
     jacobians, accelerations = np.zeros((4, 2, 7)), np.zeros((4, 2))
-    for k, way in enumerate(ways):
-        for size, angle, rate, columns in way:
+    for k, chain in enumerate(chains):
+        for size, angle, rate, columns in chain:
             arm = size * np.array([np.cos(angle), np.sin(angle)])
             jacobians[k][:, columns] += np.array([-arm[1], arm[0]])[:, None]
             accelerations[k] -= rate**2 * arm

@@ -257,6 +257,16 @@ def test_what_is_no_rod_tube_or_plate_is_refused(words, reason):
     refused(SHAPE, "BODY", words, reason)
 
 
+def test_a_line_that_is_turned_about_itself_is_told_and_no_other():
+    hinge = ("ball: {type: spherical, parts: [ground, body], at: A}",
+             "pin: {type: revolute, parts: [ground, body], at: A, axis: AXIS}}\n"
+             "actions: {m: {type: torque motor, joint: pin, torque: 1}")  # fmt: skip
+    text = changed(SHAPE, hinge).replace("BODY", "type: rod, from: A, to: B, mass: 1 WIDTH")
+    for axis, width, doubts in (("A - B", "", 1), ("A - B", ", diameter: 1 cm", 0), ("y", "", 0)):
+        scene = loads(text.replace("AXIS", axis).replace("WIDTH", width)).build()
+        assert sum("has no width" in text for text in warnings(scene)) == doubts
+
+
 def test_a_mass_in_g_is_told_of_any_shape():
     for words in ("type: rod, from: A, to: B, mass: 2000, diameter: 1 cm",
                   "type: plate, corners: [A, C, D], mass: 2000, thickness: 1 mm"):  # fmt: skip

@@ -68,8 +68,9 @@ repeat:
     index: i
     let: {step: "i*(0.5 m)*x"}
     points:
+      O: [0, 0, 0]
       A: P + step
-      B: A + (1 m)*y
+      B: A + (1 m)*y - O
     bodies:
       rod: {type: rod, from: A, to: B, mass: 1}
     joints:
@@ -117,6 +118,8 @@ VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
     ("[L, 0, 0], -y, stow", "[L, 0], -y, stow", "[...] of 2; allowed: a vector [x, y, z]"),
     ("span: Q - P", "span: (0 m)*x", "the direction of a vector of length 0"),
     ("k: w.x + norm(w)", "S: 2*w\n  k: 1 m", "let.S: a vector called S; allowed: a name that no p"),
+    ("k: w.x + norm(w)", "A: 2*w\n  k: 1 m", "let.A: a vector called A; allowed: a name that no p"),
+    ("let: {step:", "let: {z: n, step:", "repeat.bay.let.z: a vector called z"),
     ("k: w.x + norm(w)", "z: 2*w\n  k: 1 m", "let.z: a vector called z"),
     ("axis: n", "axis: up", "axis: 'up' is not allowed; allowed: x, y, z"),
     ("axis: n", "axis: L", "'L' is m; allowed: x, y, z"),

@@ -114,7 +114,7 @@ def slopes(_, state: np.ndarray) -> np.ndarray:
     f[5] = -m6 * u * (zf - fa) * ept**2 * np.cos(om)
     f[6] = m6 * u * (zf - fa) * omt * (omt + 2 * ept) * np.cos(om)
 
-    # E by four ways, as lengths at angles: that by the crank less each of the others is 0.
+    # E by four chains, as lengths at angles: that by the crank less each of the others is 0.
     chains = (
         ((rr, be, bet, (0,)), (-d, be + th, bet + tht, (0, 1))),
         ((ss, ga - np.pi / 2, gat, (2,)),),

@@ -236,11 +236,12 @@ class Names:
             self.problems.say(number.line, f"{number.key}: {text} is {actual}; allowed: {target}")
             number.bound = None
         number.dimension = target or actual
-        if actual.vector and (name in UNIT_VECTORS or name in self.groups.get("points", ())):
-            allowed = "a name that no point has, and not x, y or z"
-            self.problems.say(
-                number.line, f"{number.key}: a vector called {name}; allowed: {allowed}"
-            )
+        tail = name.rpartition(".")[2]
+        points = (point.rpartition(".")[2] for point in self.groups.get("points", ()))
+        is_own = target is None and actual.vector and " " not in name  # stated under `let`
+        if is_own and tail in (*UNIT_VECTORS, *points):
+            text = f"a vector called {tail}; allowed: a name that no point has, and not x, y or z"
+            self.problems.say(number.line, f"{number.key}: {text}")
 
     def is_whole(self, bound: Bound) -> bool:
         """Return whether all names in the expression `bound` stand for whole numbers."""

@@ -65,7 +65,7 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     no support, latches that cannot catch, releases that hold; at most 6, and one on how many more
     there are; [] if all is usual. duration: of the run (s), to tell what comes after its end; None:
     unknown."""
-    checks = _sizes, _boxes, _support, _start, _loose, _rigid, _stuck
+    checks = _sizes, _boxes, _thin, _support, _start, _loose, _rigid, _stuck
     sentences = scene.doubts + [sentence for check in checks for sentence in check(scene)]
     moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [
@@ -140,6 +140,36 @@ def _boxes(scene: Scene) -> Iterator[str]:
             yield f"{text}, where all points lie within {size:.4g} m: is it in these units?"
 
 
+def _thin(scene: Scene) -> Iterator[str]:
+    """Bodies without width that something on a joint turns about themselves."""
+    for number in sorted(_active_hinges(scene)):
+        hinge = scene.hinges[number]
+        axis, point = _line(scene, hinge)
+        for name, particle in scene.bodies.items() if not hinge.slides else ():
+            distance = np.linalg.norm(np.cross(axis, scene.position[particle] - point))
+            shares = (axis @ scene.frame[particle]) ** 2
+            inertia = shares @ scene.inertia[particle] + scene.mass[particle] * distance**2
+            is_its = particle in [beam.particle for beam in hinge.beams]
+            if is_its and inertia < 1e-5 * scene.inertia[particle].max():
+                yield (
+                    f"body {name} has no width, and what acts on joint {hinge.name} turns it about "
+                    "its own axis: give it a `diameter`, or an inertia about that"
+                )
+
+
+def _line(scene: Scene, hinge: Hinge) -> tuple[np.ndarray, np.ndarray]:
+    """Axis (3,) of a hinge at the start, in global axes, and a point (3,), m, on it."""
+    first = hinge.beams[0]
+    frame = scene.frame[first.particle]
+    return frame @ hinge.axes[0], scene.position[first.particle] + frame @ first.arm
+
+
+def _active_hinges(scene: Scene) -> set[int]:
+    """Indices of the hinges on whose openings something acts."""
+    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
+    return {hinge for kind in kinds for element in kind.find(scene) for hinge in element.acts_on()}
+
+
 def extent(scene: Scene) -> float:
     """Return the largest extent (m) along a global axis of a scene's particles, hinges, slides and
     named points; 0 without a hinge and a named point. Other joints do not count."""
@@ -153,11 +183,8 @@ def _loose(scene: Scene) -> Iterator[str]:
     """Parts at the end of a joint on which nothing acts, where nothing else moves them."""
     if _is_moved(scene):
         return
-    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    active_hinges = {
-        hinge for kind in kinds for element in kind.find(scene) for hinge in element.acts_on()
-    }
-    active_joints = {scene.hinges[hinge].joint for hinge in active_hinges | scene.bearings.keys()}
+    hinges = _active_hinges(scene) | scene.bearings.keys()
+    active_joints = {scene.hinges[hinge].joint for hinge in hinges}
     rows, names = report.jacobian(scene)
     for part in range(rows.shape[1] // 6):
         is_its = rows[:, 6 * part : 6 * part + 6].any(axis=1)
@@ -410,9 +437,7 @@ def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
 def _acceleration(scene: Scene, hinge: Hinge, moment: float) -> float:
     """Largest acceleration (rad/s2, m/s2) of a hinge's opening at the start by a moment (N m; N)
     between its parts and their weight."""
-    numbers, first = report.bodies(scene), hinge.beams[0]
-    axis = scene.frame[first.particle] @ hinge.axes[0]
-    point = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
+    numbers, (axis, point) = report.bodies(scene), _line(scene, hinge)
     gravity, result = float(np.linalg.norm(scene.gravity)), 0.0
     for beam in hinge.beams:
         body = numbers == numbers[beam.particle]

@@ -23,7 +23,8 @@ NASTY = (
     "__import__('os')", "().__class__", "9**9**9**9", "1/0", "L/0", "sqrt(-1)", "x" * 3000, "1;2",
     "\u0000", "\ufeff", "\u2028", "é", "½", "1_000", "0x10", "2 mm", "90 deg", "5 N m/rad", "1 /s",
     "next.bar", "previous.A", "bay.last.rising", "bay0.rising", "ground", "[ground, ground]", "pi",
-    "A.x", "A.w", "A", "y", "-y", "xyz", "none", "revolute", "latch", "1000000000", "10**18",
+    "A - B", "cross(x, y)", "[L, 0, 0]", "unit(A - A)", "A*B", "rod", "A.x", "A.w", "A", "y",
+    "-y", "xyz", "none", "revolute", "latch", "1000000000", "10**18",
 )  # fmt: skip
 
 

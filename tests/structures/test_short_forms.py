@@ -68,8 +68,9 @@ repeat:
     index: i
     let: {step: "i*(0.5 m)*x"}
     points:
+      O: [0, 0, 0]
       A: P + step
-      B: A + (1 m)*y
+      B: A + (1 m)*y - O
     bodies:
       rod: {type: rod, from: A, to: B, mass: 1}
     joints:
@@ -117,6 +118,8 @@ VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
     ("[L, 0, 0], -y, stow", "[L, 0], -y, stow", "[...] of 2; allowed: a vector [x, y, z]"),
     ("span: Q - P", "span: (0 m)*x", "the direction of a vector of length 0"),
     ("k: w.x + norm(w)", "S: 2*w\n  k: 1 m", "let.S: a vector called S; allowed: a name that no p"),
+    ("k: w.x + norm(w)", "A: 2*w\n  k: 1 m", "let.A: a vector called A; allowed: a name that no p"),
+    ("let: {step:", "let: {z: n, step:", "repeat.bay.let.z: a vector called z"),
     ("k: w.x + norm(w)", "z: 2*w\n  k: 1 m", "let.z: a vector called z"),
     ("axis: n", "axis: up", "axis: 'up' is not allowed; allowed: x, y, z"),
     ("axis: n", "axis: L", "'L' is m; allowed: x, y, z"),
@@ -255,6 +258,16 @@ SHAPE_REFUSALS = (
 @pytest.mark.parametrize(("words", "reason"), SHAPE_REFUSALS)
 def test_what_is_no_rod_tube_or_plate_is_refused(words, reason):
     refused(SHAPE, "BODY", words, reason)
+
+
+def test_a_line_that_is_turned_about_itself_is_told_and_no_other():
+    hinge = ("ball: {type: spherical, parts: [ground, body], at: A}",
+             "pin: {type: revolute, parts: [ground, body], at: A, axis: AXIS}}\n"
+             "actions: {m: {type: torque motor, joint: pin, torque: 1}")  # fmt: skip
+    text = changed(SHAPE, hinge).replace("BODY", "type: rod, from: A, to: B, mass: 1 WIDTH")
+    for axis, width, doubts in (("A - B", "", 1), ("A - B", ", diameter: 1 cm", 0), ("y", "", 0)):
+        scene = loads(text.replace("AXIS", axis).replace("WIDTH", width)).build()
+        assert sum("has no width" in text for text in warnings(scene)) == doubts
 
 
 def test_a_mass_in_g_is_told_of_any_shape():

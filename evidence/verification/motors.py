@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 import fpm
-from evidence.verification.bench import Bench
+from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.joints import AXIS
 from evidence.verification.rotation import crossings
 from fpm.elements import Motor, Release, SyncLoop, TorqueMotor
@@ -124,4 +124,32 @@ def motors(bench: Bench) -> None:
         figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")
 
 
-PROBLEMS = {"synchronised panels": open_z_fold, "motors and releases": motors}
+def backlash(bench: Bench) -> None:
+    """A body within the backlash of a drive train at rest: to and fro, as between springs."""
+    width, rate = 0.1, 2.0
+    scene = fpm.Scene("backlash")
+    ground, body = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, INERTIA))
+    scene.spin[body] = (0.0, 0.0, rate)
+    scene.fix(ground)
+    hinge = scene.add_hinge("A", (ground, body), (0, 0, 0), Z)
+    scene.add(Motor(hinge, STIFF, 0.0, 0.0, 0.0, -1, backlash=width))
+    fast = np.sqrt(STIFF / INERTIA)
+    half = width / rate + np.pi / fast
+    errors = []
+    for steps in (512, 1024, 2048):
+        (outcome,) = bench.simulate(scene, duration=8 * half, instants=65, step=8 * half / steps)
+        time = (outcome.time + width / (2 * rate)) % half  # since it left the teeth
+        sign = (-1.0) ** np.floor((outcome.time + width / (2 * rate)) / half)
+        pressed = width / 2 + rate / fast * np.sin(fast * (time - width / rate))
+        exact = sign * np.where(time < width / rate, rate * time - width / 2, pressed)
+        errors.append(np.abs(outcome.openings["A"] - exact).max())
+    source = "ω t between the teeth, sines on them"
+    bench.check_small("opening, 2048 steps", errors[-1] / width, 1e-3, source, "the backlash")
+    bench.check_at_least("order", observed_orders(errors).min(), 1.9, source)
+
+
+PROBLEMS = {
+    "synchronised panels": open_z_fold,
+    "motors and releases": motors,
+    "drive train with backlash": backlash,
+}

@@ -168,7 +168,7 @@ def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
         if unit.startswith("rad"):
             value, unit = np.degrees(value), unit.replace("rad", "deg")
         name = ON_SLIDES.get(name, name) if slides else name
-        yield f"{name.replace('_', ' ')} {value:.4g} {unit}"
+        yield f"{name.replace('_', ' ')} {value:.4g} {unit}".rstrip()
 
 
 def _describe_misfit(scene: Scene) -> str:

@@ -192,6 +192,10 @@ DEFAULTS = {
     "supports": {"translations": "xyz", "rotations": "xyz"},
     "joints revolute": {"opening": 0.0, "held": ""},
     "joints prismatic": {"opening": 0.0},
+    "joints cylindrical": {"opening_turn": 0.0, "opening_slide": 0.0},
+    "joints planar": {"opening_turn": 0.0, "opening_x": 0.0, "opening_y": 0.0},
+    "joints pin in slot": {"opening_turn": 0.0, "opening_slide": 0.0},
+    "joints screw": {"opening": 0.0},
     "joints pin with play": {
         "restitution": 1.0,
         "friction": 0.0,

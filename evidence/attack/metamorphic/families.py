@@ -11,7 +11,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from evidence.attack.metamorphic.image import Image, entries, scale
-from evidence.attack.metamorphic.openings import OPENINGS, openings_of, shift_zeros, swap_parts
+from evidence.attack.metamorphic.openings import (
+    OPENINGS,
+    ends_of,
+    openings_of,
+    shift_zeros,
+    swap_parts,
+)
 from evidence.attack.metamorphic.parts import reversed_cables, split, with_inert
 from evidence.attack.metamorphic.space import mirror, rotate
 from evidence.attack.metamorphic.structure_text import Structure, map_numbers
@@ -39,8 +45,7 @@ def rename_all(structure: Structure, rng: random.Random) -> Image:
     names |= {
         name + end: names[name] + end
         for name, joint in entries(structure, "joints").items()
-        if joint["type"] == "universal"
-        for end in ("_axis", "_other")
+        for end in ends_of(joint)
     }
 
     def rename(value: Any) -> Any:

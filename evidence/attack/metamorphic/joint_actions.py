@@ -92,7 +92,8 @@ class StructureDraft:
     def act(self, joint: str, opening: float, turns: bool) -> None:
         """Up to three different things on an opening."""
         kinds = HINGE_ACTIONS if turns else SLIDE_ACTIONS
-        if "_" in joint or opening <= 0.0:
+        joint_type = self.structure["joints"].get(joint, {}).get("type")
+        if joint_type != "revolute" or opening <= 0.0:
             kinds = [kind for kind in kinds if kind != "contact"]
         for kind in self.rng.sample(kinds, self.rng.choice([0, 1, 1, 2, 3])):
             entry = getattr(self, "_" + kind.replace(" ", "_"))(joint, opening)

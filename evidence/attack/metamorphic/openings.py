@@ -11,9 +11,12 @@ import numpy as np
 
 from evidence.attack.metamorphic.image import Image, entries
 from evidence.attack.metamorphic.structure_text import Structure
-from fpm.structures.statement import ON_SLIDES, SLIDE
+from fpm.elements.joints.joint_types import SUFFIXES, TYPES
+from fpm.structures.statement import ON_SLIDES
 
-OPENINGS = {"revolute", "universal", SLIDE}
+OPENINGS = {name for name, type in TYPES.items() if type.openings}
+FIRST_FIXED = {"planar", "pin in slot"}
+"""Types of joints in which parts cannot change places."""
 
 
 def draw_joints(structure: Structure, types: set[str], rng: random.Random) -> list[str]:
@@ -33,40 +36,42 @@ def shift_zeros(structure: Structure, rng: random.Random) -> Image | None:
         ):
             continue
         sign = rng.choice([1.0, -1.0])
-        for key in ("axis", "other"):
+        for key in ("axis", "other", "x"):
             if key in joint:
                 joint[key] = (sign * np.array(joint[key])).tolist()
-        for end in ends:
-            maps[name + end] = sign, rng.uniform(-2.0, 2.0)
+        for end in ends:  # y is normal to both
+            maps[name + end] = 1.0 if end == "_y" else sign, rng.uniform(-2.0, 2.0)
         values = [
             s * x + c
             for x, (s, c) in zip(openings_of(joint), (maps[name + e] for e in ends), strict=True)
         ]
         _set_openings(joint, values)
-    _turn_actions(clone, maps)
+    turn_actions(clone, maps)
     return Image(clone, opening_maps=maps) if maps else None
 
 
 def ends_of(joint: dict) -> list[str]:
-    return ["_axis", "_other"] if joint["type"] == "universal" else [""]
+    return SUFFIXES.get(joint["type"], [""])
 
 
 def openings_of(joint: dict) -> list[float]:
-    return joint["openings"] if joint["type"] == "universal" else [joint["opening"]]
+    if joint["type"] == "universal":
+        return joint["openings"]
+    return [joint[f"opening{end}"] for end in ends_of(joint)]
 
 
 def _set_openings(joint: dict, values: list[float]) -> None:
     if joint["type"] == "universal":
         joint["openings"] = values
     else:
-        (joint["opening"],) = values
+        joint |= {f"opening{e}": x for e, x in zip(ends_of(joint), values, strict=True)}
 
 
 def swap_parts(structure: Structure, rng: random.Random) -> Image | None:
     """Parts of joints stated the other way round: with the axis turned round, the opening grows as
     before; else the other way."""
     clone, maps, names = copy.deepcopy(structure), {}, {}
-    for name in draw_joints(structure, {*OPENINGS, "spherical", "fixed"}, rng):
+    for name in draw_joints(structure, {*OPENINGS, "spherical", "fixed"} - FIRST_FIXED, rng):
         joint = clone["joints"][name]
         joint["parts"].reverse()
         if joint["type"] == "universal":
@@ -81,9 +86,9 @@ def swap_parts(structure: Structure, rng: random.Random) -> Image | None:
             if has_contact or rng.random() < 0.5:
                 joint["axis"] = [-x for x in joint["axis"]]
             else:
-                maps[name] = -1.0, 0.0
-                joint["opening"] *= -1.0
-    _turn_actions(clone, maps)
+                maps |= {name + end: (-1.0, 0.0) for end in ends_of(joint)}
+                _set_openings(joint, [-x for x in openings_of(joint)])
+    turn_actions(clone, maps)
     for action in entries(clone, "actions").values():
         for key in action.keys() & {"joint", "watch"}:
             action[key] = names.get(action[key], action[key])
@@ -101,7 +106,7 @@ ODD = {"preload", "moments", "turn", "rate", "torque"}
 HINGE_TYPES = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "torque"}
 
 
-def _turn_actions(structure: Structure, maps: dict[str, tuple[float, float]]) -> None:
+def turn_actions(structure: Structure, maps: dict[str, tuple[float, float]]) -> None:
     """Restate what acts on openings that are counted otherwise."""
     for cable in entries(structure, "cables").values():
         if "drum" in cable:

@@ -11,8 +11,8 @@ import numpy as np
 from evidence.attack.metamorphic.image import Image, entries
 from evidence.attack.metamorphic.openings import OPENINGS, draw_joints, ends_of
 from evidence.attack.metamorphic.random_structures import GROUND
-from evidence.attack.metamorphic.structure_text import Structure
-from fpm.structures.statement import ON_SLIDES, SLIDE
+from evidence.attack.metamorphic.structure_text import Structure, is_slide
+from fpm.structures.statement import ON_SLIDES
 
 
 def split(structure: Structure, rng: random.Random) -> Image | None:
@@ -98,7 +98,7 @@ def with_inert(structure: Structure, rng: random.Random) -> Image:
     actions = clone.setdefault("actions", {})
     joint_names = draw_joints(clone, OPENINGS, rng)
     for k, joint in enumerate(n + end for n in joint_names for end in ends_of(clone["joints"][n])):
-        slides = clone["joints"].get(joint, {}).get("type") == SLIDE
+        slides = is_slide(clone, joint)
         present = {action["type"] for action in actions.values() if action.get("joint") == joint}
         for kind in rng.sample([kind for kind in INERT if kind.split(",")[0] not in present], 2):
             entry = INERT[kind]

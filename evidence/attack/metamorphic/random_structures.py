@@ -13,13 +13,14 @@ import numpy as np
 
 from evidence.attack.metamorphic.joint_actions import StructureDraft
 from evidence.attack.metamorphic.structure_text import Structure
+from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 
 DURATION = 0.4
 """Time (s) in which a drawn structure is to show what it does."""
 
 GROUND = "ground"
-TURNS = {"revolute": [""], "universal": ["_axis", "_other"]}
-"""Endings of the names of the openings that are angles, by the type of their joint."""
+FLAT_SLIDERS, SLIDERS = ("planar", "pin in slot"), ("cylindrical", "screw")
+"""Joints whose second part slides and turns: in a plane, and in space."""
 
 
 class Draw(StructureDraft):
@@ -122,6 +123,8 @@ class Draw(StructureDraft):
         if self.chance(0.5):
             parts.reverse()
         axis = self.axis()
+        if type == "prismatic":
+            type = self.rng.choice(["prismatic", *FLAT_SLIDERS, *([] if self.flat else SLIDERS)])
         if type == "revolute":
             self.add("joints", name, type=type, parts=parts, at=point, axis=axis, opening=opening)
             self.openings[name] = opening
@@ -133,10 +136,24 @@ class Draw(StructureDraft):
             openings = [opening, self.number(-0.5, 0.5)]
             self.add("joints", name, type=type, parts=parts, at=point, axis=axis,
                      other=self.normal_to(axis), openings=openings)  # fmt: skip
-            ends = TURNS["universal"]
+            ends = SUFFIXES["universal"]
             self.openings |= {name + end: value for end, value in zip(ends, openings, strict=True)}
+        elif type in (*FLAT_SLIDERS, *SLIDERS):
+            self.slider(name, parts, point, axis, type)
         else:
             self.add("joints", name, type=type, parts=parts, at=point)
+
+    def slider(self, name: str, parts: list[str], point: str, axis: list[float], type: str) -> None:
+        """A joint whose second part slides and turns."""
+        values = {}
+        for suffix, direction in TYPES[type].openings:
+            values[f"opening{suffix}"] = opening = self.number(-0.5, 0.5)
+            (self.slides if direction else self.openings)[name + suffix] = opening
+        if type in FLAT_SLIDERS:
+            values["x"] = self.normal_to(axis)
+        if type == "screw":
+            values["pitch"] = self.sign() * self.number(0.2, 2.0)
+        self.add("joints", name, type=type, parts=parts, at=point, axis=axis, **values)
 
     def close(self) -> None:
         """Tie the last part's end to an earlier part, or to the ground, by a ball."""

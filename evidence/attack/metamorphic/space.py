@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from evidence.attack.metamorphic.image import Image, entries
+from evidence.attack.metamorphic.openings import turn_actions
 from evidence.attack.metamorphic.structure_text import Structure
 from fpm.structures.statement import SLIDE
 from fpm.structures.statements import GROUPS
@@ -33,9 +34,17 @@ def rotate(structure: Structure, rng: random.Random) -> Image | None:
 
 def mirror(structure: Structure, rng: random.Random) -> Image:
     """Its mirror image in a plane normal to a global axis."""
-    matrix = np.eye(3)
+    matrix, maps = np.eye(3), {}
     matrix[(k := rng.randrange(3), k)] = -1.0
-    return Image(_in_space(structure, matrix, np.zeros(3)), matrix)
+    clone = _in_space(structure, matrix, np.zeros(3))
+    for name, joint in entries(clone, "joints").items():
+        if joint["type"] == "cylindrical":  # whose axis is that of its turn
+            maps[f"{name}_slide"] = -1.0, 0.0
+            joint["opening_slide"] *= -1.0
+        elif joint["type"] == "screw":
+            joint["pitch"] *= -1.0
+    turn_actions(clone, maps)
+    return Image(clone, matrix, opening_maps=maps)
 
 
 def _in_space(structure: Structure, matrix: np.ndarray, shift: np.ndarray) -> Structure:

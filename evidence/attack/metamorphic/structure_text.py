@@ -10,9 +10,9 @@ from typing import Any
 
 import yaml
 
+from fpm.elements.joints.joint_types import TYPES
 from fpm.structures.keys import Key, ListKey, NumberKey, OpeningKey, VectorKey
 from fpm.structures.model import overall
-from fpm.structures.statement import SLIDE
 from fpm.structures.statements import GROUPS
 
 Structure = dict[str, Any]
@@ -23,13 +23,21 @@ Change = Callable[[float, str], Any]
 def keys_of(structure: Structure, group: str, entry: dict) -> dict[str, Key]:
     """The keys that an entry of a group may have, on a slide those of slides."""
     statement = GROUPS[group][entry.get("type", "")]
-    joints = structure.get("joints", {})
     slides = [
         key
         for key, kind in statement.keys.items()
-        if isinstance(kind, OpeningKey) and joints.get(entry.get(key), {}).get("type") == SLIDE
+        if isinstance(kind, OpeningKey) and is_slide(structure, entry.get(key, ""))
     ]
     return {name: kind for name, (_, kind) in statement.for_slides(slides).items()}
+
+
+def is_slide(structure: Structure, name: str) -> bool:
+    """Whether an opening is a length."""
+    return any(
+        name == joint + opening.suffix and bool(opening.direction)
+        for joint, entry in structure.get("joints", {}).items()
+        for opening in TYPES[entry["type"]].openings
+    )
 
 
 def map_numbers(structure: Structure, change: Change) -> Structure:

@@ -72,7 +72,6 @@ class Motor(AnyMotor):
         "rad",
         0.0,
         default=None,
-        is_shown=False,
         text="of its drive train: all its play, within which no moment acts; left out: none",
     )
 

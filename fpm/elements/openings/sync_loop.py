@@ -50,7 +50,6 @@ class SyncLoop(ConnectorElement):
         "m",
         0.0,
         default=None,
-        is_shown=False,
         text="at the rims, as between teeth: all its play; without `preload`; left out: none",
     )
 

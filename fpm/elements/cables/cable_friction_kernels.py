@@ -27,8 +27,8 @@ from fpm.elements.cables.cable_kernels import (
     note_events,
     pull_points,
     record_cable,
+    record_drum,
     record_stretch,
-    record_winding,
     turn_drum,
     work_of_winch,
 )
@@ -256,7 +256,7 @@ def record(part, world, row):
         store(part.track, row * count + c, 1, length)
         for j in range(part.start[c], part.start[c + 1] - 1):
             record_stretch(part, j, row, load(part.slip, j, TENSION))
-        record_winding(part.openings, part, c)
+        record_drum(part.openings, part, c)
 
 
 @hook(RubbingCables, "note_events")

@@ -247,9 +247,9 @@ def stick(bench: Bench) -> None:
             events, changes = sorted(_slip_events(outcome)), sorted(_slip_changes(motion, points))
             delays = [abs(a[2] - b[2]) for a, b in zip(events, changes, strict=False)]
             is_same = [row[:2] for row in events] == [row[:2] for row in changes]
-            delay = max(delays) / step if is_same else np.inf
+            error = max(delays) / step if is_same else np.inf
             label = f"{name}: {len(changes)} times it slips or sticks, error over the step"
-            bench.check(label, delay, 0.0, 2.0, source, 1.0, "absolute")
+            bench.check(label, error, 0.0, 2.0, source, 1.0, "absolute")
             slack = [phase.start for phase in motion[1:] if phase.slips is None]
             times = outcome.times("slackens", ["cable rope"])
             delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf

@@ -123,7 +123,7 @@ def test_free_parts_keep_their_momentum_while_one_winds():
 @pytest.mark.slow
 def test_what_is_too_much_for_a_cable_on_a_drum_is_named():
     (outcome,) = fpm.simulate(hoist(3.0, least=1.9), duration=0.3, instants=31)
-    assert outcome.failure.cause == "winding"
+    assert outcome.failure.cause == "drum"
     assert "shortest" in str(outcome.failure) and "cable rope" in str(outcome.failure)
 
 

@@ -48,7 +48,7 @@ def _describe_crowding(values: dict[str, float]) -> tuple[str, str]:
 
 def _describe_drum(values: dict[str, float]) -> tuple[str, str]:
     return (
-        f"a drum winds a cable down to {1 / values['winding']:.3g} of its `shortest`",
+        f"a drum winds a cable down to {1 / values['drum']:.3g} of its `shortest`",
         "state a shorter `shortest`, for which the step is taken, or a stop on the drum's joint",
     )
 
@@ -90,7 +90,7 @@ class Cable(ElementType):
     events = ("tightens", "slackens")
     watches = (
         Watch("crowding", 1.0, True, _describe_crowding),
-        Watch("winding", 1.0, True, _describe_drum),
+        Watch("drum", 1.0, True, _describe_drum),
     )
 
     @staticmethod
@@ -302,11 +302,11 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
         count = len(cable.beams) - 1
         stretches = slice(first, first + count)
         rest = lengths[:, stretches] / (1 + pulls[:, stretches] / cable.stiffness)
-        unstrained = np.cumsum(rest[:, ::-1], axis=1)[:, ::-1]  # unstrained, from each stretch on
+        remainder = np.cumsum(rest[:, ::-1], axis=1)[:, ::-1]  # unstrained, from each stretch on
         for i in range(count if count > 1 else 0):
             columns["stretch_tension"][f"{cable.name} {i + 1}"] = pulls[:, first + i]
             if i > 0:
-                columns["cable_slip"][f"{cable.name} {i + 1}"] = unstrained[:, i] - unstrained[0, i]
+                columns["cable_slip"][f"{cable.name} {i + 1}"] = remainder[:, i] - remainder[0, i]
     texts = {
         "stretch_tension": ("N", "tension of the stretches of cables", "stretch"),
         "cable_slip": ("m", "length of cable that ran over its points", "cable_point"),

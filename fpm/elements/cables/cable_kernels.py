@@ -51,8 +51,8 @@ class Cables(NamedTuple):
     lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6, lanes):
     elongation, unstrained length (m), winch force (N), each now and a step ago; account: index of
     the winches' work in World.accounts;
-    peaks (1, 2, lanes): largest crowding and winding of all so far; rows (c, 1, lanes): the larger
-    one of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length
+    peaks (1, 2, lanes): largest crowding and drum ratio so far; rows (c, 1, lanes): the larger one
+    of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length
     (m); stretch_track ((instants + 1) p, 2, lanes): those of the stretch that begins at each point;
     drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no drums."""
 
@@ -230,7 +230,7 @@ def crowding_of(part, c):
 
 
 @kernel
-def winding_of(part, c):
+def drum_ratio(part, c):
     """Return the length down to which the drum of cable c may wind it, over that which is outside
     now, 0 without a drum; a run fails above 1. part: Cables or RubbingCables."""
     return load(part.cables, c, LEAST) / load(part.state, c, UNSTRAINED)
@@ -238,10 +238,10 @@ def winding_of(part, c):
 
 @kernel
 def record_drum(openings, part, c):
-    """Raise part.peaks to the winding of cable c. openings: joint coordinates, None where the scene
-    has no drums; part: arrays of all cables (Cables or RubbingCables)."""
+    """Raise part.peaks to the drum ratio of cable c. openings: joint coordinates, None where the
+    scene has no drums; part: arrays of all cables (Cables or RubbingCables)."""
     if openings is not None:
-        store(part.peaks, 0, 1, larger(load(part.peaks, 0, 1), winding_of(part, c)))
+        store(part.peaks, 0, 1, larger(load(part.peaks, 0, 1), drum_ratio(part, c)))
 
 
 @kernel
@@ -256,7 +256,7 @@ def record_stretch(part, j, row, tension):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in part.track, of its stretches in
-    part.stretch_track, and raise part.peaks to its crowding and winding. part: Cables or
+    part.stretch_track, and raise part.peaks to its crowding and drum ratio. part: Cables or
     RubbingCables; row: index of the recorded instant."""
     index, tension = row * part.curve.shape[0] + c, load(part.cables, c, EA) * strain_of(part, c)
     store(part.track, index, 0, tension)
@@ -271,7 +271,7 @@ def record_cable(part, c, row):
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable and stretch in part.track and
     part.stretch_track, and raise part.peaks (one for all cables) to the largest crowding,
-    elongation over the length of the shortest stretch, and winding. part: all cables (Cables);
+    elongation over the length of the shortest stretch, and drum ratio. part: all cables (Cables);
     world: not used; row: index of the recorded instant."""
     for c in range(part.curve.shape[0]):
         record_cable(part, c, row)
@@ -280,7 +280,7 @@ def record(part, world, row):
 @hook(Cables)
 def list_excess(part, world):
     """Store each cable's crowding, elongation over the length of its shortest stretch, or its
-    winding, if that is larger, in part.rows, to name the worst when a run failed. part: all cables
-    (Cables); world: not used."""
+    drum ratio, if that is larger, in part.rows, to name the worst when a run failed. part: all
+    cables (Cables); world: not used."""
     for c in range(part.curve.shape[0]):
-        store(part.rows, c, 0, larger(crowding_of(part, c), winding_of(part, c)))
+        store(part.rows, c, 0, larger(crowding_of(part, c), drum_ratio(part, c)))

@@ -89,8 +89,10 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
     reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
         holders = (name,) if name in supports and name in scene.supports else ()
+        is_led = bool(holders) and len(supports[name].beams) == 2
         if is_fixed[beam.particle] or holders:
-            reactions[name] = Reaction(beam, holders, bool(is_fixed[beam.particle]))
+            is_held = bool(is_fixed[beam.particle]) and not is_led
+            reactions[name] = Reaction(beam, holders, is_held)
     for hinge in scene.hinges:
         if hinge.support:
             reactions.setdefault(hinge.name, Reaction(hinge.beams[0], (hinge.name,), False))

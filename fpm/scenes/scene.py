@@ -182,6 +182,9 @@ class Scene:
         self.velocity = np.concatenate([self.velocity, _rows(velocity, n, 3)])
         self.spin = np.concatenate([self.spin, _rows(spin, n, 3)])
         self.fixed = np.concatenate([self.fixed, np.zeros((n, 6), bool)])
+        if self.unstrained is not None:  # parts were forced together before
+            self.unstrained = np.concatenate([self.unstrained, self.frame[first:]])
+            self.unstrained_position = np.concatenate([self.unstrained_position, position])
         return np.arange(first, first + n)
 
     def add_beams(self, nodes, section: Section, material: Material, normal, name="beam"):

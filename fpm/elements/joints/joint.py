@@ -196,12 +196,13 @@ class Joint(JointBase):
         """A "held" joint, not added to the scene: it keeps a point of a particle in its present
         place along some global axes. name: for messages; particle: index; point (3,) m, global;
         axes: letters out of "xyz", at least one, else SceneError; leader: index of a driven
-        particle that does not turn, with which the place moves, None: it stays."""
+        particle that does not turn, at the point, with which it moves, None: it stays."""
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
         zeros = np.zeros((2, 3))
-        ends = (particle,) if leader is None else (particle, leader)
-        beams = tuple(scene.arm_to(end, point) for end in ends)
+        beams = (scene.arm_to(particle, point),)
+        if leader is not None:
+            beams += (VirtualBeam(leader, zeros[0]),)
         return Joint(name, "held", beams, zeros, zeros, axes)
 
     @property

@@ -260,7 +260,8 @@ def _lead(build, args, particle: int, arm) -> None:
         build.refuse("velocity", args.velocity.tolist(), allowed)
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
-    leader = int(scene.add_particles(args.at.position, 1.0, 1.0)[0])
+    place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
+    leader = int(scene.add_particles(place, 1.0, 1.0)[0])
     scene.drive(leader, args.velocity, args.spin, _index(args.curve))
     name = _drive_name(scene, args.name)
     scene.add(Joint.held_point(scene, name, particle, args.at.position, axes, leader))

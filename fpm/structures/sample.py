@@ -46,6 +46,9 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
         for entry in sorted(model.entries, key=lambda entry: entry.statement.type == "release"):
             if entry.statement.group not in (*FIRST_GROUPS, MOTIONS):
                 _build(build, entry)  # releases last: they may watch a latch
+        if build.gravity_curve and not build.problems:
+            weight = Gravity(build.scene.gravity, build.gravity_curve(build))
+            build.scene.kinds[Gravity] = [weight]
         _balance(build, model)
         for entry in model.entries:
             if entry.statement.group == MOTIONS:
@@ -161,8 +164,6 @@ def _finish(build: Builder, model: FileStatements) -> None:
         build.problems.say(0, "the structure has masses or lengths that are not finite")
     if build.problems:
         return
-    if build.gravity_curve:
-        scene.kinds[Gravity] = [Gravity(scene.gravity, build.gravity_curve(build))]
     try:
         check_masses(scene)
     except SceneError as error:

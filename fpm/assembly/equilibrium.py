@@ -57,6 +57,9 @@ RESOLUTION, ROUNDING, NEGATIVE = 1e-9, 1e-14, 1e-12
 """Share of the largest stiffness of elements that differences of their forces resolve, share of the
 largest force that may be left, and share of the largest eigenvalue below which one is negative."""
 
+TINY = 1e-100
+"""Force (N m) from which one is told from none."""
+
 FOLD = 0.7
 """Bend of an element (sine) on the way beyond which it might come to lie the other way round, where
 its energy is none again."""
@@ -222,9 +225,9 @@ class _EquilibriumSearch(_RestSearch):
     def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
         """Return the largest force or moment (N, N m) that is left at `poses` and that acts there,
         and the strain energy (J) of bars."""
-        impulses = self._no_gaps
-        for _ in range(2):
-            solve, gradient = self._system(poses, self.potential, impulses, SOFT_SHARE)
+        impulses, sizes = self._no_gaps, self.potential.sizes(poses, self._scales)
+        for _ in range(3):
+            solve, gradient = self._linearise(poses, impulses, max(*sizes[:2], *sizes[2], TINY))
             impulses = impulses + solve(-gradient, self._no_gaps)[1]
         residual = np.abs(gradient[self._free]).max(initial=0.0)
         forces = self.potential.sizes(poses, np.ones_like(self._scales))[2]
@@ -281,15 +284,16 @@ class _EquilibriumSearch(_RestSearch):
             ease *= max(largest / AIM, EASE_DECREASE) if largest > SMALL else 0.0
         self._refuse_motion(motion)
 
+    def _linearise(self, poses, impulses, ease: float):
+        rules = self._scales, self._free, self._weight, ease
+        return linearise(self._scene, poses, self._conditions, self.potential, impulses, *rules)
+
     def _approach(self, poses, impulses, ease: float, rounding: float):
         """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion; or None.
         Where forces are left of `rounding` (N m) only, nothing moves."""
         motion = self._no_force
         for count in range(ROUNDS):
-            rules = self._scales, self._free, self._weight, ease
-            solve, gradient = linearise(
-                self._scene, poses, self._conditions, self.potential, impulses, *rules
-            )
+            solve, gradient = self._linearise(poses, impulses, ease)
             lacks = self._lacks(poses)
             residual = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
             if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
@@ -316,7 +320,8 @@ class _EquilibriumSearch(_RestSearch):
 
     def _least_curvature(self, poses, stiffness) -> float:
         _, elements, forces = self.potential.sizes(poses, self._scales)
-        return super()._least_curvature(poses, stiffness) + RESOLUTION * max(elements, *forces)
+        least = super()._least_curvature(poses, stiffness) + RESOLUTION * max(elements, *forces)
+        return least or np.inf  # nothing acts
 
     def _downhill(self, poses, step):
         """Poses of less energy along a motion from unstable ones."""

@@ -36,7 +36,7 @@ from fpm.assembly import (
 from fpm.assembly.conditions import ParticlePoses, conditions_of, scale_matrix
 from fpm.assembly.elastic import elastic_of
 from fpm.assembly.element_forces import ElementForces, acts
-from fpm.elements import Drag, Load, Motor, Release, TorsionSpring, kinds_of
+from fpm.elements import Drag, Load, Motor, Release, Stop, TorsionSpring, kinds_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
 
@@ -123,7 +123,8 @@ class Potential:
             for kind in kinds_of([scene])
             if acts(kind) and (kind.stores or kind.gives) and kind.resists_as not in ("", "FR")
         }
-        elements[TorsionSpring] = [*TorsionSpring.find(scene), *_springs_at_start(scene)]
+        for kind, springs in _springs_at_start(scene).items():
+            elements[kind] = [*kind.find(scene), *springs]
         elements[Drag] = [drag for drag in Drag.find(scene) if np.any(drag.wind)]
         self._sources = [
             ElementForces(scene, group, _turns(group) if kind in (Load, Drag) else ())
@@ -187,14 +188,19 @@ class Potential:
         return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
 
 
-def _springs_at_start(scene) -> list[TorsionSpring]:
-    """Springs for motors and releases that give, which are nothing else at the start."""
+def _springs_at_start(scene) -> dict[type, list]:
+    """By type, springs for motors and releases that give, which are nothing else at the start; with
+    backlash two stops."""
     springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
+    stops = []
     for motor in Motor.find(scene):
         factor = scene.curves[motor.curve].value(0.0) if motor.curve >= 0 else 1.0
         rest = motor.start + (0.0 if motor.by_rate else motor.turn * float(factor))
-        springs.append(TorsionSpring(motor.hinge, motor.stiffness, rest))
-    return springs
+        if motor.backlash is None:
+            springs.append(TorsionSpring(motor.hinge, motor.stiffness, rest))
+        for side, sign in (("above", 0.5), ("below", -0.5)) if motor.backlash is not None else ():
+            stops.append(Stop(motor.hinge, rest + sign * motor.backlash, side, motor.stiffness))
+    return {TorsionSpring: springs, Stop: stops}
 
 
 def _turns(elements) -> np.ndarray:

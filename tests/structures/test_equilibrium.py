@@ -226,6 +226,21 @@ def test_both_angles_of_a_universal_joint_minimise_the_potential():
     assert found == pytest.approx(root(moments, [0.3, 0.4], tol=1e-14).x, abs=1e-10)
 
 
+@pytest.mark.parametrize(("turn", "backlash"), [(0.0, 0.0), (0.1, 0.2), (0.6, 0.3)])
+def test_weight_by_a_curve_and_drive_trains_with_backlash_are_as_at_the_start(turn, backlash):
+    """Half the weight at t = 0, against a drive train at half its turn: on the far side of it."""
+    text = ARM.replace("[0, 0, -9.81]", "{acceleration: [0, 0, -9.81], curve: half}")
+    motor = f"turn: {turn} rad, curve: half, stiffness: 10 N m/rad, backlash: {backlash} rad"
+    text += "curves: {half: {times: [0, 1], values: [0.5, 1]}}\n"
+    text += f"actions: {{drive: {{type: motor, joint: pin, {motor}}}}}\n"
+
+    def moment(psi):
+        return 10 * (psi - turn / 2 - backlash / 2) - 9.81 * 0.5 * np.cos(psi)
+
+    found = loads(text).build().hinges[0].opening
+    assert found == pytest.approx(brentq(moment, 0, 2), abs=1e-9)
+
+
 def test_motors_hold_and_rates_and_velocities_begin_where_it_hangs():
     spring = "actions: {k: {type: torsion spring, joint: pin, stiffness: 20 N m/rad}}\n"
     inertia = 2 * (1 + 0.06**2) / 12 + 2 * 0.25

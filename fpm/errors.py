@@ -134,6 +134,7 @@ _WORDS = {
     "hinge": "revolute", "pin": "revolute", "rotary": "revolute",
     "linear": "prismatic", "slider": "prismatic", "slide": "prismatic",
     "ball": "spherical", "weld": "fixed", "rigid": "fixed", "cardan": "universal",
+    "sleeve": "cylindrical", "nut": "screw", "spindle": "screw", "thread": "screw",
     "pipe": "tube", "round": "circle", "box": "rectangle", "lock": "latch", "damping": "damper",
     "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
     "monte_carlo": "sobol", "lhs": "sobol", "latin_hypercube": "sobol",

@@ -270,8 +270,7 @@ def cylindrical(build, args):
     **_openings("planar"),
 )
 def planar(build, args):
-    """A plate on a table: a point of the second part stays in a plane of the first, and it turns
-    about the normal only.
+    """A plate on a table: the second part slides in a plane of the first, and turns in it.
 
     Adds all three openings to the scene; returns the index of the first. build: Builder of the
     sample, with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by

@@ -140,8 +140,8 @@ def backlash(bench: Bench) -> None:
         (outcome,) = bench.simulate(scene, duration=8 * half, instants=65, step=8 * half / steps)
         time = (outcome.time + width / (2 * rate)) % half  # since it left the teeth
         sign = (-1.0) ** np.floor((outcome.time + width / (2 * rate)) / half)
-        pressed = width / 2 + rate / fast * np.sin(fast * (time - width / rate))
-        exact = sign * np.where(time < width / rate, rate * time - width / 2, pressed)
+        path_on_teeth = width / 2 + rate / fast * np.sin(fast * (time - width / rate))
+        exact = sign * np.where(time < width / rate, rate * time - width / 2, path_on_teeth)
         errors.append(np.abs(outcome.openings["A"] - exact).max())
     source = "ω t between the teeth, sines on them"
     bench.check_small("opening, 2048 steps", errors[-1] / width, 1e-3, source, "the backlash")

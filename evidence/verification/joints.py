@@ -119,7 +119,7 @@ def contact_bounce(bench: Bench) -> None:
         figure.curve(outcome.time, swing, name)
 
 
-SWING = """
+PENDULUM = """
 points: {pivot: [0, 0, 0], c: [(0.5 m)*sin(ANGLE), 0, (-0.5 m)*cos(ANGLE)]}
 bodies: {bob: {mass: 2, centre: c, points: [pivot], inertia: [0.3, 0.3, 0.3]}}
 curves: {path: {times: TIMES, values: VALUES}}
@@ -137,7 +137,7 @@ def led_pendulum(bench: Bench) -> None:
     down so fast that it stands upright (Kapitza), where a slower motion lets it fall."""
     source = "Lagrange's equations in the momentum of the angle, DOP853"
     ramps = np.linspace(0.0, 2.0, 5), np.array([0.0, 1.0, -0.5, 0.7, 0.0])
-    outcome = _check_swing(bench, "to and fro", 0.6, (2.0, 0.0, 0.5), ramps, source)
+    outcome = _check_pendulum(bench, "to and fro", 0.6, (2.0, 0.0, 0.5), ramps, source)
     force = outcome.columns["reaction_force", "lead z"]
     power = np.interp(outcome.time, *ramps) * (
         2 * outcome.columns["reaction_force", "lead x"] + 0.5 * force
@@ -150,18 +150,18 @@ def led_pendulum(bench: Bench) -> None:
     for speed, stands in ((9.0, True), (1.0, False)):
         sway = times, np.sin(2 * np.pi * 40 * times)
         case = f"up and down with {speed:g} m/s"
-        outcome = _check_swing(bench, case, np.pi - 0.1, (0.0, 0.0, speed), sway, source)
+        outcome = _check_pendulum(bench, case, np.pi - 0.1, (0.0, 0.0, speed), sway, source)
         pivot = speed * (1 - np.cos(2 * np.pi * 40 * outcome.time)) / (2 * np.pi * 40)
         height = (outcome.points["c"][0][:, 2] - pivot).min() / ARM
         bench.check(f"{case}, stands", float(height > 0.9), float(stands), 0.1,
                     "stands where (m d v)² / 2 > I m g d")  # fmt: skip
 
 
-def _check_swing(bench: Bench, case: str, angle: float, velocity, curve, source: str):
+def _check_pendulum(bench: Bench, case: str, angle: float, velocity, curve, source: str):
     """Hold a led pendulum against Lagrange's equations, with steps that are halved."""
     words = {"ANGLE": f"{angle!r} rad", "TIMES": curve[0].tolist(), "VALUES": curve[1].tolist()}
     words["WAY"] = list(velocity)
-    text = SWING
+    text = PENDULUM
     for word, value in words.items():
         text = text.replace(word, str(value))
     scene, duration = loads(text).build(), float(curve[0][-1])
@@ -173,10 +173,10 @@ def _check_swing(bench: Bench, case: str, angle: float, velocity, curve, source:
     couple, weight = MASS * ARM, MASS * ARM * 9.81
 
     def slopes(time, y):
-        speed_x, _, speed_z = np.interp(time, *curve) * np.array(velocity)
+        shift, _, lift = np.interp(time, *curve) * np.array(velocity)
         sine, cosine = np.sin(y[0]), np.cos(y[0])
-        rate = (y[1] - couple * (speed_x * cosine + speed_z * sine)) / ABOUT_HINGE
-        return [rate, couple * rate * (speed_z * cosine - speed_x * sine) - weight * sine]
+        rate = (y[1] - couple * (shift * cosine + lift * sine)) / ABOUT_HINGE
+        return [rate, couple * rate * (lift * cosine - shift * sine) - weight * sine]
 
     times, longest = outcomes[0].time, float(np.diff(curve[0]).min())
     exact = solve_ivp(slopes, (0, duration), [angle, 0], "DOP853", times, rtol=1e-9, atol=1e-10,
@@ -192,7 +192,57 @@ def _check_swing(bench: Bench, case: str, angle: float, velocity, curve, source:
     return outcomes[-1]
 
 
+TROLLEY = """
+parameters: {trolley: {value: 0.05, unit: kg}}
+points: {o: [0, 0, 0], c: [0.5, 0, 0], tip: [1, 0, 0], rail: [1, 0, 2]}
+bodies:
+  panel: {mass: 2, centre: c, points: [o, tip], box: [1, 0.5, 0]}
+  trolley: {mass: trolley, centre: rail, box: [0.1, 0.1, 0.1]}
+joints:
+  hinge: {type: revolute, parts: [ground, panel], at: o, axis: -y}
+  rail: {type: prismatic, parts: [ground, trolley], at: rail, axis: x}
+struts:
+  cable: {type: constant force, between: [{part: trolley, at: rail}, tip], force: -9.81 N}
+actions: {spring: {type: torsion spring, joint: hinge, stiffness: 0.3, rest: 80 deg}}
+gravity: [0, 0, -9.81]
+"""
+
+
+def off_loaded_panel(bench: Bench) -> None:
+    """A panel that a spring swings up, half its weight on a cable of constant force below a trolley
+    on a rail: the panel and the trolley together, and how near that is to no weight at all."""
+    structure, inertia, rest = loads(TROLLEY), 2 / 3, np.radians(80.0)
+    scene, duration, trolley = structure.build(), 2.0, 0.05
+    outcomes = [
+        bench.simulate(scene, duration=duration, instants=101, step=step)[0]
+        for step in (4e-3, 2e-3, 1e-3)
+    ]
+
+    def slopes(_, y):
+        angle, place, rate, speed = y
+        tip = np.array([np.cos(angle), np.sin(angle)])
+        pull = np.array([1 + place, 2.0]) - tip
+        pull *= 9.81 / np.hypot(*pull)
+        moment = tip[0] * pull[1] - tip[1] * pull[0] - 2 * 9.81 * 0.5 * tip[0]
+        return [rate, speed, (moment + 0.3 * (rest - angle)) / inertia, -pull[0] / trolley]
+
+    times = outcomes[0].time
+    exact = solve_ivp(slopes, (0, duration), np.zeros(4), "DOP853", times, rtol=1e-11, atol=1e-12).y
+    source = "J t'' and m x'' of panel and trolley, DOP853"
+    for joint, reference, noun in (("hinge", exact[0], "angle"), ("rail", exact[1], "way")):
+        errors = np.array([np.abs(o.openings[joint] - reference).max() for o in outcomes])
+        bench.check_small(f"{noun} at 1 ms", errors[-1], 1e-3, source, "1 rad, 1 m")
+        bench.check_at_least(f"order of the {noun}", observed_orders(errors).min(), 1.9, source)
+    weightless = rest * (1 - np.cos(np.sqrt(0.3 / inertia) * times))
+    worst = np.abs(outcomes[-1].openings["hinge"] - weightless).max() / weightless.max()
+    bench.check_small("angle off that without weight", worst, 0.05, "1 - cos(w t)", "the largest")
+    figure = bench.figure("Panel off-loaded by a trolley", "time (s)", "angle (°)")
+    figure.curve(times, np.degrees(outcomes[-1].openings["hinge"]), "off-loaded")
+    figure.curve(times, np.degrees(weightless), "without weight", True)
+
+
 PROBLEMS = {
+    "off-loaded panel": off_loaded_panel,
     "led pendulum": led_pendulum,
     "pendulum": pendulum,
     "spring oscillator": spring_oscillator,

@@ -88,7 +88,7 @@ supports: {clamp: {part: strip, at: root}}
 loads: {roll: {part: strip, at: end, moment: [0, (-50 N m)*share*3.14159265358979/3, 0]}}
 record: {end: {part: strip, at: end}}
 """
-ROLLED = np.array(
+STRIP_ENDS = np.array(
     [[0.05, 0.196, 1.870], [0.25, 4.361, 7.639], [0.5, 12.0, 7.639], [0.75, 14.546, 2.546],
      [1.0, 12.0, 0.0]]
 )  # fmt: skip
@@ -100,16 +100,16 @@ def rolled_strip(bench: Bench) -> None:
     """A cantilever strip, from a structure's text, that an end moment rolls up to a full circle."""
     elements = 24 if bench.quick else 40
     structure, source = loads(STRIP), "Sze, Liu, Lo 2004, 3.2"
-    scenes = [structure.build(share=share, elements=elements) for share in ROLLED[:, 0]]
+    scenes = [structure.build(share=share, elements=elements) for share in STRIP_ENDS[:, 0]]
     ends = np.array([outcome.points["end"][0][-1] for outcome in settle(bench, scenes)])
-    computed = np.column_stack([12.0 - ends[:, 0], ends[:, 2]])
-    for (share, *expected), values in zip(ROLLED, computed, strict=True):
+    places = np.column_stack([12.0 - ends[:, 0], ends[:, 2]])
+    for (share, *expected), values in zip(STRIP_ENDS, places, strict=True):
         for name, value, reference in zip(("back", "up"), values, expected, strict=True):
             bench.check(f"{share:g} of the moment, end {name} (m)", value, reference, 0.01,
                         source, reference or 12.0, "of it, or of the length")  # fmt: skip
-    turn = 2 * np.pi * ROLLED[:, 0]
+    turn = 2 * np.pi * STRIP_ENDS[:, 0]
     exact = 12 * np.column_stack([1 - np.sin(turn) / turn, (1 - np.cos(turn)) / turn])
-    worst = np.abs(computed - exact).max() / 12
+    worst = np.abs(places - exact).max() / 12
     bench.check_small("worst end off the arc's", worst, 0.01, "M L/(E I) = turn", "L")
 
 

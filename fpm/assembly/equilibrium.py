@@ -53,7 +53,7 @@ CLOSE, SMALL = 1e-3, 1e-7
 """Share of a motion by which Newton's method may still move at its end; and motion (share of the
 size, rad) by which the energy changes as little as it is rounded."""
 
-RESOLUTION, ROUNDING, NEGATIVE = 1e-9, 1e-14, 1e-12
+RESOLUTION, ROUNDING, NEGATIVE = 2e-8, 1e-14, 1e-12
 """Share of the largest stiffness of elements that differences of their forces resolve, share of the
 largest force that may be left, and share of the largest eigenvalue below which one is negative."""
 

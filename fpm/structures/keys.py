@@ -5,6 +5,7 @@ Builder of every sample, which returns the value there or raises SceneError for 
 allowed. A further type of value goes here."""
 
 import re
+from collections import ChainMap
 from collections.abc import Callable, Container, Iterator
 from contextlib import suppress
 from copy import copy
@@ -466,7 +467,7 @@ class CurveExpressionKey(Key):
     def read(self, node, place):
         names, inputs = copy(place.names), CURVE_INPUTS.items()
         numbers = {name: NamedNumber(place.key, node.line, dimension) for name, dimension in inputs}
-        names.numbers = {**names.numbers, **numbers}
+        names.numbers = ChainMap(place.names.numbers, numbers)  # vectors are added to the first
         bound = replace(place, names=names).number(node, NUMBER, self.allowed)
         full = {name: n for name, n in bound.full.items() if name not in CURVE_INPUTS}
         for name in CURVE_INPUTS.keys() & bound.full.keys():

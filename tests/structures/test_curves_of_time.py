@@ -232,6 +232,17 @@ def test_what_is_refused_of_gravity_and_names(rest, words):
         loads(BALL.format(curve="expression: u, over: [0, 1 s]", rest=rest))
 
 
+def test_vectors_in_an_expression_of_a_curve():
+    def text(expression):
+        load = "loads: {l: {part: ball, at: c, force: [1, 0, 0], curve: f}}"
+        return BALL.format(curve=f"expression: {expression}, over: [0, 1]", rest=load)
+
+    assert loads(text("u*norm(d)/(1 m)")).build().curves[0].value(0.5) == 1.0
+    for vector, words in (("d", "vector in m"), ("x", "vector without unit")):
+        with pytest.raises(StructureError, match=words):
+            loads(text(vector))
+
+
 @pytest.mark.slow
 def test_samples_whose_curves_differ_run_as_each_alone():
     curve = "expression: high*u**2, over: [0, height*(1 s/m)]"

@@ -86,19 +86,23 @@ def _curve_by_expression(build, args) -> Curve:
     if not args.over[0] < args.over[1]:
         build.refuse("over", args.over, "a start, and an end that is later")
     try:
-        return _fit(expression, tuple(numbers.items()), *args.over)
+        items = tuple((name, np.asarray(value, float).tobytes()) for name, value in numbers.items())
+        return _fit(expression, items, *args.over)
     except CurveError as error:
         build.refuse("expression", expression.text, f"a finite function without jumps; {error}")
 
 
 @lru_cache(maxsize=64)
 def _fit(expression: Expression, numbers: tuple, start: float, end: float) -> Curve:
-    """The curve that an expression is from a time `start` to another, `end` (s)."""
+    """The curve that an expression is from a time `start` to another, `end` (s). numbers: names
+    and values, numbers or vectors, as bytes, which can be hashed."""
+    arrays = {name: np.frombuffer(data) for name, data in numbers}
+    known = {name: a if a.size > 1 else float(a[0]) for name, a in arrays.items()}
 
     def value(u: float) -> float:
         time = start + u * (end - start)
         try:
-            return expression.value({**dict(numbers), "u": u, "t": time})
+            return expression.value({**known, "u": u, "t": time})
         except ExpressionError as error:
             raise CurveError(f"at {time:.9g} s it is {error}") from None
 

@@ -181,7 +181,7 @@ def drag(build, args):
     drum=OpeningKey(
         None, "joint whose opening winds it at the first point", types=("revolute", "universal")
     ),
-    radius=NumberKey(0.0, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
+    radius=NumberKey(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
     shortest=NumberKey(
         None,
         "length without tension down to which the drum may wind it; left out: a quarter of "
@@ -197,8 +197,8 @@ def cable(build, args):
     Adds a Cable to the scene; returns its index. build: Builder of the sample, with its scene;
     args: values of an entry: through (list of (Body, Point)), EA (stiffness, N), rest (length
     without tension, m) or preload (N), the other None, reel (m taken in, times curve), curve (index
-    or None), friction (coefficient or None), drum (index of a hinge or None), radius (m), shortest
-    (m or None)."""
+    or None), friction (coefficient or None), drum (index of a hinge or None), radius and shortest
+    (m, each or None)."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -209,12 +209,12 @@ def cable(build, args):
         build.refuse("reel", args.reel, "a length with a `curve`")
     if args.drum is not None and args.curve is not None:
         build.refuse("drum", build.scene.hinges[args.drum].name, "none, with a `reel` and `curve`")
-    if (args.drum is None) != (args.radius == 0):
+    if (args.drum is None) == bool(args.radius):
         build.refuse("radius", args.radius, "a length other than 0 with a `drum`, none without")
     if args.drum is None and args.shortest is not None:
         build.refuse("shortest", args.shortest, "none without a `drum`")
     numbers = args.EA, args.rest, args.preload, args.reel, _index(args.curve), args.friction
-    drum = {"drum": _index(args.drum), "radius": args.radius, "least": args.shortest}
+    drum = {"drum": _index(args.drum), "radius": args.radius or 0.0, "least": args.shortest}
     return build.scene.add_cable(args.name, points, *numbers, **drum)
 
 

@@ -183,7 +183,7 @@ def test_what_only_follows_from_a_slip_is_not_told(old, new):
 
 NOTHING, AHEAD, UPWARDS = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
 DEFAULTS = {
-    "materials": {"nu": 0.3},
+    "materials": {"nu": 0.3, "stiffness_damping": 0.0},
     "bars": {"inertia_scale": 1.0, "strain": 0.0},
     "bodies": {"points": (), "x": AHEAD, "up": UPWARDS},
     "masses": {"inertia": 0.0},

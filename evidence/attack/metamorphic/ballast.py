@@ -32,7 +32,7 @@ _POINTS = {f"y{k}": [3.0, 0.3 * k, 0.1 * (k % 2)] for k in range(12)}
 _SOFT = {"stiffness": 1e-3}
 BALLAST: Structure = {
     "points": _POINTS,
-    "materials": {"y_m": {"E": 1.0, "rho": 1000.0}},
+    "materials": {"y_m": {"E": 1.0, "rho": 1000.0, "stiffness_damping": TINY}},
     "sections": {"y_s": {"type": "circle", "diameter": 0.1}},
     "bars": {
         "y_bar": {"through": ["y8", "y9"], "section": "y_s", "material": "y_m", "elements": 1}

@@ -31,7 +31,7 @@ class StiffnessDamping(ElementType):
     (Material.stiffness_damping). Nothing is added to a scene: materials say all."""
 
     takes = Damping.takes
-    cost = 95.0  # of each beam element that has it
+    cost = 40.0  # of each beam element that has it
     resists_as = ""
 
     @classmethod

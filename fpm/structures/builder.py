@@ -87,7 +87,7 @@ class Builder:
             raise SkippedError(key) from None
         except ExpressionError as error:
             raise SceneError(
-                key, bound.expression.text, f"arithmetic that is not {error}"
+                key, bound.expression.text, f"arithmetic with a finite value ({error})"
             ) from None
 
     def point(self, name: str) -> np.ndarray:

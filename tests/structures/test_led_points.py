@@ -1,5 +1,7 @@
 """Points that are led along some global axes, and free along and about others."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,18 @@ def test_along_free_axes_nothing_acts():
     assert (force[[0, 2]] == 0).all() and np.abs(force[1]).max() > 0.1
     energies = dict(outcome.energies)
     assert np.abs(energies.pop("balance")).max() < 1e-3 * energies["kinetic"].max()
+
+
+@pytest.mark.parametrize("group", ["supports", "drives"])
+def test_an_axis_that_something_else_holds_is_refused(group):
+    for axes, is_wrong in (("x", True), ("y", False)):
+        lead = "drives: {lead: {part: rod, at: a, translations: xz, rotations: none}"
+        other = f"other: {{part: rod, at: a, translations: {axes}, rotations: none}}"
+        text = f"{lead}, {other}}}" if group == "drives" else f"{lead}}}\nsupports: {{{other}}}"
+        with (
+            pytest.raises(fpm.SceneError, match="nothing else holds") if is_wrong else nullcontext()
+        ):
+            loads(f"{TEXT}{text}\n").build()
 
 
 @pytest.mark.parametrize(

@@ -265,6 +265,15 @@ def _lead(build, args, particle: int, arm) -> None:
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
     place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
+    others = [
+        j for j in scene.kinds.get(Joint, []) if j.type == "held" and j.particles[0] == particle
+    ]
+    held = {axis for j in others if np.allclose(j.beams[0].arm, arm.arm) for axis in j.support_axes}
+    if not np.any(arm.arm):
+        held |= {axis for axis, fixed in zip("xyz", scene.fixed[particle], strict=False) if fixed}
+    if held & set(axes):
+        allowed = f"axes along which nothing else holds the point, not {', '.join(sorted(held))}"
+        build.refuse("translations", axes, allowed)
     leader = int(scene.add_particles(place, 1.0, 1.0)[0])
     scene.drive(leader, args.velocity, args.spin, _index(args.curve))
     name = _drive_name(scene, args.name)

@@ -17,7 +17,6 @@ at most friction N, with a damper of 0.3 of critical, and is straight where noth
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fpm.elements.fields import number, word
 from fpm.elements.kind import Deformations, Energy, Series, Watch
@@ -114,6 +113,8 @@ class Journal(Connector):
     @property
     def hysteresis(self) -> float:
         """The factor c of the damping that gives the restitution."""
+        from scipy.optimize import brentq
+
         r = self.restitution
         if 1 - r < 1e-3:
             return 1.5 * (1 - r) / (1 - r + r * r)

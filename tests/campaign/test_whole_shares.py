@@ -202,7 +202,7 @@ def verdict(kind, numbers, margins=np.nan, asked=HAPPENS, beyond=(0.0, 0.0), fre
     model.points, model.numbers = unit, np.array(numbers, dtype=float)[:, None]
     model.margins = np.broadcast_to(margins, len(numbers))[:, None]
     found = assess_limits(model, model.surrogates(), [asked], np.array(beyond)[:, None])
-    return requirements._met(model, found, [0])["met"]
+    return requirements._judge_limits(model, found, [0])["met"]
 
 
 X = np.linspace(-1, 1, 9)

@@ -172,7 +172,9 @@ class Potential:
         return self._hinges, [source.copy_history() for source in self._sources]
 
     def restore(self, memory: tuple) -> None:
-        """Let hinges and elements go on from the state that `memory` returned."""
+        """Set hinges and elements back to the state that `memory` returned, as after a trial
+        motion: the openings from which full turns are counted, and what elements remember of their
+        motion. memory: that tuple."""
         self._hinges = memory[0]
         for source, history in zip(self._sources, memory[1], strict=True):
             source.restore(history)

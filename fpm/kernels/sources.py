@@ -157,7 +157,8 @@ def digest_reading() -> str:
 
 def kernels() -> str:
     """Return a digest (16 hex digits) of the source files of fpm that are compiled: those in its
-    folders `elements` and `kernels`, as they were when fpm was imported."""
+    folders `elements` and `kernels`, as they were when fpm was imported. It is part of the name of
+    the cache's folder, so that compiled code of other sources is not used."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 

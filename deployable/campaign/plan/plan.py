@@ -82,10 +82,10 @@ class Round:
 
 @dataclass(frozen=True)
 class Rounds:
-    """State of an `accuracy` in a plan: the finished `rounds`, and `points` (n, k), normalized, of
-    the runs that surrogates are fitted to besides the nominal one. met: whether all errors are
-    within their tolerances, None while rounds go on; check: for which errors, of "step" and "mesh",
-    this plan's bounds are to be checked, by repeating runs with finer ones."""
+    """State of an `accuracy` in a plan: the finished `rounds`, and `points` (n, k), normalized to
+    -1 to 1, of the runs that surrogates are fitted to besides the nominal one. met: whether all
+    errors are within their tolerances, None while rounds go on; check: for which errors, of "step"
+    and "mesh", this plan's bounds are to be checked, by repeating runs with finer ones."""
 
     rounds: tuple[Round, ...]
     points: tuple[tuple[float, ...], ...]

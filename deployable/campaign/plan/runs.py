@@ -31,8 +31,8 @@ class PlannedRun:
 class Runs(Sequence[PlannedRun]):
     """Sequence of N runs, held as arrays: an index gives a `PlannedRun`, a slice or a list of
     indices another sequence. role (N): indices into `ROLES` (nominal, node, held_out, ...); points
-    (N, k): normalized points, kept as `normalized`; values (N, k): of the interval parameters, in
-    their units; id_of: function that returns a run's id from its values, a tuple of k numbers."""
+    (N, k): parameters from -1 (lower end) to 1 (upper), kept as `normalized`; values (N, k): the
+    same in their units; id_of: function that returns a run's id from its k values, a tuple."""
 
     def __init__(
         self,

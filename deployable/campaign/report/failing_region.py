@@ -20,17 +20,19 @@ MOST_MARKS = 400
 
 @dataclass(frozen=True)
 class Panel:
-    """A scatter plot of runs over one or two parameters, marked by whether they meet all
-    requirements, or of trials over goals (`prices`); coordinates are from 0 to 1, lower to upper
-    bound of an axis. x_axis, y_axis: dict of a parameter (name, units, lower, upper), y None for
-    one parameter alone; marks: tuples of x, y, whether the run meets all requirements, whether its
-    other parameters lie within the feasible part; feasible: (lower, upper) of x, then of y, of the
-    largest box about the nominal point without failures, None if there is none; runs: index of each
-    mark's run in `PageData.verdicts`, of trials their values by name."""
+    """A scatter plot of runs over one or two parameters, or of trials of the best choice over its
+    parameter or goals (`prices`). Coordinates are from 0 to 1, lower to upper bound of an axis.
+    x_axis, y_axis: dict of a parameter or goal (name, units, lower, upper), y None for one
+    parameter alone; marks: tuples of x, y (0.5 without y_axis), whether the run meets all
+    requirements, or the trial its limits (None: the choice itself), and whether the run's other
+    parameters lie within the feasible part (True for trials); feasible: lower corner (x, y) and
+    upper corner (x, y) of the largest box about the nominal point without failures, or of the
+    choice's range that keeps all requirements, None if there is none; runs: index of each mark's
+    run in `PageData.verdicts`, of trials the chosen parameters' values by name."""
 
     x_axis: Mapping[str, Any]
     y_axis: Mapping[str, Any] | None
-    marks: list[tuple[float, float, bool, bool]]
+    marks: list[tuple[float, float, bool | None, bool]]
     feasible: tuple[tuple[float, float], tuple[float, float]] | None
     runs: list[int] | list[dict[str, float]]
 

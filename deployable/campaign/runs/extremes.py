@@ -133,7 +133,10 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of a scan for `jobs.keep: extremes`: least and largest values, a file for each part."""
+    """Store of the runs of a scan for `jobs.keep: extremes`, in at most 128 chunks, a file each. A
+    file (`ScanChunk`) holds the least and the largest value of each response at each instant over
+    the runs of its chunk, with which run has them, and of every run its quantities and impacts.
+    folder: of the files; experiment: its responses and quantities are kept."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide the runs of a scan, in order, into 4 to 128 chunks, a file each; size: unused."""

@@ -18,11 +18,12 @@ def work(
     folder: Folder, notify: Notify, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
     bundles: Any = (),
 ) -> None:  # fmt: skip
-    """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate and
-    write its bounds (`bounds.nc`) into `folder`, with the influence of each parameter, and errors
-    by mesh and step if `verify` or the plan asks. notify: called with each message; bundles: tar
-    files of runs to be extracted first; threads: how many simulate; others: config sections.
-    Raises `CampaignError` for a bundle that is no tar file, and if runs fail."""
+    """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate, and
+    write its bounds. Into `folder` go `samples.nc` (responses), `surrogate.nc`, `bounds.nc`, with
+    errors by mesh and step if `verify` or the plan asks, and `sensitivities.nc` (influence of each
+    parameter). notify: called with each message; bundles: tar files of runs to be extracted first;
+    threads: how many simulate; bounds, verify, jobs: config sections. Raises `CampaignError` for a
+    bundle that is no tar file, and if runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, notify, bounds, verify, jobs, threads)
 

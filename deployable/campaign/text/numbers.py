@@ -41,8 +41,8 @@ def quantity(value: float | None, units: str, digits: int = 3, missing: str = "u
 
 def with_error(value: float, error: float | None, units: str) -> str:
     """Write a number with its error, both rounded to the first digit of the error: `0.062 ± 0.005
-    m`; units: as in files (`m s-1`). The number alone, with three digits, where the error is None,
-    0 or below a thousandth of it."""
+    m/s`; units: of both, as in files (`m s-1`). The number alone, with three digits, where the
+    error is None, 0 or below a thousandth of it."""
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
     places = -_power(error)

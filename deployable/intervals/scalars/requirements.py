@@ -32,9 +32,11 @@ class Limit:
     border_error: float = 0.0
 
     def conditions(self, points: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in
-        [-1, 1]^k: a list of pairs of values (P) and errors (P), first of whether the quantity
-        exists (or must not), then, where it has values, of its distance from the level."""
+        """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in [-1,
+        1]^k: a list of one or two pairs of values (P) and their errors (P). The first is of whether
+        the quantity exists (of "happens" with level 0: does not), by its decision function
+        (`Occurrence.decision`); the second of its distance from the level, in its unit, left out of
+        "happens" and where no run has the quantity."""
         surrogate = self.surrogate
         decision = surrogate.occurrence.decision(points)
         band = surrogate.occurrence.band(points) + self.border_error

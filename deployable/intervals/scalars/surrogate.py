@@ -222,13 +222,16 @@ class ScalarSurrogate:
         return lower, np.where(free, side if upper is None else upper, 0.0)
 
     def find_absence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
-        where the quantity most certainly does not exist; None if it exists all over the part."""
+        """Find the point (k) of a part of the box where the quantity most certainly does not exist,
+        that is where the decision function (`Occurrence.decision`) is least; None if it exists all
+        over the part. lower, upper (k each): corners of the part, in [-1, 1]."""
         return self._find_point(lower, upper, False)
 
     def find_presence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
-        where the quantity most certainly exists; None if it exists nowhere in the part."""
+        """Find the point (k) of a part of the box where the quantity most certainly exists; None if
+        it exists nowhere in the part. Most certainly: where the decision function
+        (`Occurrence.decision`) is largest; the part's middle if all runs have the quantity. lower,
+        upper (k each): corners of the part, in [-1, 1]."""
         return self._find_point(lower, upper, True)
 
     def _find_point(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:

@@ -208,8 +208,10 @@ def gain(part, j, soft):
 
 @hook(RubbingCables)
 def work_before(part, world, timing):
-    """Add the winches' work (J) over the step that ends now to column part.account of
-    world.accounts, and what friction took to part.loss. part: RubbingCables; timing: unused."""
+    """Add the winches' work (J) over the step that ends now to world.accounts, in column
+    part.account, and the energy (J) that friction took in it, in column part.loss. Called at the
+    end of every step, not at the start. part: arrays of all cables (RubbingCables); world: solver
+    state (World); timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.has_friction[c]:

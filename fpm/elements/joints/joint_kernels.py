@@ -299,9 +299,11 @@ def move_back(part, start, step):
 
 @kernel
 def close_before(part, start, step):
-    """Change the momenta before the start so that the gaps in RESIDUAL, those one `step` (s) before
-    it, close; then restore the bodies' positions at the start: the end of `look_back`. part: arrays
-    of all joints (Joints); start: state of the particles (World.start_state), changed."""
+    """Change the momenta before the start so that the joints are closed one `step` (s) before it,
+    too; then restore the bodies' positions at the start: the end of `look_back`. The gaps there (m,
+    sines of angles, rad of held joint coordinates) stand in column RESIDUAL of part.rows, as left
+    by `move_back` and `find_gaps`. part: arrays of all joints (Joints); start: state of the
+    particles before the start (World.start_state), changed."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.particle.shape[0]):

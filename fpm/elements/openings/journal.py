@@ -95,8 +95,10 @@ class Journal(Connector):
         return self.hinge, self.hinge + 1, self.hinge + 2
 
     def check(self, scene):
-        """Check the fields; that the restitution is at most 1, friction has a radius, and that the
-        pin does not start deeper than at its load; raises SceneError if not."""
+        """Check the fields, and how the pin starts; raises SceneError if one is wrong. The joint
+        must have no other pin, the restitution be at most 1, the radius be above 0 with friction,
+        and the pin's place at the start be at most `clearance` + `depth` (m) off the axis, as far
+        as `load` presses it. scene: has the joint."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)

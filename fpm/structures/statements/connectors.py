@@ -309,9 +309,10 @@ def release(build, args):
     """Holds a joint until a time, or another has opened so far or a latch caught; the first counts.
 
     Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness, damping
-    (0: none) and, each or None, hold (joint coordinate, rad; m on a slide; None: as at the start),
-    time (s), watch (index of another hinge, or name of a latch), level (coordinate there)."""
+    sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness (N m/rad;
+    N/m on a slide), damping (N m s/rad; N s/m; 0: none) and, each or None, hold (joint coordinate,
+    rad; m; None: as at the start), time (s), watch (index of another hinge, or name of a latch),
+    level (coordinate there, rad; m)."""
     latch = args.watch if isinstance(args.watch, str) else ""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint or latch to `watch`")

@@ -51,9 +51,11 @@ _DEVIATIONS = 2.0  # standard deviations of such a count that are allowed for
 class Measurement(NamedTuple):
     """Measured curves of one test, n responses at T instants.
 
-    times (T) in s; values, bands (n, T) in the units of the responses, bands above 0; limits (2, 1
-    + 2 n): lower and upper delay (s), gain of each response, then offset of each; axes: indices of
-    the box's coordinates on which the test depends; starts: number of its own unknown values."""
+    times (T) in s; values (n, T) in the units of the responses; bands (n, T), above 0, in the same:
+    how far from each value a curve may be, to either side; limits (2, 1 + 2 n), lower and upper: of
+    the delay (s), the gain of each response, then the offset of each; axes: indices of the box's
+    coordinates on which the test depends; starts: number of unknown values of the test's own start,
+    which follow those as coordinates of its runs."""
 
     times: np.ndarray
     values: np.ndarray

@@ -1,4 +1,4 @@
-"""Extremes of what holds openings exactly: light and heavy bodies, blows, steps far too long.
+"""Extremes of what holds openings exactly: light and heavy bodies, impacts, steps far too long.
 
 Two rods in a chain on a pin, of which the second turns. Nothing is elastic, so that a step is what
 is asked for: the turn in one is told.
@@ -62,7 +62,7 @@ def simulate(rows: list[Row], name: str, scene: fpm.Scene, duration: float, step
     return None
 
 
-def blows() -> list[Row]:
+def impact_rows() -> list[Row]:
     """A rod caught against one that is held, light and heavy; and turning far in a step."""
     rows = []
     cases = [(mass, 1.0, 1e-3) for mass in (1e-9, 1e-3, 1.0, 1e3, 1e9)]
@@ -157,4 +157,6 @@ def contradictions() -> list[Row]:
 
 def study() -> list[Row]:
     """All rows."""
-    return [row for part in (blows, shares, friction, motors, contradictions) for row in part()]
+    return [
+        row for part in (impact_rows, shares, friction, motors, contradictions) for row in part()
+    ]

@@ -25,7 +25,7 @@ loads: {{push: {{part: ball, at: c, force: [3 N, 0, 0], curve: sway}}}}
 
 
 def slider(bench: Bench) -> None:
-    """A mass led by the 10-15-6 step: no blow at its ends, and the force is that of its rate."""
+    """A mass led by the 10-15-6 step: no impact at its ends, and the force is that of its rate."""
     errors = []
     for step in STEPS:
         (outcome,) = bench.simulate(loads(SLIDER).build(), duration=1.6, instants=101, step=step)

@@ -104,7 +104,7 @@ def swings(bench: Bench) -> None:
 
 
 def motors(bench: Bench) -> None:
-    """Openings along curves with bends, their moments, and the work, blows among it."""
+    """Openings along curves with bends, their moments, and the work, impacts among it."""
     for turns in ((0.0, 0.4, 0.1, 0.1), (0.0, 0.0, 1.5, -0.5)):
         (outcome,) = bench.simulate(rods(0.0, 1.0, G, turns=turns), duration=1.9, instants=1901,
                                     step=STEP)  # fmt: skip

@@ -37,10 +37,11 @@ def blank(*shape_and_dtype) -> np.ndarray:
 class SceneData(Protocol):
     """What element types read of a scene (fpm.Scene), as a protocol for type checkers; n particles.
     position (n, 3) m; frame (n, 3, 3): axes of each as columns; unstrained: frames without strain,
-    None: `frame`; velocity (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed
-    (n, 6): whether held along and about global axes; kinds: elements by type; hinges: all of them;
-    curves: of time (fpm.scenes.curve.Curve); points: VirtualBeam by name; bearings: for each
-    hinge index, moment of friction for each N of the joint's force."""
+    None: `frame`; velocity (n, 3) m/s and spin (n, 3) rad/s, along global axes; mass (n,) kg;
+    inertia (n, 3) kg m², about own axes; fixed (n, 6): whether held along and about global axes;
+    kinds: elements by type; hinges: all of them; curves: of time (fpm.scenes.curve.Curve); points:
+    named ones, each as its particle and the arm to it (VirtualBeam); bearings: moment of friction
+    for each N of the joint's force (m; slides: no unit), by index of the hinge."""
 
     position: np.ndarray
     frame: np.ndarray

@@ -140,10 +140,12 @@ def restrain(parts, world, timing):
 
 @_unroll()
 def prepare(parts, world, timing):
-    """Add the impulses of the forces, over timing.kick (s), to momenta of joints' bodies, and those
-    that keep the joints closed, unless `solve` finds these (World.undecided is set then); rigid
-    motors and latches store what it needs. parts: arrays of each element type; world: solver state
-    (World), changed; timing: times of this step (s)."""
+    """Kick the bodies of joints, and get all ready for `solve`. The impulses of all forces on these
+    bodies, over timing.kick (s), are added to their momenta, and those that keep the joints closed
+    as well; element types whose `solve` finds these set World.undecided instead. Rigid motors store
+    the joint coordinate that they prescribe for the end of the step, rigid latches the mean rate of
+    theirs in the last one. parts: arrays of each element type; world: solver state (World),
+    changed; timing: times of this step (s)."""
 
 
 @_unroll()
@@ -168,9 +170,11 @@ def move(parts, world, timing):
 
 @_unroll()
 def look_back(parts, world, timing):
-    """In the first step, correct the momenta half a step before the start in World.start_state,
-    which mirror those after it, and the impulses of that step. parts: arrays of each element type;
-    world: solver state (World); timing: times of this step (s)."""
+    """Correct the momenta half a step before the start, once, in the first step. `reflect` has just
+    set them, in World.start_state, to those at the start less the change in the half step after it;
+    corrected, they close the joints one step before the start too, so that the changes over the
+    first instant are right. Adds the impulses this takes to the joints' of this step. parts: arrays
+    of each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
 @_unroll()

@@ -31,9 +31,10 @@ def time_particles(particles, timing):
 
 @kernel
 def kick_and_move(state, particles, i, timing):
-    """Add the impulses of the step's forces to the momenta of particle i (or a pair), move and turn
-    it by a step, and set its forces to 0. state, particles: arrays of World, state and constants of
-    all particles; timing: times of this step (s)."""
+    """Add the impulses of the step's forces to the momenta of particle i, move and turn it by a
+    step, and set its forces to 0. i: index, or a pair of indices, whose particles are both moved at
+    once, to save time; state, particles: arrays of World, state (changed) and constants of all
+    particles; timing: times of this step (s)."""
     carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
     turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 

@@ -53,7 +53,8 @@ def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.nd
 
 
 def nearest(a, b, c, d) -> np.ndarray:
-    """Return the shortest vector (..., 3) from segment a b to c d; a, b, c, d: ends (..., 3)."""
+    """Return the shortest vector (..., 3), m, from segment a b to segment c d. a, b, c, d: ends of
+    the segments (..., 3), m."""
     u, v, w = b - a, d - c, c - a
 
     def to_segment(point, start, chord):

@@ -38,7 +38,7 @@ from fpm.structures import report
 MOST = 6
 """Number of warnings of one structure, at most; a repeat would have one for each unit."""
 
-BLOW = 0.01
+IMPACT_SHARE = 0.01
 """Share of the kinetic energy stated for the start above which what joints take out is told."""
 
 THINNEST = 1e-3
@@ -90,7 +90,7 @@ def _start(scene: Scene) -> Iterator[str]:
     if energy:
         start = consistent_scene(scene)
         change = start.velocity - scene.velocity, start.spin - scene.spin
-        if report.kinetic_energy(scene, *change) > BLOW * energy:
+        if report.kinetic_energy(scene, *change) > IMPACT_SHARE * energy:
             rest = report.kinetic_energy(scene, start.velocity, start.spin)
             rest *= rest > 1e-9 * energy  # rounding
             yield (

@@ -83,7 +83,8 @@ class Component(NamedTuple):
 
     @property
     def element(self) -> ElementType:
-        """The last of `elements`, which stands for the component when equilibrium is solved."""
+        """The last of `elements`, which stands for the component when equilibrium is solved: its
+        only one, or, where a curve of time scales its load, the one at the largest load."""
         return self.elements[-1]
 
 

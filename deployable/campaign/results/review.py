@@ -95,9 +95,10 @@ MIN_EXCHANGE = 20.0
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
     """Make all rows of the review sheet of a standard: dicts of texts with the keys `HEADS`
-    (clause, what it asks, how it was analysed, value, verdict, ...), `state` and `of` (the
-    quantity). facts: the campaign's results as plain data (`facts_of`), with `mechanism`
-    (`mechanism_of`); experiment: of the campaign's plan; standard: a key of `CLAUSES`."""
+    (clause, what it asks, how it was analysed, value, verdict, ...), `state` (the verdict as one of
+    the words in `STATES`, such as `met`) and `of` (the quantity). facts: the campaign's results as
+    plain data (`facts_of`), with `mechanism` (`mechanism_of`); experiment: the campaign's config
+    (Experiment), as in its plan; standard: a key of `CLAUSES`."""
     sheet = _Sheet(facts, experiment, standard)
     return [
         row for clause in CLAUSES[standard] for row in sheet.rows(clause)

@@ -127,7 +127,7 @@ def delay(structure: Structure, rng: random.Random, wait: float) -> Image | None
     for action in entries(clone, "actions").values():
         if "time" in action:
             action["time"] += wait
-    # A rate that begins at once is a blow, unless it is there at the start.
+    # A rate that begins at once is an impact, unless it is there at the start.
     return Image(clone, delay=wait, is_exact=False, omits=frozenset({"energy"}), skips=1)
 
 

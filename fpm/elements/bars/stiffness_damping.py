@@ -7,8 +7,8 @@ of its ends' angles in both planes; beam.py), its forces are the gradient of U a
 
 so that a mode of angular frequency w has the share beta w/2 of critical damping (Rayleigh, Theory
 of Sound I, § 102; Clough, Penzien, Dynamics of Structures, § 12-5), and rigid motions none. Unlike
-viscosity.py it is of the material, not of the mesh: what is left of a blow does not change as that
-is refined, once elements are shorter than the way of a wave in the time beta. Rates are
+viscosity.py it is of the material, not of the mesh: what is left of an impact does not change as
+that is refined, once elements are shorter than the way of a wave in the time beta. Rates are
 extrapolated from the last two steps: the stable step falls to (2/w) (sqrt(1 + 4 z²) - 2 z), z =
 beta w/2, of the highest w (timestep.py). Sections, stresses and strain energy have no part of it.
 """

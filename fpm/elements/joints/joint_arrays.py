@@ -91,7 +91,7 @@ class Turns(NamedTuple):
     impact as a share of this step, below 0 if it came in the step before; 0: none."""
 
     state: np.ndarray  # (t, TURN, lanes)
-    impact: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
+    impact: np.ndarray  # (1, 1, lanes) when an impact comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):

@@ -2,9 +2,9 @@
 
 Motors prescribe the opening of a hinge. A motor without a drive train of its own that gives
 (motor.py) turns the hinge to start + turn f(t), f being a curve of time or the integral of one,
-whatever moment M that takes. Its work is that of M on the hinge: where f bends, a blow changes the
-rate at once, and does half of what a force would over the same way (the mean of the rates before
-and after it). Its first rate is that of the start of a run (start.py).
+whatever moment M that takes. Its work is that of M on the hinge: where f bends, an impact changes
+the rate at once, and does half of what a force would over the same way (the mean of the rates
+before and after it). Its first rate is that of the start of a run (start.py).
 
 Releases hold a hinge at its first opening until they let go, as others do (release.py), at a time,
 where another opening passes a level or a latch catches; nothing is stored or lost.
@@ -22,8 +22,8 @@ rest: the last way is the rest of the parabola, h (r - d/2)²/(2 d), or h r²/(2
 only now. So a body of inertia J that slides at w stops after J w²/(2 M), and one that swings loses
 as much at each turn as friction takes, to the second order in the step.
 
-A blow, of a latch or at a bend of a motor's curve, after the share s of a step comes after 1/2 + s
-of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick."""
+An impact, of a latch or at a bend of a motor's curve, after the share s of a step comes after 1/2 +
+s of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick."""
 
 from dataclasses import dataclass
 from importlib import import_module

@@ -92,8 +92,9 @@ def bend_by_force(bearing, state, i, timing):
 
 @kernel
 def slip_deflections(bearing, part, i, psi, psi_before, timing):
-    """Return the bristle deflections (rad) at which element i slips, by table and joint force: at
-    joint coordinate psi (rad) now, and at psi_before a step ago. bearing: forces of joints
+    """Return two bristle deflections (rad, lanes) at which friction element i slips: now and a step
+    ago. Each is the element's own, plus what its table adds at that joint coordinate, psi now and
+    psi_before a step ago (rad), plus what the joint's force adds. bearing: forces of joints
     (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s)."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)

@@ -6,9 +6,10 @@ and the depth d = e - clearance, where d > 0, the bearing pushes it back to the 
     N = S (1 + c e'/v), at least 0,    S = load (d / depth)^n,
 
 n = 3/2 (Hertz) or 1, v being the largest |e'| since it touched (Lankarani and Nikravesh, Nonlinear
-Dynamics 5 (1994) 193; Flores, Ambrosio et al., J. Comput. Nonlinear Dyn. 1 (2006) 240). A free blow
-then has the restitution r where c solves (1 + r) c = ln((1 + c)/(1 - r c)), exactly, at any speed:
-the integral of u/(1 + c u) from -r to 1 is 0. (3 (1 - r²)/4, as often used, is its limit at r = 1.)
+Dynamics 5 (1994) 193; Flores, Ambrosio et al., J. Comput. Nonlinear Dyn. 1 (2006) 240). A free
+impact then has the restitution r where c solves (1 + r) c = ln((1 + c)/(1 - r c)), exactly, at any
+speed: the integral of u/(1 + c u) from -r to 1 is 0. (3 (1 - r²)/4, as often used, is its limit at
+r = 1.)
 
 The surfaces slide on each other at e times the turn of (x, y) plus radius times that of the pin.
 Friction is a bristle (friction.py), bent by `bristle_deflection` where it slips at `load`; it bears
@@ -35,12 +36,13 @@ PIN = "pin with play"
 """The joint's type: a planar joint, whose openings are a turn, x and y."""
 
 FINER = 4.0
-"""By how much the step of pins at their load is finer than the stable one: a blow then takes seven
-steps, and its restitution is right to 4 %; at the stable one it takes two, and is off by half."""
+"""By how much the step of pins at their load is finer than the stable one: an impact then takes
+seven steps, and its restitution is right to 4 %; at the stable one it takes two, and is off by
+half."""
 
 REMEDY = (
-    "the step is made for blows of this pin up to its `load`: where it is pressed harder, state a "
-    "larger `load` (with the `depth` at it), or a shorter solver.step"
+    "the step is made for impacts of this pin up to its `load`: where it is pressed harder, state "
+    "a larger `load` (with the `depth` at it), or a shorter solver.step"
 )
 
 
@@ -49,7 +51,7 @@ class Journal(Connector):
     """Contact of a pin in a bearing with clearance. hinge: index of its joint's turn, after which
     come x and y; clearance: radius of the bearing less that of the pin (m); load: force (N) at
     which it goes in by `depth` (m), about the largest; law: "hertz" (by the power 3/2) or "linear";
-    restitution: speed after a free blow over that before, above 0 and at most 1; friction:
+    restitution: speed after a free impact over that before, above 0 and at most 1; friction:
     coefficient; radius: of the pin (m), above 0 if it rubs; bristle_deflection: how far the
     surfaces give along each other before they slip (m), at `load`."""
 
@@ -67,7 +69,7 @@ class Journal(Connector):
         text="`hertz`: force by the power 3/2 of the depth; `linear`",
     )
     restitution: float = number(
-        "", above=0.0, default=1.0, text="speed after a free blow over that before it, at most 1"
+        "", above=0.0, default=1.0, text="speed after a free impact over that before it, at most 1"
     )
     friction: float = number("", 0.0, default=0.0, text="coefficient of friction")
     radius: float = number("m", 0.0, default=0.0, text="of the pin, at which it rubs")

@@ -40,8 +40,9 @@ class TableSpring(Connector):
 
     @property
     def slopes(self) -> np.ndarray:
-        """Slopes (n - 1,) of the moment between neighbouring points of the table, N m/rad (N/m on a
-        slide)."""
+        """Slopes (n - 1,) of the moment over the opening between neighbouring points of the table,
+        N m/rad (N/m on a slide). Moments above 0 open the hinge, so a spring that resists has
+        slopes below 0."""
         return np.diff(self.moments) / np.diff(self.angles)
 
     @property

@@ -50,8 +50,9 @@ class Support(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side, besides the held axes:
-        indices of particles that can turn about two axes only (`moved_particles`)."""
+        """Return a tuple of the indices of a scene's particles that can turn about two axes only
+        (`moved_particles`). It must be equal in scenes simulated side by side, as the held axes
+        must, which are compared elsewhere (solver/pack.py)."""
         return tuple(cls.moved_particles(scene))
 
     @classmethod

@@ -310,7 +310,8 @@ def motion(build, args):
     rate=NumberKey(unit="rad/s", text="of its opening"),
 )
 def opening_rate(build, args):
-    """How fast an opening changes at the start; what else moves is as after a blow in these joints.
+    """How fast an opening changes at the start; what else moves is as after an impact in these
+    joints.
 
     Notes it in the scene. build: Builder of the sample; args: values of an entry: joint (index of a
     hinge), rate (rad/s; m/s on a slide)."""

@@ -2,6 +2,7 @@
 points whose motion is recorded."""
 
 from functools import lru_cache
+from itertools import compress
 
 import numpy as np
 
@@ -97,12 +98,12 @@ def _fit(expression: Expression, numbers: tuple, start: float, end: float) -> Cu
     """The curve that an expression is from a time `start` to another, `end` (s). numbers: names
     and values, numbers or vectors, as bytes, which can be hashed."""
     arrays = {name: np.frombuffer(data) for name, data in numbers}
-    known = {name: a if a.size > 1 else float(a[0]) for name, a in arrays.items()}
+    numbers_by_name = {name: a if a.size > 1 else float(a[0]) for name, a in arrays.items()}
 
     def value(u: float) -> float:
         time = start + u * (end - start)
         try:
-            return expression.value({**known, "u": u, "t": time})
+            return expression.value({**numbers_by_name, "u": u, "t": time})
         except ExpressionError as error:
             raise CurveError(f"at {time:.9g} s it is {error}") from None
 
@@ -265,14 +266,15 @@ def _lead(build, args, particle: int, arm) -> None:
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
     place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
-    others = [
+    constraints = [
         j for j in scene.kinds.get(Joint, []) if j.type == "held" and j.particles[0] == particle
     ]
-    held = {axis for j in others if np.allclose(j.beams[0].arm, arm.arm) for axis in j.support_axes}
+    is_same = [np.allclose(joint.beams[0].arm, arm.arm) for joint in constraints]
+    axes_held = "".join(compress((j.support_axes for j in constraints), is_same))
     if not np.any(arm.arm):
-        held |= {axis for axis, fixed in zip("xyz", scene.fixed[particle], strict=False) if fixed}
-    if held & set(axes):
-        allowed = f"axes along which nothing else holds the point, not {', '.join(sorted(held))}"
+        axes_held += "".join(compress("xyz", scene.fixed[particle]))
+    if set(axes_held) & set(axes):
+        allowed = f"axes along which nothing else holds the point, not {', '.join(axes_held)}"
         build.refuse("translations", axes, allowed)
     leader = int(scene.add_particles(place, 1.0, 1.0)[0])
     scene.drive(leader, args.velocity, args.spin, _index(args.curve))

@@ -18,7 +18,7 @@ from evidence.attack.metamorphic.image import Image
 from evidence.attack.metamorphic.pairs import Trial
 from evidence.attack.metamorphic.runs import scene_of
 from evidence.attack.metamorphic.space import rotate
-from fpm.elements import KINDS, Probe, kinds_of
+from fpm.elements import KINDS, Journal, Probe, kinds_of
 
 PENDULUM = {
     "points": {"p0": [0.0, 0.0, 0.0], "t0": [0.6, 0.1, 0.2]},
@@ -62,8 +62,9 @@ def test_a_pair_that_is_alike_is_right_and_any_other_wrong(monkeypatch):
 
 
 def test_the_ballast_has_all_kinds():
-    """So that one loop serves all structures of the attack; a probe is there where it is asked."""
-    assert set(kinds_of([scene_of(add_ballast({}))])) == set(KINDS) - {Probe}
+    """So that one loop serves all structures of the attack; a probe is there where it is asked, and
+    no structure is drawn with a pin with play."""
+    assert set(kinds_of([scene_of(add_ballast({}))])) == set(KINDS) - {Probe, Journal}
 
 
 @pytest.mark.slow

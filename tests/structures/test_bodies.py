@@ -153,7 +153,7 @@ def test_a_spring_sits_on_revolute_joints_only():
     ball = ("elbow: {type: revolute, parts: [one, two], at: b, axis: y}",
             "elbow: {type: spherical, parts: [one, two], at: b}")  # fmt: skip
     spring = "actions:\n  s: {type: torsion spring, joint: elbow, stiffness: 1}\ngravity:"
-    refused(changed(ARM, ball), "gravity:", spring, "the name of a revolute joint")
+    refused(changed(ARM, ball), "gravity:", spring, "the name of a revolute or screw")
 
 
 LUMP = """

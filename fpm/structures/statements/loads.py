@@ -259,7 +259,8 @@ def _lead(build, args, particle: int, arm) -> None:
         build.refuse("rotations", args.rotations, "xyz with all `translations`, or none")
     if not axes:
         build.refuse("translations", "none", "one of x, y, z, or several, with `rotations: none`")
-    free = [axis for axis, v in zip("xyz", args.velocity, strict=True) if v and axis not in axes]
+    moves = np.abs(args.velocity) > 1e-12 * np.linalg.norm(args.velocity)  # but for rounding
+    free = [axis for axis in compress("xyz", moves) if axis not in axes]
     if free:
         allowed = f"0 along {', '.join(free)}, or `translations` with it"
         build.refuse("velocity", args.velocity.tolist(), allowed)

@@ -23,6 +23,10 @@ WORK = 1000.0
 of that on a driven body, which the drive takes back, is ten times as large, and the balance allows
 a hundredth of the scale."""
 
+GAP_OF_ASSEMBLY = 1e-11
+"""How far joints may be open at the start, as a share of the scene's size, where parts were forced
+together or brought into equilibrium (fpm.assembly.GAP_TOL); the first steps close them."""
+
 
 def blank(*shape_and_dtype) -> np.ndarray:
     """Return zeros of a given shape whose memory begins at a multiple of 64 bytes, for fast
@@ -266,7 +270,8 @@ class Batch:
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
             moment += sum(kind.held_round(scene) for kind in self.kinds)
-            scale[lane] = WORK * gap * moment + 0.5 * inertia * (gap / step) ** 2
+            start_gap = gap if scene.unstrained is None else max(gap, GAP_OF_ASSEMBLY)
+            scale[lane] = WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
         return scale
 
 

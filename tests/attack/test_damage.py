@@ -40,7 +40,7 @@ def test_damaged_files_are_named_and_made_again(tmp_path):
 @pytest.mark.slow
 def test_damaged_figures_pages_and_motions_are_named_and_made_again(tmp_path):
     """All in one folder, since to draw again takes seconds."""
-    drawn, rng = Victim(tmp_path, drawn=True), random.Random(20)
+    drawn, rng = Victim(tmp_path, has_figures=True), random.Random(20)
     folder = drawn.copy(tmp_path / "attacked")
     people = ("figures", "motions", "report")
     paths = [files[0] for kind, files in kinds_in(folder).items() if kind.startswith(people)]

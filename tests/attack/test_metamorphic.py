@@ -118,7 +118,7 @@ for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800
             step=duration * units[2] / 40, energy_tolerance=0.02 if wait > 1.0 else 1.0,
         )
         print(seed, wait, units, outcome.failure or "right")
-structure, duration = drawn("h15")  # all driven, under loads that nothing feels
+structure, duration = draw_structure("h15")  # all driven, under loads that nothing feels
 (outcome,) = fpm.simulate(scene_of(structure), duration=duration, instants=11, step=duration / 40)
 print("h15", outcome.failure or "right")
 """
@@ -139,7 +139,7 @@ from evidence.attack.metamorphic import families
 from evidence.attack.metamorphic.image import Image, scale
 from evidence.attack.metamorphic.pairs import Trial
 from evidence.attack.metamorphic.plain_loop import disable_compilation
-from evidence.attack.metamorphic.runs import drawn
+from evidence.attack.metamorphic.runs import draw_structure
 from evidence.attack.metamorphic.structure_text import map_numbers
 
 def in_far_units(structure, rng):
@@ -149,7 +149,7 @@ def in_far_units(structure, rng):
 disable_compilation()
 families.FAMILIES["in far units"] = in_far_units
 for seed in range(900000, 900014):
-    for one in Trial(*drawn(str(seed)), str(seed)).verdicts(["in far units"]):
+    for one in Trial(*draw_structure(str(seed)), str(seed)).verdicts(["in far units"]):
         print(seed, one.what, one.outcome)
 """
 

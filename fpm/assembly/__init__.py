@@ -130,7 +130,7 @@ class _RestSearch:
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._free = np.flatnonzero(~scene.fixed.ravel())
-        self._weight = conditions.weight(self._size)
+        self._weight, self._mass = conditions.weight(self._size), None
         self.open_before = self._worst(start)
         self._no_gaps, self._no_force = np.zeros(len(self._weight)), np.zeros(len(self._scales))
 
@@ -172,8 +172,8 @@ class _RestSearch:
         return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
 
     def _system(self, poses, bars, impulses, ratio):
-        rules = self._scales, self._free, self._weight
-        return linearise(self._scene, poses, self._conditions, bars, impulses, *rules, ratio=ratio)
+        rules = self._scales, self._free, self._weight, None, ratio, self._mass
+        return linearise(self._scene, poses, self._conditions, bars, impulses, *rules)
 
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
@@ -318,7 +318,17 @@ def _negative(apply, count: int, share: float = 0.0) -> np.ndarray:
 
 
 def linearise(
-    scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, ratio=MASS_SHARE
+    scene,
+    poses,
+    conditions,
+    elastic,
+    impulses,
+    scales,
+    free,
+    weight,
+    ease=None,
+    ratio=MASS_SHARE,
+    mass=None,
 ):
     """Set up linear equations of a Newton step to static balance; returns a function solve(forces,
     gap_changes) and the gradient (6n,) of strain energy plus conditions times impulses.
@@ -330,7 +340,8 @@ def linearise(
     Unstressed; impulses (c,): Lagrange multipliers of the conditions (N m); scales (6n,): size (m)
     for shifts, 1 for turns; free: indices of degrees of freedom not held; weight (c,): factors that
     make conditions dimensionless; ease: stiffness (N m) by which the largest mass, others in
-    proportion, holds back motions that strain nothing; None: `ratio` of the largest stiffness."""
+    proportion, holds back motions that strain nothing; None: `ratio` of the largest stiffness;
+    mass: sparse matrix (6n, 6n) of masses by scaled motions, None: the scene's."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
@@ -339,7 +350,8 @@ def linearise(
     rows, curvature = conditions.derivatives(poses, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
     stiffness = scale_matrix(stiffness, scales, scales)
-    mass = scale_matrix(masses(scene, poses), scales, scales)
+    if mass is None:
+        mass = scale_matrix(masses(scene, poses), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = ratio * largest if largest > 0 else 1.0

@@ -6,13 +6,15 @@ of bars are in balance then; what holds openings exactly holds them. From positi
     dU(x) + G'λ + ε M (x - x₀) = 0,   g(x) = 0
 
 is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
-energy U against a drag in proportion to the masses (pseudo-transient continuation: Kelley and
-Keyes, SIAM J. Numer. Anal. 35 (1998) 508). ε falls while that succeeds, so that the steps become
-Newton's own; it grows where Newton's method does not converge, moves too far, or comes to what is
-no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes by is the strain energy of bars,
-less the work of all other forces on the way, which need no potential. They come from the elements'
-own kernels, their stiffness from differences of these. Friction and dampers give no force at rest;
-latches have not caught."""
+energy U against a drag M in proportion to the masses (pseudo-transient continuation: Kelley and
+Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Turns, as rotation vectors, are dragged as shifts by the
+size are, about all axes alike: with their inertias, a slender body that spins about its own axis,
+at next to no cost, has U + ε M (x - x₀)²/2 without a minimum unless ε is large. ε falls while that
+succeeds, so that the steps become Newton's own; it grows where Newton's method does not converge,
+moves too far, or comes to what is no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes
+by is the strain energy of bars, less the work of all other forces on the way, which need no
+potential. They come from the elements' own kernels, their stiffness from differences of these.
+Friction and dampers give no force at rest; latches have not caught."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -31,12 +33,11 @@ from fpm.assembly import (
     _negative,
     _RestSearch,
     linearise,
-    masses,
 )
 from fpm.assembly.conditions import ParticlePoses, conditions_of, scale_matrix
 from fpm.assembly.elastic import elastic_of
 from fpm.assembly.element_forces import ElementForces, acts
-from fpm.elements import Drag, Load, Motor, Release, Stop, TorsionSpring, kinds_of
+from fpm.elements import Drag, Journal, Load, Motor, Release, Stop, TorsionSpring, kinds_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
 
@@ -111,8 +112,9 @@ def balance(scene, hold: Mapping[str, float]) -> None:
 
 class Potential:
     """What enters the static equilibrium at the start of a scene: bars, and all elements that store
-    energy or load it, but friction and latches. Its methods take `poses`, positions and frames of
-    all n particles; elements with memory, as of full turns, go on from the poses followed last."""
+    energy or load it, but friction and latches; pins with play neither rub nor damp. Its methods
+    take `poses`, positions and frames of all n particles; elements with memory, as of full turns,
+    go on from the poses followed last."""
 
     def __init__(self, scene):
         self.bars, self._hinges = elastic_of(scene), list(scene.hinges)
@@ -125,6 +127,7 @@ class Potential:
         }
         for kind, springs in _springs_at_start(scene).items():
             elements[kind] = [*kind.find(scene), *springs]
+        elements[Journal] = [replace(p, friction=0.0, restitution=1.0) for p in Journal.find(scene)]
         elements[Drag] = [drag for drag in Drag.find(scene) if np.any(drag.wind)]
         self._sources = [
             ElementForces(scene, group, _turns(group) if kind in (Load, Drag) else ())
@@ -222,12 +225,16 @@ class _EquilibriumSearch(_RestSearch):
     """Search of poses in stable equilibrium of a scene with hinges held at openings, by name."""
 
     def __init__(self, scene, hold: Mapping[str, float]):
+        from scipy.sparse import diags_array
+
         start = ParticlePoses(scene.position.copy(), scene.frame.copy())
         self.potential, self._targets, self._is_led = Potential(scene), dict(hold), False
         conditions = conditions_of(scene, list(hold))
         super().__init__(scene, start, conditions, self.potential, list(hold))
-        mass = scale_matrix(masses(scene, start), self._scales, self._scales)
-        self._can_fall, self._key, self._mass = True, "start", mass / mass.max()
+        mass = np.repeat(scene.mass, 6)
+        share = np.minimum(mass / mass[self._free].max(initial=TINY), 1.0)
+        self._mass = diags_array(share, format="csc")
+        self._can_fall, self._key = True, "start"
         self._remedy = "a stated position to its side, or `curvature` of the bar,"
 
     def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
@@ -293,13 +300,13 @@ class _EquilibriumSearch(_RestSearch):
         self._refuse_motion(motion)
 
     def _linearise(self, poses, impulses, ease: float):
-        rules = self._scales, self._free, self._weight, ease
+        rules = self._scales, self._free, self._weight, ease, 0.0, self._mass
         return linearise(self._scene, poses, self._conditions, self.potential, impulses, *rules)
 
     def _approach(self, poses, impulses, ease: float, rounding: float):
         """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion; or None.
         Where forces are left of `rounding` (N m) only, nothing moves."""
-        motion = self._no_force
+        first, motion = poses, self._no_force
         for count in range(ROUNDS):
             solve, gradient = self._linearise(poses, impulses, ease)
             lacks = self._lacks(poses)
@@ -307,7 +314,8 @@ class _EquilibriumSearch(_RestSearch):
             if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
                 return poses, impulses, motion
             step, change = solve(-gradient - ease * (self._mass @ motion) / self._scales, lacks)
-            motion, poses = motion + step, poses.displace(self._scales * step)
+            poses = poses.displace(self._scales * step)
+            motion = _motion(first, poses) / self._scales
             largest, size = (np.abs(x).max(initial=0.0) for x in (step, motion))
             if not (np.isfinite(largest) and max(largest, size) <= REACH):
                 return None

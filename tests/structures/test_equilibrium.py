@@ -164,6 +164,98 @@ def test_a_chain_hangs_as_its_horizontal_force_has_it():
     assert np.diff(places, axis=0) == pytest.approx(steps[:-1], abs=1e-9)
 
 
+def chain(seed: int) -> tuple[str, list]:
+    """A random chain of rods, slender to thick, on joints with one to three axes, with loads and
+    springs; and of each rod its way (m), mass, load, and the joint's axes, springs and rests."""
+    draw, parts = np.random.default_rng(seed), []
+    points, lists = [np.zeros(3)], {"bodies": [], "joints": [], "loads": [], "actions": []}
+    for i in range(draw.integers(1, 5)):
+        axes = Rotation.random(random_state=draw).as_matrix()[: draw.integers(1, 4)]
+        way, mass, size = draw.standard_normal(3), draw.uniform(0.1, 3), 10 ** draw.uniform(-3, 0)
+        load = draw.choice([0, 0.1, 10]) * draw.standard_normal(3)
+        springs = draw.choice([0, 20], len(axes)) * (len(axes) < 3)
+        rests, type_ = draw.uniform(-1, 1, 3), ["revolute", "universal", "spherical"][len(axes) - 1]
+        words = "".join(f", {k}: {a.tolist()}" for k, a in zip(("axis", "other"), axes))  # noqa: B905
+        joint = f"parts: [{f'b{i - 1}' if i else 'ground'}, b{i}], at: p{i}"
+        joint += words * (len(axes) < 3)
+        lists["joints"].append(f"j{i}: {{type: {type_}, {joint}}}")
+        rod = f"from: p{i}, to: p{i + 1}, mass: {mass}, diameter: {size}"
+        lists["bodies"].append(f"b{i}: {{type: rod, {rod}}}")
+        lists["loads"].append(f"l{i}: {{part: b{i}, at: p{i + 1}, force: {load.tolist()}}}")
+        names = [f"j{i}_axis", f"j{i}_other"] if len(axes) == 2 else [f"j{i}"]
+        lists["actions"] += [
+            f"s{n}: {{type: torsion spring, joint: {n}, stiffness: {k} N m/rad, rest: {r} rad}}"
+            for n, k, r in zip(names, springs, rests)  # noqa: B905
+            if k
+        ]
+        points.append(points[-1] + way)
+        parts.append((way, mass, load, axes, springs, rests, names))
+    lists["points"] = [f"p{i}: {point.tolist()}" for i, point in enumerate(points)]
+    text = f"start: equilibrium\ngravity: [0, 0, -{G}]\n"
+    for key, lines in lists.items():
+        text += f"{key}:\n  " + "\n  ".join(lines) + "\n" if lines else ""
+    return text, parts
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_chain_of_rods_that_turn_in_space_rests_where_its_potential_is_least(seed):
+    """Its slopes and curvatures by turns about all axes of all joints, from where it was found."""
+    text, parts = chain(seed)
+    scene = loads(text).build()
+    openings = {hinge.name: hinge.opening for hinge in scene.hinges}
+    bodies = [scene.bodies[f"b{i}"] for i in range(len(parts))]
+    found = [np.eye(3), *scene.frame[bodies] @ scene.unstrained[bodies].transpose(0, 2, 1)]
+
+    def potential(angles):
+        energy, end, turn, angles = 0.0, np.zeros(3), Rotation.identity(), iter(angles)
+        for i, (way, mass, load, axes, springs, rests, names) in enumerate(parts):
+            for k, axis in enumerate(axes):  # the other axis of a universal joint is the rod's
+                angle = next(angles)
+                turn *= Rotation.from_rotvec(angle * found[i + (len(axes) == 2 and k)] @ axis)
+                opening = angle + openings.get((names * 3)[k], 0.0)
+                energy += springs[k] * (opening - rests[k]) ** 2 / 2
+            step = turn.apply(found[i + 1] @ way)
+            energy += mass * G * (end + step / 2)[2] - load @ (end + step)
+            end = end + step
+        return energy
+
+    nudges = 1e-4 * np.eye(sum(len(part[3]) for part in parts))
+    slopes = [potential(a) - potential(-a) for a in nudges]
+    curvatures = [
+        [potential(a + b) - potential(a - b) - potential(b - a) + potential(-a - b) for a in nudges]
+        for b in nudges
+    ]
+    values = np.linalg.eigvalsh(curvatures) / 4e-8
+    assert np.abs(slopes).max() / 2e-4 < 1e-7 * values[-1]
+    assert values[0] > -1e-6 * values[-1]
+
+
+STARTS = [(1e-3, "[1, 0, 0]"), (0.1, "[1, 0, 0]"), (1e-3, "[0, 0, 1]"), (0.1, "[0.6, 0, 0.8]")]
+
+
+@pytest.mark.parametrize(("size", "start"), STARTS)
+@pytest.mark.parametrize("force", [0, 0.1, 3])
+def test_a_rod_on_a_ball_hangs_along_half_its_weight_and_what_pulls_its_end(size, start, force):
+    rod = f"{{rod: {{type: rod, from: P, to: Q, mass: 1, diameter: {size}}}}}"
+    joint = "{ball: {type: spherical, parts: [ground, rod], at: P}}"
+    load = f"{{pull: {{part: rod, at: Q, force: [0, {force}, 0]}}}}"
+    text = f"start: equilibrium\ngravity: [0, 0, -{G}]\npoints: {{P: [0, 0, 0], Q: {start}}}\n"
+    centre = loads(f"{text}bodies: {rod}\njoints: {joint}\nloads: {load}").build().position[-1]
+    pull = np.array([0, force, -G / 2])
+    assert centre == pytest.approx(pull / np.linalg.norm(pull) / 2, abs=1e-9)
+
+
+@pytest.mark.parametrize("loss", [", friction: 0.4, radius: 5 mm", ", restitution: 0.2"])
+@pytest.mark.parametrize("place", [(0, 0), (1, 0), (-0.6, -0.8)])
+def test_a_pin_with_play_hangs_at_the_lowest_place_of_its_bearing(place, loss):
+    pin = "type: pin with play, x: x, clearance: 1 mm, load: 100 N, depth: 1 um, "
+    pin += f"opening_x: {place[0]} mm, opening_y: {place[1]} mm{loss}"
+    text = changed(ARM, ("c: [0.5 m, 0, 0]", "c: [0, 0, -0.5 m]"), ("type: revolute", pin))
+    x, y = (hinge.opening for hinge in loads(text).build().hinges[1:])
+    depth = 1e-6 * (2 * G / 100) ** (2 / 3)
+    assert (x, abs(y)) == pytest.approx((0, 1e-3 + depth), abs=1e-10)
+
+
 @pytest.mark.slow
 def test_a_rod_let_go_from_its_bent_shape_swings_in_the_modes_of_euler_and_bernoulli():
     """Let go by a load that ends at once; motion of the end by the sum over clamped modes."""

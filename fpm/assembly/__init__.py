@@ -347,14 +347,15 @@ def linearise(
 
     count = len(scales)
     gradient, stiffness = elastic.derivatives(poses)
+    if ease is None:  # impulses left from what moved do not count: they have no end but zero
+        largest = abs(scale_matrix(stiffness, scales, scales)).max() if stiffness.nnz else 0.0
+        ease = ratio * largest if largest > 0 else 1.0
     rows, curvature = conditions.derivatives(poses, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
     stiffness = scale_matrix(stiffness, scales, scales)
     if mass is None:
         mass = scale_matrix(masses(scene, poses), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
-    if ease is None:
-        ease = ratio * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
     rows = scale_matrix(rows, weight, scales)[:, free]

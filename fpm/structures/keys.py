@@ -84,7 +84,7 @@ class NumberKey(Key):
         return replace(self, unit=of_slide) if self.joint in joints else self
 
     def read(self, node, place):
-        _refuse_hertz(node, place, self.unit)
+        _refuse_angle_units(node, place, self.unit)
         bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
         return _check(bound, place, self.allowed, self._allows)
 
@@ -106,10 +106,13 @@ class WholeKey(Key):
         return lambda build: round(number(build))
 
 
-def _refuse_hertz(node: Any, place: Place, unit_text: str) -> None:
-    """Refuse a rate of an angle in Hz: units tell turns a second and radians a second not apart."""
-    if unit_text == "rad/s" and re.search(r"(?<![\w.])Hz\b", node.text or ""):
+def _refuse_angle_units(node: Any, place: Place, unit_text: str) -> None:
+    """Refuse rates of an angle in Hz, and lengths for each radian: in units a turn is a number."""
+    text = node.text or ""
+    if unit_text == "rad/s" and re.search(r"(?<![\w.])Hz\b", text):
         place.refuse(node, "a value in rad/s, deg/s or rpm (1 turn a second is 2*pi rad/s)")
+    if unit_text == "m" and re.search(r"/\s*(rad|deg)\b", text):
+        place.refuse(node, "a length in m, not one for each radian or degree")
 
 
 def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> BuildValue:
@@ -138,7 +141,7 @@ class VectorKey(Key):
     def read(self, node, place):
         dimension = unit(self.unit).dimension
         for item in node.items or [node]:
-            _refuse_hertz(item, place, self.unit)
+            _refuse_angle_units(item, place, self.unit)
         if node.text:
             vector = place.number(node, dimension._replace(vector=True), self.allowed)
             return lambda build: build.number(vector, place.key)

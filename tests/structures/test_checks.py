@@ -70,6 +70,8 @@ WRONG = [
      "none of them more than the sum of the other two"),
     ("record:", "bodies: {box: {mass: 1, centre: B, box: [0, 0, 0]}}\nrecord:",
      "edges >= 0, at most two of them 0"),
+    ("record:", "struts: {t: {type: spring, stiffness: 1, rest: 3 mm/rad}}\nrecord:",
+     "struts.t.rest: '3 mm/rad' is not allowed; allowed: a length in m, not one for each radian"),
     ("record:", "opening_rates: {r: {joint: root, rate: 2 Hz}}\nrecord:",
      "opening_rates.r.rate: '2 Hz' is not allowed; allowed: a value in rad/s, deg/s or rpm"),
     ("record:", "assemble: yes\nrecord:", "assemble: 'yes' is not allowed; allowed: true, false"),

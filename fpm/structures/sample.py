@@ -22,8 +22,8 @@ from fpm.structures.statement import PARTS, Entry
 RATE_TOL = 1e-6
 """Share of the fastest opening by which a stated rate may be missed at the start."""
 
-FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
-"""Groups that are built before parts are forced together."""
+FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "drives")
+"""Groups that are built before parts are forced together, which drives hold as supports do."""
 
 MOTIONS = "initial_velocities"
 """Group that is built last: as rigid bodies, from where the parts are."""

@@ -6,6 +6,7 @@ from structures_for_tests import FOLDER, FOURBAR, changed, refused
 
 import fpm
 from fpm.assembly import MisfitError, assemble
+from fpm.assembly.conditions import ParticlePoses, conditions_of
 from fpm.scenes.scene_type import SceneType
 from fpm.structures import StructureError, loads
 from fpm.structures.describe import describe
@@ -189,6 +190,43 @@ def test_a_load_and_a_recorded_point_stay_where_they_are_on_their_bar():
     scene = loads(text).build(slack=1)
     assert scene.loads[0].beam.arm == pytest.approx(0, abs=1e-15)
     assert scene.points["pin"].arm == pytest.approx(0, abs=1e-15)
+
+
+# A hub and a rod, rigid both; the rod's end b is off by `off` of 23 mm.
+PAIR = """
+assemble: true
+parameters: {off: {value: 1, range: [0, 1]}}
+points: {a: [0, 0, 0], b: "off*[3 mm, 20 mm, 10 mm]", g: [0, 0, -0.3], t: [1, 0.1, 0]}
+bodies:
+  hub: {mass: 30, centre: g, box: [0.5, 0.5, 0.4], points: [a]}
+  rod: {type: rod, from: b, to: t, mass: 2, diameter: 20 mm}
+joints: {j: {TYPE, parts: [hub, rod], at: {hub: a, rod: b}}}
+record: {g: {part: hub, at: g}}
+"""
+
+
+@pytest.mark.parametrize("off", [1, 0.03, 0.001])
+@pytest.mark.parametrize(
+    "joint",
+    ["revolute, axis: -y", "cylindrical, axis: y", "prismatic, axis: z", "spherical", "fixed",
+     '"screw", axis: x, pitch: 20 mm', '"pin in slot", axis: z, x: x', "planar, axis: z, x: x",
+     "universal, axis: x, other: y"],
+)  # fmt: skip
+@pytest.mark.parametrize("drive", ["", "xyz", "xz"])
+def test_two_rigid_bodies_close_moving_no_more_than_they_must(joint, off, drive):
+    """What is free keeps its centre of mass; what a drive leads stays, as if supported."""
+    text = PAIR.replace("TYPE", f"type: {joint}")
+    if drive:
+        rest = "" if drive == "xyz" else f", translations: {drive}, rotations: none"
+        text += f"drives: {{d: {{part: hub, at: g, velocity: [0.1, 0, 0]{rest}}}}}\n"
+    scene = loads(text).build(off=off)
+    closed = conditions_of(scene).gaps(ParticlePoses(scene.position, scene.frame))
+    assert np.abs(closed).max() < 1e-11
+    motion = (scene.position - scene.unstrained_position)[:2]
+    assert np.abs(motion).max() < 0.025 * off
+    axes = ["xyz".index(axis) for axis in drive]
+    assert motion[0, axes] == pytest.approx(0, abs=1e-11)
+    assert drive or scene.mass[:2] @ motion == pytest.approx(0, abs=1e-9 * off)
 
 
 def test_what_cannot_be_forced_together_is_refused_with_the_joint_and_the_misfit():

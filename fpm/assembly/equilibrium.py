@@ -199,7 +199,7 @@ def _springs_at_start(scene) -> dict[type, list]:
     springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
     stops = []
     for motor in Motor.find(scene):
-        factor = scene.curves[motor.curve].value(0.0) if motor.curve >= 0 else 1.0
+        factor = scene.curve(motor.curve).value(0.0)
         rest = motor.start + (0.0 if motor.by_rate else motor.turn * float(factor))
         if motor.backlash is None:
             springs.append(TorsionSpring(motor.hinge, motor.stiffness, rest))

@@ -113,7 +113,7 @@ class Cable(ElementType):
             if not (stiffness > 0 and 0 <= preload < np.inf):
                 pair, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
                 raise SceneError(f"EA, preload of cable {name}", pair, allowed)
-            factor = scene.curves[curve].value(0.0) if curve >= 0 else 0.0
+            factor = scene.curve(curve).value(0.0)
             reel_length = fields.get("reel", 0.0) * factor
             rest = length_through(scene, beams) / (1 + preload / stiffness) + reel_length
         if 0 <= (drum := fields.get("drum", -1)) < len(scene.hinges):
@@ -154,13 +154,13 @@ class Cable(ElementType):
     def rest_at(self, scene, time: float) -> float:
         """Unstrained length (m) outside the winch at a `time` (s), outside the drum at the start.
         scene: has the winch's curve, and the drum's hinge."""
-        factor = scene.curves[self.curve].value(time) if self.curve >= 0 else 0.0
+        factor = scene.curve(self.curve).value(time)
         turn = scene.hinges[self.drum].opening - self.start if self.drum >= 0 else 0.0
         return float(self.rest - self.reel * factor - self.radius * turn)
 
     def shortest(self, scene) -> float:
         """Return the least unstrained length (m) of the cable at any time. scene: has its curve."""
-        factors = scene.curves[self.curve].extremes() if self.curve >= 0 else np.zeros(1)
+        factors = scene.curve(self.curve).extremes()
         if self.drum >= 0:
             return self.least
         return float(self.rest - np.max(self.reel * np.array(factors)))

@@ -157,11 +157,6 @@ class Batch:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
-    def is_read(self, kind: type) -> bool:
-        """Return whether another element type of these scenes needs the arrays of the type `kind`
-        in every step (lists it in `reads_in`)."""
-        return any(kind in reader.reads_in(self.scene) for reader in self.kinds)
-
     def work_account(self, kind: type) -> int:
         """Return the column of World.accounts for the work (J) that elements of `kind` give."""
         return self.accounts.index(kind.gives)

@@ -256,11 +256,15 @@ class Batch:
     def _least_scale(self, step: float, steps: int) -> np.ndarray:
         """Energy (lanes,) that rounding may hold in a scene at rest. Joints close in every step
         what rounding opened, which adds up as a random walk; of so much way forces do work. At a
-        stable step no spring has more energy of so much strain than masses have of such motion."""
+        stable step no spring has more energy of so much strain than masses have of such motion.
+        Where all particles are held or driven no motion can grow: the balance proves nothing."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):
             free = ~scene.fixed.all(axis=1)
+            if not free.any():
+                scale[lane] = np.inf
+                continue
             reach = np.abs(scene.position).max(initial=0.0)
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)

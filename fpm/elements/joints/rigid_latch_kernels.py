@@ -122,7 +122,7 @@ def work_after(part, world, timing):
     latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], timing)
+        moment = moment_of(part.turns, part.turn[i], timing, world)
         impulse = timing.kick * moment
         store(part.state, i, MOMENT, moment)
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)

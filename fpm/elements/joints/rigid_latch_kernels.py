@@ -103,9 +103,11 @@ def decide(part, world, timing):
             for s in range(part.state.shape[2]):
                 if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
                     psi_start, psi_end = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
-                    pass_by(
-                        part, i, s, psi_start, psi_end, part.rates[i, LAST, s], end, timing.step
-                    )
+                    rate = part.rates[i, LAST, s]
+                    if timing.time == 0.0:
+                        pass_by(part, i, s, psi_start, psi_start, rate, 0.0, timing.step)
+                    if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
+                        pass_by(part, i, s, psi_start, psi_end, rate, end, timing.step)
                     if part.state[i, IS_CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]

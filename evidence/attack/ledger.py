@@ -43,8 +43,7 @@ class Ledger:
     def attempt(self, attack: str, detail: str, limit: float, act: Callable[[], str]) -> None:
         """Count what an attack leads to: what `act` says, or its exception, or the time limit (s).
 
-        In the main thread only.
-        """
+        In the main thread only."""
         try:
             with time_limit(limit):
                 outcome = act()

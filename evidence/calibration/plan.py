@@ -64,8 +64,7 @@ def supports() -> Plan:
 def start_of_half_angle(degrees: float) -> float:
     """Start (degrees) at which half the angle between two bars' axes at B is `degrees`.
 
-    The reading of mu_B = 22.5° as the angle from which the paper starts.
-    """
+    The reading of mu_B = 22.5° as the angle from which the paper starts."""
     from scipy.optimize import brentq
 
     geometry = bennett_geometry(default("L"), SIDE, default("roll"), default("mu"))

@@ -1,8 +1,7 @@
 """Extremes of cables: stiff and soft, slack and barely tight, light bodies, points that meet.
 
 Each case runs at the default step; if it is refused, the message must name a remedy, which is
-tried: shares of the stable step down to 2 %. Then it is judged by a closed form.
-"""
+tried: shares of the stable step down to 2 %. Then it is judged by a closed form."""
 
 from dataclasses import replace
 

@@ -1,8 +1,7 @@
 """Extremes of joints solved together: light on heavy, stiff on soft, long, redundant, flat.
 
 Rods of rigid bodies or bars hang and swing in a plane; each case is judged by the closed form of
-its rods. What is refused is tried again with smaller steps, as its message says.
-"""
+its rods. What is refused is tried again with smaller steps, as its message says."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -67,8 +66,7 @@ def slowest(rods: Sequence[Rod]) -> tuple[float, np.ndarray]:
     """Angular frequency (rad/s) and shape (n,) of the slowest small swing of rods that hang.
 
     With the angles of all rods to the vertical: masses by the velocities of the centres, and the
-    weights' potential energy.
-    """
+    weights' potential energy."""
     from scipy.linalg import eigh
 
     lengths, masses = np.array([rod[:2] for rod in rods]).T
@@ -139,8 +137,7 @@ def widest(outcome: fpm.Outcome) -> float:
 def light_and_heavy() -> list[Row]:
     """Two rods, one up to a million times heavier; light rods pull at heavy bars and back.
 
-    What double precision cannot resolve is refused when a run begins (fpm.solver.start).
-    """
+    What double precision cannot resolve is refused when a run begins (fpm.solver.start)."""
     rows = []
     for top, bottom in ((1, 1), (1, 1e-3), (1, 1e-6), (1e-3, 1), (1e-6, 1)):
         name = f"rod of {bottom:g} kg below one of {top:g} kg"
@@ -154,8 +151,7 @@ def light_and_heavy() -> list[Row]:
 def stiff_and_soft() -> list[Row]:
     """Two bars as stiff as nothing is, one of these and a soft one, and two that bend as they fall.
 
-    The last ones have no closed form; they are held against four times as many elements.
-    """
+    The last ones have no closed form; they are held against four times as many elements."""
     rows = []
     for top, bottom in ((1e10, 1e10), (1e13, 1e13), (1e13, 1e8), (1e8, 1e13)):
         name = f"bars of E = {top:g} and {bottom:g} Pa"
@@ -249,8 +245,7 @@ def redundant() -> list[Row]:
 def flat() -> list[Row]:
     """Cranks that start near the position in which all pins lie on a line, and that go through it.
 
-    There the linkage could go on as a crossed one; its motion decides.
-    """
+    There the linkage could go on as a crossed one; its motion decides."""
     rows = []
     for short in (1e-2, 1e-4, 1e-6, 0.0):
         rows += fall(f"two cranks {short:g} rad below flat", 2, np.pi / 2 - short)

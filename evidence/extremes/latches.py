@@ -1,8 +1,7 @@
 """Extremes of what acts on openings: stiff latches, hard stops, huge and tiny friction and damping.
 
 A rigid flap on a hinge, or a block on a slide, at the default step; what is refused is tried again
-with smaller shares of the stable step, as its message says. Then it is judged by closed forms.
-"""
+with smaller shares of the stable step, as its message says. Then it is judged by closed forms."""
 
 from collections.abc import Callable
 from typing import NamedTuple

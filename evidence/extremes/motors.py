@@ -2,8 +2,7 @@
 
 All cases are scenes of the same kinds, five bodies on hinges of their own, of which one or two do
 something. They run at 0.9 of the stable step (releases at 0.03), or at a millisecond where that is
-shorter.
-"""
+shorter."""
 
 from dataclasses import replace
 
@@ -24,8 +23,7 @@ def bodies(
     release=(0.0, 0.0, 1.0), spin=0.0, preload=np.inf,
 ) -> fpm.Scene:  # fmt: skip
     """A loop (N/m) over bodies 0 and 1, a motor (N m/rad, N m s/rad) on 2, a torque motor (N m,
-    rad/s) on `torque_body`, a release (N m/rad, rad, s) on 4; body 3 starts with a spin (rad/s).
-    """
+    rad/s) on `torque_body`, a release (N m/rad, rad, s) on 4; body 3 starts with a spin (rad/s)."""
     scene = fpm.Scene("bodies on hinges")
     ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
     scene.fix(ground)

@@ -25,8 +25,7 @@ CLOSURE = 120.0
 
 WAVES = (0.002, 0.1)
 """Accuracy of BD and of B's velocity where the linkage moves by micrometres, and waves in its links
-as much.
-"""
+as much."""
 
 
 def rest(name: str, parameters: dict, tolerance: float = 1e-9) -> Row:

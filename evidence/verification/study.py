@@ -70,8 +70,7 @@ def solve(name: str, quick: bool) -> Bench:
     """A problem's rows and figures.
 
     A row that fails is a finding, not an error, and so is a run that breaks down: it leaves a
-    failing row. Errors of the problems themselves are raised.
-    """
+    failing row. Errors of the problems themselves are raised."""
     bench = Bench(name, quick)
     try:
         PROBLEMS[name](bench)

@@ -29,8 +29,7 @@
 
 Curves by response are {units, times, values, bands, lower, upper, best, rates, left}: measured, of
 all runs, and but for a check of the nearest run as the sensor has it, with its rates, and lower and
-upper values of the runs in the narrowed box and start, [] without any.
-"""
+upper values of the runs in the narrowed box and start, [] without any."""
 
 from __future__ import annotations
 

@@ -17,8 +17,7 @@ SLIDE_ACTIONS = ["spring", "damper", "friction", "stop", "latch", "tabulated spr
 
 class StructureDraft:
     """A structure, `structure`, while it is drawn. quiet: nothing moves it before a curve does, and
-    curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one.
-    """
+    curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one."""
 
     def __init__(self, rng: random.Random):
         self.rng, self.quiet = rng, rng.random() < 0.35

@@ -7,8 +7,7 @@ from exudyn import itemInterface as item
 def build(mbs, structure):
     """Everything but what is recorded; returns the markers of the named points.
 
-    The coordinates of a node are its displacements and its turn, all 0 at the start.
-    """
+    The coordinates of a node are its displacements and its turn, all 0 at the start."""
     nodes = _nodes(mbs, structure)
     bodies, gravity = _bodies(mbs, structure, nodes), structure["gravity"]
     for body in [*bodies.values(), *_beams(mbs, structure, nodes)]:

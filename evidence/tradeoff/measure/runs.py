@@ -25,8 +25,7 @@ _GAP = 0.02  # share of the duration
 class Runs:
     """Runs at unit points (R, k): responses values (R, n, T), and the events (e, 3) of each.
 
-    time (T,) s; step (s) and steps of the integration; cpu (s) of a full batch of LANES runs.
-    """
+    time (T,) s; step (s) and steps of the integration; cpu (s) of a full batch of LANES runs."""
 
     case: Case
     points: np.ndarray
@@ -89,8 +88,7 @@ def _impacts(events: np.ndarray, gap: float) -> np.ndarray:
 def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Runs:
     """Run the case at unit points (R, k), each once; the step serves the whole box.
 
-    RuntimeError if a run breaks down.
-    """
+    RuntimeError if a run breaks down."""
     kind = scene_type(case.scene)
     responses = [fpm.responses.parse(n, d, kind.sample) for n, d in case.responses.items()]
     box = box_of(case)

@@ -157,8 +157,7 @@ def light_coupler(bench: Bench) -> None:
         bench.check_small(f"rocker, {name} (rad)", worst, 1e-8, "its geometry", "1 rad")
         worst = np.abs(result - moment).max() / np.abs(moment).max()
         bench.check_small(f"moment, {name}", worst, 3e-4, "J ψ' ψ'' w²", "the largest")
-        bench.check(f"first moment, {name} (N m)", result[0], moment[0], 3e-4,
-                    "J ψ' ψ'' w²")  # fmt: skip
+        bench.check(f"first moment, {name} (N m)", result[0], moment[0], 3e-4, "J ψ' ψ'' w²")
 
 
 def by_rate(bench: Bench) -> None:

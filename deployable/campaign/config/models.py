@@ -78,9 +78,7 @@ class SceneSection(ConfigSection):
 
     name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
-    file: Annotated[
-        str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
-    ] = ABSENT  # fmt: skip
+    file: Annotated[str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")] = ABSENT
     """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
     a Python file is run when it is read, so name only one that you trust."""
     parameters: Annotated[
@@ -298,9 +296,7 @@ class CaseSection(ConfigSection):
         Rule("a mapping from the scene's parameter names to values"),
     ] = field(default_factory=dict)
     """Values of scene parameters that are no intervals."""
-    file: Annotated[
-        str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
-    ] = ABSENT  # fmt: skip
+    file: Annotated[str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")] = ABSENT
     """File of another structure, in the place of the campaign's."""
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
@@ -432,9 +428,9 @@ class Config(ConfigSection):
 
     campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""
-    accuracy: Annotated[
-        Share | Aim, Rule("a number from 0.0001 to 1, or a mapping", unit="1")
-    ] = ABSENT  # fmt: skip
+    accuracy: Annotated[Share | Aim, Rule("a number from 0.0001 to 1, or a mapping", unit="1")] = (
+        ABSENT
+    )
     scene: Annotated[
         SceneSection,
         Rule("a mapping with the key `name` or the key `file`, not both, and `parameters`"),
@@ -494,10 +490,9 @@ class Config(ConfigSection):
     0. With margins and no other response or quantity, `duration` is 1 ms if nothing is said: it
     moves no margin."""
     published: Annotated[
-        dict[str, Annotated[
-            float, Rule(text="Published largest difference.", unit="response")]],
+        dict[str, Annotated[float, Rule(text="Published largest difference.", unit="response")]],
         Rule("a mapping from names of `responses` to numbers"),
-    ] = field(default_factory=dict)  # fmt: skip
+    ] = field(default_factory=dict)
     """Largest differences of the bounds that somebody has published, by response; the summary puts
     ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
     out: they are of another box."""
@@ -523,7 +518,7 @@ class Config(ConfigSection):
     where it fails (docs/quantities.md)."""
     choose: Annotated[
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
-    ] = ChooseSection()  # fmt: skip
+    ] = ChooseSection()
     measured: Annotated[
         dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
         Rule("a mapping from names of tests to mappings"),

@@ -77,7 +77,7 @@ number quantity parameter: argmin argmax share alone fixed halved""",
 text run: run_id
 known run parameter: normalized value
 number run quantity: quantities margin""",
-}  # fmt: skip
+}
 """Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
 or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
 

@@ -533,7 +533,7 @@ class _Sheet:
             margin["without"][0]: (name, self._margin(self._quantities[name]))
             for name, margin in margins.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
-        }  # fmt: skip
+        }
         rest = [name for name in springs if name not in verdicts]
         text = "; ".join(
             f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()

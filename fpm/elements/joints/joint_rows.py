@@ -20,7 +20,7 @@ from fpm.kernels.vectors import (
 )
 
 FULL = 2 * math.pi
-ACROSS = joint.ACROSS_X, joint.ACROSS_Y, joint.ACROSS_AXIS
+PLANES = joint.ACROSS_X, joint.ACROSS_Y, joint.ACROSS_AXIS
 
 
 @kernel
@@ -104,7 +104,7 @@ def find_rows(part, state):
         arm1, arm2 = x3 - x1, x3 - x2
         normals = p, q, axis
         for k in range(3):
-            if kind & ACROSS[k]:
+            if kind & PLANES[k]:
                 normal = normals[k]
                 put_row(part, state, j, r, normal, cross(arm1, normal), cross(arm2, normal))
                 r += 1
@@ -163,7 +163,7 @@ def find_gaps(part, state, j):
         r += 3
     normals = p, q, axis
     for k in range(3):
-        if kind & ACROSS[k]:
+        if kind & PLANES[k]:
             u = dot(normals[k], gap)
             store(rows, r, joint.RESIDUAL, u)
             gap2 = gap2 + u * u

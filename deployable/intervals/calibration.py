@@ -13,8 +13,6 @@ what is not excluded, where the next polynomials are less wrong (history matchin
 the misfit, are found by sequential linear programming with a trust region and second-order
 corrections (Fletcher and Sainz de la Maza 1989)."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

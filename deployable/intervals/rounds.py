@@ -1,7 +1,5 @@
 """Which runs come next: where bounds are decided, and where they may be wider."""
 
-from __future__ import annotations
-
 import heapq
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """The study of measured curves: synthetic tests of a swinging arm, whose hidden values and lacks
 are known, by scipy's solver; and a real arm, whose curves lie beside the project."""
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile

@@ -31,8 +31,6 @@ Curves by response are {units, times, values, bands, lower, upper, best, rates, 
 all runs, and but for a check of the nearest run as the sensor has it, with its rates, and lower and
 upper values of the runs in the narrowed box and start, [] without any."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from collections.abc import Mapping, Sequence

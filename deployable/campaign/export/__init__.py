@@ -1,7 +1,5 @@
 """Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

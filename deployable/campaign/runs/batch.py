@@ -6,8 +6,6 @@ memory stays bounded and a killed job loses one group of each process at most, a
 was integrated while it was written. A run that fails does not harm the others: they are written,
 and the failures are listed at the end."""
 
-from __future__ import annotations
-
 import json
 import multiprocessing
 import time
@@ -142,7 +140,7 @@ def _call(number: int) -> Any:
 
 
 def _simulate_groups(
-    simulation: Simulation, store: Any, work: Sequence[tuple[Runs, Runs]]
+    simulation: "Simulation", store: Any, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
     """Simulate and write what is missing of groups: how many, failures, seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)

@@ -1,7 +1,5 @@
 """Figures of bounds and of contributions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from deployable.campaign.files import check_results

@@ -4,8 +4,6 @@ Two errors are told apart. The surrogate's: bounds against a dense scan of the s
 of the same mesh and step. The total: bounds against the dense scan of the finest level. Errors
 of single runs, from mesh and step alone, are measured beside them."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

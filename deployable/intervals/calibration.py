@@ -227,10 +227,7 @@ class _Problem:
             jacobian[:, places[p:]] = columns[:, p:] * (high - low) / 2
             residuals.append(part)
             rows.append(jacobian)
-        return (
-            np.concatenate(residuals) / self.bands,
-            np.concatenate(rows) / self.bands[:, None],
-        )
+        return (np.concatenate(residuals) / self.bands, np.concatenate(rows) / self.bands[:, None])
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
         """By how many bands each residual (M) deviates, less or more the surrogate's error."""

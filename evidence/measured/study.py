@@ -24,10 +24,7 @@ BAND = 0.002  # rad
 LACKS = ("air", "dry friction", "gear ratio", "cold", "backlash")
 """What the models of refuted tests do not have."""
 
-INTERVALS = {
-    "distance": {"lower": 0.14, "upper": 0.156},
-    "viscous": {"lower": 0.0, "upper": 6e-4},
-}
+INTERVALS = {"distance": {"lower": 0.14, "upper": 0.156}, "viscous": {"lower": 0.0, "upper": 6e-4}}
 
 
 def config_of(name: str, intervals: Mapping, duration: float, measured: Mapping) -> dict:

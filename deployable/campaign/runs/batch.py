@@ -28,13 +28,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
-from deployable.campaign.runs.progress import (
-    MessagePrinter,
-    Notify,
-    Progress,
-    report_step,
-    warm_up,
-)
+from deployable.campaign.runs.progress import MessagePrinter, Notify, Progress, report_step, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary

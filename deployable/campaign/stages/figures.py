@@ -5,11 +5,7 @@ from typing import Any
 from deployable.campaign.files import check_results
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.figures import (
-    draw_envelopes,
-    draw_panels,
-    draw_sensitivities,
-)
+from deployable.campaign.results.figures import draw_envelopes, draw_panels, draw_sensitivities
 from deployable.campaign.results.ranges import draw_ranges
 from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings

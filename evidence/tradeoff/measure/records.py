@@ -54,11 +54,7 @@ def measure_case(case: Case, notify: Callable[[str], object] = print) -> dict:
 
 
 def _measure_level(
-    case: Case,
-    level: Level,
-    runs: Runs,
-    reference: bounds.Band,
-    phases: dict[str, np.ndarray],
+    case: Case, level: Level, runs: Runs, reference: bounds.Band, phases: dict[str, np.ndarray]
 ) -> list[dict]:
     hull = bounds.hull(runs) if level.scan else None
     records = []

@@ -3,8 +3,6 @@
 The exit status tells whether the study ran, not whether all rows passed: a row that fails stays in
 summary.json and table.md as a failing row. ``--strict`` makes failing rows an exit status of 1."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import json

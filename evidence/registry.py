@@ -2,8 +2,6 @@
 
 Read by the workflow as well, so that this module imports nothing heavy."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The row in which every study tells a finding, and the ways to judge one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace

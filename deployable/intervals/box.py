@@ -1,7 +1,5 @@
 """The box of interval parameters, its map to the unit cube [-1, 1]^k, and points in it."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass

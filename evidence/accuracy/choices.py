@@ -6,8 +6,6 @@ times shorter than that of 12. Errors are told apart by phase of the motion: bef
 closure, between the closures, after the second; past an impact the curves of a finer mesh still
 differ, and by how much two equally good runs differ is measured by changing the step a little."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Files damaged, cut off and swapped: told by name and made again, never used."""
 
-from __future__ import annotations
-
 import random
 import shutil
 from collections.abc import Callable

@@ -3,8 +3,6 @@ was run before is run again: it must be the campaign that is run from scratch.
 
 Edits are those of `mutants`, in functions that the campaign calls, and in a copy of the program."""
 
-from __future__ import annotations
-
 import ast
 import json
 import os

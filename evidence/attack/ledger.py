@@ -1,7 +1,5 @@
 """What attacks lead to, counted: nothing may be wrong, stuck, a traceback or a hang."""
 
-from __future__ import annotations
-
 import signal
 import traceback
 from collections import Counter

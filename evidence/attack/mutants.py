@@ -1,7 +1,5 @@
 """Single changes of the code, and whether the tests notice them."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import os

@@ -1,7 +1,5 @@
 """The time loop as plain Python, with other operations on lanes than the compiled ones."""
 
-from __future__ import annotations
-
 import sys
 import types
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The readings of the paper that are tried, and over which values of K_F."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

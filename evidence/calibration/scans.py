@@ -4,8 +4,6 @@ The paper's campaign (side a ± 1 %, four Chebyshev roots, exact range of the cu
 1 s) is repeated over K_F, and under every other open reading: start, supports, mesh, step.
 docs/calibration.md says what came out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field

@@ -201,8 +201,5 @@ def intervals() -> list[Row]:
     box = box_of(K_F=(5.0, 5.0), a=(0.035, 0.035))
     bounds, count = bounds_of_bd(box, 3)
     (curve,) = curves_of_bd(box.names, [[5.0, 0.035]])
-    worst, name = (
-        deviation(bounds, curve, curve),
-        "intervals of zero width: bounds of BD (m)",
-    )
+    worst, name = (deviation(bounds, curve, curve), "intervals of zero width: bounds of BD (m)")
     return [*rows, at_most(name, worst, 1e-12, "the run itself", f"{count} run")]

@@ -28,8 +28,6 @@ with the unit axes hB = (0, cos beta, sin beta) and hA = (cos gamma, 0, sin gamm
 sin beta sin gamma = c at all times.  The motion ends in a bundle of four parallel bars (axes along
 z) at cos(psiB / 2) = cos(lam) cos(mu), cos(psiA / 2) = -sin(lam) sin(mu), where BD = AC = a."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

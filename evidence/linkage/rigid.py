@@ -12,8 +12,6 @@ with respect to beta are analytic.  The other three bars are images of the first
 kinetic energy is four times its own, and Lagrange's equation M q'' + M' q'^2 / 2 + V' = 0 is
 integrated with q = beta."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

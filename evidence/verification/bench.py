@@ -4,8 +4,6 @@ A problem is a function of a Bench. It builds small scenes through the public in
 runs them with ``bench.simulate`` and hands its findings to ``bench.check`` (a value against a
 reference) and ``bench.figure`` (for the plots)."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -81,7 +81,4 @@ def interval_of_a_latch(bench: Bench) -> None:
         bench.check(f"{end} end of the time (s)", float(row[end]), exact, 1e-6, "closed form")
 
 
-PROBLEMS = {
-    "scissor mast": scissor_mast,
-    "interval of a latch's time": interval_of_a_latch,
-}
+PROBLEMS = {"scissor mast": scissor_mast, "interval of a latch's time": interval_of_a_latch}

@@ -177,6 +177,4 @@ def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     bench.check_small("driven: work", worst, 1e-3, "m s'²/2", "the largest")
 
 
-PROBLEMS = {
-    "slides and crosses with what acts on them": slides,
-}
+PROBLEMS = {"slides and crosses with what acts on them": slides}

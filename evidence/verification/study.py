@@ -1,7 +1,5 @@
 """All problems of the verification suite, what they cost, and what follows from them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

@@ -1,8 +1,6 @@
 """Checks of what results hold: variables, their dimensions, values and names. Results may come from
 anybody. Their readers rely on these checks, which are made once, where a file is opened."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -2,8 +2,6 @@
 
 Bounds differ by dash as well as by colour, so that a grey print can be read."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated. A
 row is met only where the numbers that it prints show it, with their errors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 

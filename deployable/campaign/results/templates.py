@@ -1,7 +1,5 @@
 """Templates over the facts of a campaign (`facts`), for the summary and the page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache, partial

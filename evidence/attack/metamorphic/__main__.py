@@ -4,8 +4,6 @@
 
 needs no compiling; without NUMBA_DISABLE_JIT a loop for all kinds is compiled, once."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from dataclasses import asdict

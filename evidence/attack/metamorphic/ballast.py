@@ -2,8 +2,6 @@
 
 To compile that takes a minute or two, once; then a run takes milliseconds, whatever it has."""
 
-from __future__ import annotations
-
 from evidence.attack.metamorphic.structure_text import Structure
 
 PREFIX = "y_"

@@ -1,7 +1,5 @@
 """What acts on the openings of a drawn structure, and the numbers that it is drawn with."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

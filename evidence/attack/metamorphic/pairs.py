@@ -6,8 +6,6 @@ rounding (something catches, sticks or slackens just so), and the pair says noth
 same to the order of the step must agree within `ORDER` times what half the step changes, and so
 must what is read off amid a step (`LATCH_KINDS`)."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

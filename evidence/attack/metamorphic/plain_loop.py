@@ -2,8 +2,6 @@
 
 A step takes some hundred times as long so; `NUMBA_DISABLE_JIT=1` must be set."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.benchmark.loop import Vector, run_as_python

@@ -3,8 +3,6 @@
 All sizes are of the order of one, in metres, kilograms and seconds, so that what is drawn moves by
 tenths of a radian in `DURATION`. What the language refuses is drawn again by the caller."""
 
-from __future__ import annotations
-
 import random
 from itertools import pairwise
 

@@ -2,8 +2,6 @@
 
 What is known of a number (its unit, and that it is one) is what the language says of its key."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

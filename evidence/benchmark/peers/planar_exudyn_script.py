@@ -35,8 +35,7 @@ def _nodes(mbs, structure):
             node = item.NodePointGround(referenceCoordinates=place)
         else:
             node = item.NodeRigidBody2D(
-                referenceCoordinates=[*place[:2], 0.0],
-                initialVelocities=[*velocity[:2], spin[2]],
+                referenceCoordinates=[*place[:2], 0.0], initialVelocities=[*velocity[:2], spin[2]]
             )
         numbers.append(mbs.AddNode(node))
     return numbers

@@ -1,7 +1,5 @@
 """Runs of a case at one discretisation, timed, as the samples that the interval side takes."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, replace
@@ -45,7 +43,7 @@ class Runs:
         """Cpu time (s) of so many runs, in whole batches."""
         return math.ceil(runs / LANES) * self.cpu
 
-    def with_runs(self, runs: Runs) -> Runs:
+    def with_runs(self, runs: "Runs") -> "Runs":
         """These runs and more of the same level; the cost of a batch stays that of these."""
         return replace(
             self,
@@ -85,7 +83,7 @@ def _impacts(events: np.ndarray, gap: float) -> np.ndarray:
     return np.array(times)
 
 
-def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Runs:
+def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> "Runs":
     """Run the case at unit points (R, k), each once; the step serves the whole box.
 
     RuntimeError if a run breaks down."""

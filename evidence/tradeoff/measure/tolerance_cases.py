@@ -2,8 +2,6 @@
 
 Read by the workflow as well, so that this module imports nothing heavy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

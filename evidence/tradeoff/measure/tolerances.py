@@ -3,8 +3,6 @@
 All of them are whole campaigns without figures, in one process, so that the cost of each is that of
 everything: choosing runs, integrating, writing, bounds, checks."""
 
-from __future__ import annotations
-
 import copy
 import json
 import tempfile

@@ -7,17 +7,7 @@ from fpm.kernels.angles import arctan2
 from fpm.kernels.lanes import floor, load, store, where_negative
 from fpm.kernels.layout import X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import (
-    cross,
-    dot,
-    get3,
-    kernel,
-    put3,
-    times,
-    to_global,
-    to_local,
-    vector,
-)
+from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local, vector
 
 FULL = 2 * math.pi
 PLANES = joint.ACROSS_X, joint.ACROSS_Y, joint.ACROSS_AXIS

@@ -11,15 +11,7 @@ from fpm.elements.openings.journal import PIN
 from fpm.elements.openings.opening import unit_of
 from fpm.elements.openings.release import latch_rows
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
-from fpm.structures.statement import (
-    CLASS,
-    JOINT,
-    connector,
-    element,
-    key_of,
-    statement,
-    whole,
-)
+from fpm.structures.statement import CLASS, JOINT, connector, element, key_of, statement, whole
 
 ANGLE_JOINT = replace(JOINT, slides=False)
 

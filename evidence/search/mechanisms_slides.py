@@ -25,14 +25,18 @@ joints: {slide: {type: prismatic, parts: [ground, block], at: o, axis: x, openin
 
 def compose_text(parameters: str, body: str, start: str = "0") -> str:
     """A structure, from `name unit least largest` of its parameters, and what stands below them."""
-    lines = [
-        f"  {name}: {{value: {(float(a) + float(b)) / 2!r}, unit: {unit.replace('_', ' ')}, "
-        f"range: [{float(a)!r}, {float(b)!r}], description: {name}}}"
-        for name, unit, a, b in (line.split() for line in parameters.split(","))
-    ]
+    lines = []
+    for name, unit, *ends in (line.split() for line in parameters.split(",")):
+        a, b = map(float, ends)
+        ends, stated = [1.1 * a - 0.1 * b, 1.1 * b - 0.1 * a], f"unit: {unit.replace('_', ' ')}, "
+        lines.append(
+            f"  {name}: {{value: {(a + b) / 2!r}, {stated if unit != '1' else ''}range: {ends}, "
+            f"description: {name}}}"
+        )
     points = "" if "points:" in body else "points: {o: [0, 0, 0]}\n"
-    head = f"name: box\n{points}parameters:\n" + "\n".join(lines)
-    return (head + "\n" + body.strip() + "\n").replace("unit: 1,", "").replace("START", start)
+    return "\n".join(
+        [f"name: box\n{points}parameters:", *lines, body.strip().replace("START", start), ""]
+    )
 
 
 def mechanism(
@@ -55,16 +59,19 @@ def crossing(
 
     way: 1 rising, -1 falling, 0 either.
     """
-    above = function(times[None]) > 0
+    values = function(times[None])
+    low, middle, high = values[:, :-2], values[:, 1:-1], values[:, 2:]
+    top = np.where((middle - low) * (high - middle) < 0, (low - high) / (low - 2 * middle + high), 0)
+    instants = np.repeat(times[None], len(values), axis=0)
+    instants[:, 1:-1] += top / 2 * times[1]  # where it turns: a crossing there is not missed
+    above = function(instants) > 0
     turns = above[:, 1:] != above[:, :-1]
     if way:
         turns &= above[:, 1:] == (way > 0)
-    count = np.cumsum(turns, axis=1)
-    column = (count < number).sum(axis=1)
+    column = (np.cumsum(turns, axis=1) < number).sum(axis=1)
     exists = column < turns.shape[1]
-    column = np.minimum(column, turns.shape[1] - 1)
-    low, high = times[column], times[column + 1]
-    side = above[np.arange(len(above)), column]
+    rows, column = np.arange(len(above)), np.minimum(column, turns.shape[1] - 1)
+    low, high, side = instants[rows, column], instants[rows, column + 1], above[rows, column]
     for _ in range(45):
         middle = (low + high) / 2
         same = (function(middle[:, None])[:, 0] > 0) == side
@@ -202,19 +209,19 @@ def tilt(b, w0, L, i):
 
 def play(r, k, J, b):
     """A hub on a motor of even rate, whose drive train has play: it lags, is hit, leads."""
-    w, half = np.sqrt(k / J), b / 2
+    w, lead = np.sqrt(k / J), r / 2
+    first, cycle = (b / r)[:, None], (np.pi / w + 2 * b / r)[:, None]
 
     def turn(t):
-        first, cycle = half / r, np.pi / w + 2 * half / r
-        number, phase = np.divmod(np.maximum(t - first[:, None], 0), cycle[:, None])
-        push = half[:, None] + (r / w)[:, None] * np.sin(np.minimum(phase * w[:, None], np.pi))
-        lag = push - r[:, None] * np.maximum(phase - (np.pi / w)[:, None], 0)
+        number, phase = np.divmod(np.maximum(t - first, 0), cycle)
+        push = (lead / w)[:, None] * np.sin(np.minimum(phase * w[:, None], np.pi))
+        lag = b[:, None] / 2 + push - lead[:, None] * np.maximum(phase - np.pi / w[:, None], 0)
         lag = np.where(number % 2 == 0, lag, -lag)
-        return r[:, None] * t - np.where(t < first[:, None], r[:, None] * t, lag)
+        return r[:, None] * t - np.where(t < first, lead[:, None] * t, lag)
 
     times = np.linspace(0, 2, 401)
     return (
-        r * np.sqrt(k * J), crossing(lambda t: turn(t) - 1, times),
+        lead * np.sqrt(k * J), crossing(lambda t: turn(t) - 1, times),
         turn(np.full((1, 1), 1.1))[:, 0],
     )  # fmt: skip
 
@@ -309,7 +316,7 @@ ONE = "curves: {one: {times: [0, 10 s], values: [1, 1]}}\n"
 
 MECHANISMS = (
     mechanism(
-        "cable slack", "v m/s 0.15 0.7,mass kg 0.8 1.2,EA N 800 1200",
+        "cable slack", "v m/s 0.15 0.7,mass kg 0.9 1.1,EA N 900 1100",
         "points: {o: [0, 0, 0], top: [1 m, 0, 0]}" + SLIDE + """
 opening_rates: {kick: {joint: slide, rate: v}}
 cables: {rope: {through: [{part: ground, at: top}, {part: block, at: o}], EA: EA, preload: mass*(9.81 m/s2)}}
@@ -321,7 +328,7 @@ gravity: [-9.81, 0, 0]
             "slack": {"crossing": "pull", "level": 1, "way": "falling"},
             "tight": {"crossing": "pull", "level": 1, "way": "rising"},
         },
-        duration=0.5, instants=501,
+        duration=0.215, instants=431,
     ),
     mechanism(
         "friction and hump", "w rad/s 1.1 1.6,M N_m 0.12 0.18,a N_m 0.4 0.6",
@@ -361,6 +368,7 @@ gravity: [(9.81 m/s2)*cos(b)*cos(i), (9.81 m/s2)*sin(b)*cos(i), (9.81 m/s2)*sin(
     mechanism(
         "play of a drive", "r rad/s 0.8 1.2,k N_m/rad 20 40,Iz kg_m2 0.4 0.6,b rad 0.02 0.1",
         ROTOR + ONE + """
+opening_rates: {kick: {joint: axle, rate: r/2}}
 actions: {drive: {type: motor, joint: axle, rate: r, curve: one, stiffness: k, backlash: b}}
 """,
         play, ANGLE | {"moment": {"joint_moment": "axle", "part": "motor"}},
@@ -368,7 +376,7 @@ actions: {drive: {type: motor, joint: axle, rate: r, curve: one, stiffness: k, b
             "peak": {"largest": "moment"}, "t_one": {"crossing": "angle", "level": 1},
             "late": {"value": "angle", "at": 1.1},
         },
-        duration=2.0, instants=4001,
+        duration=2.0, instants=1001,
     ),
     mechanism(
         "masses that clash", "ma kg 0.5 1.5,mb kg 0.5 1.5,v m/s 0.5 1,kb N/m 2 20",

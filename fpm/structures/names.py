@@ -200,9 +200,8 @@ class Names:
     def sort(self) -> None:
         """Fill `order`, in which numbers can be computed one after the other, and find dimensions.
         Cycles and clashes of units become problems; what depends on them keeps None."""
-        needs = {
-            n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
-        }
+        numbers = self.numbers.items()
+        needs = {n: tuple(x.bound.full.values()) if x.bound else () for n, x in numbers}
         while True:
             try:
                 self.order = [*TopologicalSorter(needs).static_order()]

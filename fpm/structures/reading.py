@@ -50,8 +50,7 @@ class StructureError(SceneError):
 def read_text(path: str | Path) -> str:
     """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError."""
     try:
-        text = read_bytes(path, LARGEST).decode("utf-8")
-        return text.replace("\r\n", "\n").replace("\r", "\n")
+        return read_bytes(path, LARGEST).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except (OSError, ValueError) as error:
         damage = error.reason if isinstance(error, DamagedError) else ""
         reason = damage or getattr(error, "strerror", None) or str(error)
@@ -172,10 +171,8 @@ def read(text: str, problems: Problems) -> Node:
     else:
         node = _convert(root, problems, 0) if root else Node("")
         if not node.is_table:
-            problems.say(
-                node.line,
-                EMPTY if root is None else "the file is no table; allowed: a mapping of keys",
-            )
+            text = "the file is no table; allowed: a mapping of keys"
+            problems.say(node.line, EMPTY if root is None else text)
     problems.stop()
     return node
 

@@ -128,11 +128,9 @@ def undamped_step(scene: Scene) -> float:
     """Return the stable step (s) of a scene without damping in proportion to stiffness; inf: none
     limits it."""
     plain = copy(scene)
-    groups = [
-        replace(beams, material=replace(beams.material, stiffness_damping=0.0))
-        for beams in scene.beams
-    ]
-    plain.kinds = {**scene.kinds, Beams: groups}
+    materials = [replace(beams.material, stiffness_damping=0.0) for beams in scene.beams]
+    pairs = zip(scene.beams, materials, strict=True)
+    plain.kinds = {**scene.kinds, Beams: [replace(beams, material=m) for beams, m in pairs]}
     return find_stable_step(plain).step
 
 

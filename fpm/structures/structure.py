@@ -110,8 +110,7 @@ class Structure(StatementTable):
         lists all that is wrong."""
         content = json.dumps([self.table, self.source])
         if self._type is None or self._type[0] != content:
-            node = _node(self.table)
-            self._type = content, build_type(node, Problems(self.source))
+            self._type = content, build_type(_node(self.table), Problems(self.source))
         return self._type[1]
 
     def build(self, **parameters: Any) -> Scene:

@@ -91,9 +91,8 @@ def friction(build, args):
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
-            build.refuse(
-                "sticks", args.sticks, "bristle, or neither `bristle_deflection` nor `damping`"
-            )
+            allowed = "bristle, or neither `bristle_deflection` nor `damping`"
+            build.refuse("sticks", args.sticks, allowed)
         if slides:
             build.refuse("sticks", args.sticks, "bristle, on a slide")
         build.scene.add(element(elements.RigidFriction, args))
@@ -307,11 +306,10 @@ def release(build, args):
         build.openings[args.joint] = hold
     elif rigid and abs(hold - start) > AT_START:
         unit = unit_of(build.scene, args.joint, "rad")
-        build.refuse(
-            "hold",
-            hold,
-            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`",
+        allowed = (
+            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`"
         )
+        build.refuse("hold", hold, allowed)
     watch = None if latch else args.watch
     kind = elements.RigidRelease if rigid else elements.Release
     build.scene.add(element(kind, args, hold=hold, watch=watch, latch=latch))

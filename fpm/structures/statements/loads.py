@@ -267,9 +267,8 @@ def _lead(build, args, particle: int, arm) -> None:
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
     place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
-    constraints = [
-        j for j in scene.kinds.get(Joint, []) if j.type == "held" and j.particles[0] == particle
-    ]
+    joints = (joint for joint in scene.kinds.get(Joint, []) if joint.type == "held")
+    constraints = [joint for joint in joints if joint.particles[0] == particle]
     is_same = [np.allclose(joint.beams[0].arm, arm.arm) for joint in constraints]
     axes_held = "".join(compress((j.support_axes for j in constraints), is_same))
     if not np.any(arm.arm):

@@ -195,15 +195,13 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
         # The end of the stretch before, and the start of the one after.
         ends = [(*lumps[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
         inertia, frame = _sum_inertias([(inertias[i], basis) for _, inertias, basis, i in ends])
-        node = scene.add_particles(
-            point, sum(masses[i] for masses, _, _, i in ends), inertia, frame
-        )
+        mass = sum(masses[i] for masses, _, _, i in ends)
+        node = scene.add_particles(point, mass, inertia, frame)
         if k:
             line = np.array([nodes[-1], *inner, node[0]])
             label = f"{args.name} from {args.through[k - 1].name.rpartition('.')[2]}"
-            scene.add_beams(
-                np.column_stack([line[:-1], line[1:]]), args.section, args.material, normal, label
-            )
+            pairs = np.column_stack([line[:-1], line[1:]])
+            scene.add_beams(pairs, args.section, args.material, normal, label)
         nodes.append(int(node[0]))
         if k < len(axes):
             masses, inertias = lumps[k]

@@ -1,7 +1,5 @@
 """Errors that a user is meant to read."""
 
-from __future__ import annotations
-
 import errno
 import shutil
 from pathlib import Path

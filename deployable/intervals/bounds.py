@@ -99,9 +99,7 @@ def bounds_dataset(
         values = np.where(np.isfinite(limit[:, 0]), limit[:, 0], np.nan)
         variables[name] = ("response", values, attrs)
     return xr.Dataset(
-        variables | fit.variables(),
-        coords=data.coordinates(),
-        attrs=attributes | fit.attributes,
+        variables | fit.variables(), coords=data.coordinates(), attrs=attributes | fit.attributes
     )
 
 

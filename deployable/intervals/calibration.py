@@ -13,8 +13,6 @@ what is not excluded, where the next polynomials are less wrong (history matchin
 the misfit, are found by sequential linear programming with a trust region and second-order
 corrections (Fletcher and Sainz de la Maza 1989)."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -229,10 +227,7 @@ class _Problem:
             jacobian[:, places[p:]] = columns[:, p:] * (high - low) / 2
             residuals.append(part)
             rows.append(jacobian)
-        return (
-            np.concatenate(residuals) / self.bands,
-            np.concatenate(rows) / self.bands[:, None],
-        )
+        return (np.concatenate(residuals) / self.bands, np.concatenate(rows) / self.bands[:, None])
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
         """By how many bands each residual (M) deviates, less or more the surrogate's error."""

@@ -4,8 +4,6 @@
 [-1, 1]^k; an interval of zero width contributes one point (0) in its direction. A new design is a
 function that makes it, and a line in `METHODS`."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ the vertices are its values there. Halving patches makes the enclosure sharp at 
 and a patch that cannot beat the best value known is dropped (Garloff 1985; Smith 2009). Where the
 extreme value sits in a corner, as for monotone responses, one patch is enough."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import comb
 

@@ -148,7 +148,7 @@ def surrogate_dataset(
 
     data, indices = read_samples(samples, responses), design.multi_indices
     variables: dict[str, tuple] = {
-        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"}),
+        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"})
     }
     if len(indices):
         rows = match_points(design.points, data.points)

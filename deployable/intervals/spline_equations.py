@@ -6,8 +6,6 @@ dominant whatever the spacing (Green and Silverman, Nonparametric Regression, 19
 Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the linear functions, on
 which it is positive definite (Wendland 2005, chapter 8)."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 

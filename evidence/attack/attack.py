@@ -1,7 +1,5 @@
 """All attacks for a time, and what they came to."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import random

@@ -55,8 +55,7 @@ def counts(elements: int = 12, steps: int = 50) -> dict:
 
 def times(steps: int, repeats: int, elements: int, rounds: int = 100_000) -> tuple[float, ...]:
     """Nanoseconds of a multiply-add among independent ones and after another (throughput, latency),
-    of a round of the mixture, and of a step of eight linkages, without setting up; in turns.
-    """
+    of a round of the mixture, and of a step of eight linkages, without setting up; in turns."""
     scenes = linkages(8, elements)
     step, fewer = stable(scenes), steps // 10
     independent, dependent, mixture = functions()

@@ -1,7 +1,5 @@
 """What the calibration's scans say: its checks, and how sharp the fit is."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

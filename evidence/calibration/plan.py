@@ -1,7 +1,5 @@
 """The readings of the paper that are tried, and over which values of K_F."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -64,8 +62,7 @@ def supports() -> Plan:
 def start_of_half_angle(degrees: float) -> float:
     """Start (degrees) at which half the angle between two bars' axes at B is `degrees`.
 
-    The reading of mu_B = 22.5° as the angle from which the paper starts.
-    """
+    The reading of mu_B = 22.5° as the angle from which the paper starts."""
     from scipy.optimize import brentq
 
     geometry = bennett_geometry(default("L"), SIDE, default("roll"), default("mu"))

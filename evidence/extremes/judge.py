@@ -3,8 +3,7 @@
 A run of the default mesh and step is compared with a reference. If it is refused, that counts as
 passed (the message must name a remedy), and the remedy is tried: the step is halved and the mesh
 refined until the run goes through, and then it is compared like any other; or until the refusal is
-one that no mesh or step helps against.
-"""
+one that no mesh or step helps against."""
 
 import numpy as np
 
@@ -29,8 +28,7 @@ LINE_ACCURACY = (0.002, 0.05)
 """Accuracy of BD and of B's velocity, as shares of their ranges: links that stay nearly straight.
 
 The velocity carries waves of all lengths, which the release of the springs starts, finer than any
-mesh; BD is their integral over time.
-"""
+mesh; BD is their integral over time."""
 
 CURVE_ACCURACY = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
@@ -40,8 +38,7 @@ WHIP = (0.05, 0.15)
 
 RATTLE = (0.15, 0.2)
 """The same after thin links have shut and sprung open several times: every impact multiplies what
-the runs differ by, and finer meshes only put that off (docs/extremes.md).
-"""
+the runs differ by, and finer meshes only put that off (docs/extremes.md)."""
 
 
 def attempt(duration: float, mesh: tuple[int, float], parameters: dict, **options):
@@ -107,8 +104,7 @@ def judge(
     the first closure, as shares of their ranges; accuracy: how large they may be.
 
     reference: "rigid" (the equation of motion of one degree of freedom) or "finer" (twice the
-    elements, half the share of the step). is_whole_run: judge the whole run, impact and all.
-    """
+    elements, half the share of the step). is_whole_run: judge the whole run, impact and all."""
     duration = duration or (1.25 if is_whole_run else 1.0) * closing_time(**parameters)
     rows, name, mesh, outcome = persist(name, duration, parameters)
     if outcome is None:

@@ -10,10 +10,7 @@ hA = (cos gamma, 0, sin gamma), a rigid bar keeps hA . hB = sin beta sin gamma, 
 and x = 0 for the hinge point at B, y = 0 for that at A place the bar in the plane.  Derivatives
 with respect to beta are analytic.  The other three bars are images of the first one, so the
 kinetic energy is four times its own, and Lagrange's equation M q'' + M' q'^2 / 2 + V' = 0 is
-integrated with q = beta.
-"""
-
-from __future__ import annotations
+integrated with q = beta."""
 
 import math
 from dataclasses import dataclass
@@ -33,8 +30,7 @@ class RigidBennett:
     supports; the centre of mass stays where it starts).  Each bar has the mass rho a^2 L spread
     evenly along its axis between its ends and the section inertia rho a^4 / 12 per length about
     each side, as a beam has; the mitre cuts move neither.  What follows from these (centre, hinge
-    points and axes, ...) is in a link frame that is the world's in the deployed state.
-    """
+    points and axes, ...) is in a link frame that is the world's in the deployed state."""
 
     length: float = 0.45
     side: float = 0.035
@@ -91,8 +87,7 @@ class RigidBennett:
         """Value, first and second derivative in beta, stacked (3, ...), of what moves with AB.
 
         Keys: rotation (3, 3, 3), centre, A, B (3, 3) in m, axis_a, axis_b (3, 3), opening_a,
-        opening_b (3,) in rad.
-        """
+        opening_b (3,) in rad."""
         constant = float(self.axis_a @ self.axis_b)
         sb, cb = math.sin(beta), math.cos(beta)
         # gamma: sin(gamma) = c / sin(beta), on the branch above 90 degrees.
@@ -196,8 +191,7 @@ class RigidBennett:
 
         ``times`` (T,) s ascending from 0.  Returns arrays (T,): time, BD, AC (m), height of B over
         A (m), velocity_Bz (m/s), opening_a, opening_b (rad), kinetic, spring, contact, energy
-        (J); and ``closings``, ``openings`` (s): instants at which the end faces meet and part.
-        """
+        (J); and ``closings``, ``openings`` (s): instants at which the end faces meet and part."""
         from scipy.integrate import solve_ivp
 
         times = np.asarray(times, dtype=float)
@@ -261,8 +255,7 @@ def _angle(vector: np.ndarray, side: np.ndarray, zero: np.ndarray) -> np.ndarray
     """Angle about an axis from ``zero`` to ``vector``, with its first two derivatives.
 
     ``vector`` and ``side``, the vector product of axis and ``zero``, hold value and derivatives
-    (3, 3); ``vector`` is normal to the axis.
-    """
+    (3, 3); ``vector`` is normal to the axis."""
     cosine = vector @ zero
     sine = np.array(
         [

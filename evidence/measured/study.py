@@ -1,8 +1,6 @@
 """The study of measured curves: synthetic tests of a swinging arm, whose hidden values and lacks
 are known, by scipy's solver; and a real arm, whose curves lie beside the project."""
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile
@@ -26,10 +24,7 @@ BAND = 0.002  # rad
 LACKS = ("air", "dry friction", "gear ratio", "cold", "backlash")
 """What the models of refuted tests do not have."""
 
-INTERVALS = {
-    "distance": {"lower": 0.14, "upper": 0.156},
-    "viscous": {"lower": 0.0, "upper": 6e-4},
-}
+INTERVALS = {"distance": {"lower": 0.14, "upper": 0.156}, "viscous": {"lower": 0.0, "upper": 6e-4}}
 
 
 def config_of(name: str, intervals: Mapping, duration: float, measured: Mapping) -> dict:

@@ -7,8 +7,6 @@ times the distance² of its centre, as of no rigid body. Only the products and s
 equations count: here the second arm is heavier and its centre nearer, and the first arm lighter,
 for the same equations. Their dry friction is cf arctan(100 w), so that it is pi/2 cf here."""
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile

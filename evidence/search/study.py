@@ -1,7 +1,5 @@
 """The study of the search for bounds of quantities: boxes whose bounds are known."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Rows of the study "error against cost": what is claimed, against what was measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from evidence.rows import Row, at_least, at_most

@@ -308,8 +308,7 @@ def drum(bench: Bench) -> None:
         height, speed, turn, rate = state
         strain = max(-height / (rest - radius * turn) - 1, 0.0)
         pull = EA * strain
-        return (speed, pull / mass - G, rate,
-                (torque - radius * pull * (1 + strain / 2)) / spin)  # fmt: skip
+        return (speed, pull / mass - G, rate, (torque - radius * pull * (1 + strain / 2)) / spin)
 
     for step in (2e-3, 1e-3, 5e-4):
         (outcome,) = bench.simulate(hoist(torque, EA), duration=0.4, instants=41, step=step)

@@ -1,7 +1,5 @@
 """Curves of time by expressions: a slider led by a smooth step, and a load by a sine."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.verification.bench import Bench, observed_orders

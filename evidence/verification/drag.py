@@ -1,7 +1,5 @@
 """Drag of air by the square of the speed against closed forms and another solver."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.integrate import solve_ivp
 

@@ -66,8 +66,7 @@ def linear_spin_up(length, EI, line_mass, modes=6):
 
     Deflections v in the rotating frame, to second order in the energies: centrifugal stiffening
     ρA ω²/2 (L² − x²) v'²/2 against the softening ρA ω² v²/2, driven by −ρA x dω/dt. Source: Kane,
-    Ryan, Banerjee, J. Guidance 10 (1987) 139 (the same terms).
-    """
+    Ryan, Banerjee, J. Guidance 10 (1987) 139 (the same terms)."""
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq
 
@@ -114,8 +113,7 @@ def elbow_scene(elements: int) -> fpm.Scene:
     """Right-angle cantilever: leg along x clamped at the origin, leg along y, pushed along z.
 
     EA = 1e6, EI = GJ = 1e3, rho A = 1, rho I = 10, each leg 10 long; the rotational inertia is no
-    section's, so stiffness and masses come from two sections.
-    """
+    section's, so stiffness and masses come from two sections."""
     length = 10.0
     elastic, heavy = fpm.Section(1.0, 1e-3, 1e-3, 2e-3), fpm.Section(1.0, 10.0, 10.0, 20.0)
     material = fpm.Material(1e6, 0.0, 1.0)

@@ -1,7 +1,5 @@
 """Pins with play: a ball in a bore, Flores' slider-crank, and a shaft that rubs in its bearing."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -14,8 +14,7 @@ def lead(scene: fpm.Scene, spins, path, times) -> None:
     """Prescribe a rigid motion of all particles, step by step.
 
     spins (n, 3) rad/s about the global axes, turned one after another in each step; path (n+1, 3) m
-    of the global origin; times (n,) s: the middles of the steps.
-    """
+    of the global origin; times (n,) s: the middles of the steps."""
     from scipy.spatial.transform import Rotation
 
     step = times[1] - times[0]

@@ -48,8 +48,7 @@ def _add_cross(scene, name: str, spin, openings=(0.0, 0.0)) -> int:
 def scene_of_all(speed=1.0) -> fpm.Scene:
     """What acts on slides and crosses, one on each, in one scene: one loop serves for all.
 
-    speed (m/s): of the block that meets a stop.
-    """
+    speed (m/s): of the block that meets a stop."""
     scene = _ground("slides")
     swing = _block(scene, "swing", SLOPE, 2.0, 0.3, 0.05)
     scene.add_torsion_spring(swing, 50.0, 0.2)
@@ -85,8 +84,7 @@ def scene_of_all(speed=1.0) -> fpm.Scene:
 
 def slides(bench: Bench) -> None:
     """Springs, dampers, stops, latches and friction on slides, springs on crosses; latches,
-    releases and motors that hold exactly.
-    """
+    releases and motors that hold exactly."""
     (outcome,) = bench.simulate(scene_of_all(), duration=2.0, instants=2001, step=1e-4)
     time, opening = outcome.time, outcome.openings
     figure = bench.figure("Slides", "time (s)", "opening (m)")
@@ -179,6 +177,4 @@ def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     bench.check_small("driven: work", worst, 1e-3, "m s'²/2", "the largest")
 
 
-PROBLEMS = {
-    "slides and crosses with what acts on them": slides,
-}
+PROBLEMS = {"slides and crosses with what acts on them": slides}

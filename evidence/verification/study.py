@@ -1,7 +1,5 @@
 """All problems of the verification suite, what they cost, and what follows from them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -70,8 +68,7 @@ def solve(name: str, quick: bool) -> Bench:
     """A problem's rows and figures.
 
     A row that fails is a finding, not an error, and so is a run that breaks down: it leaves a
-    failing row. Errors of the problems themselves are raised.
-    """
+    failing row. Errors of the problems themselves are raised."""
     bench = Bench(name, quick)
     try:
         PROBLEMS[name](bench)

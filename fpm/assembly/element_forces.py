@@ -112,11 +112,7 @@ class ElementForces:
 
         state = self.world.state
         state[:, layout.F : layout.M + 3] = 0.0
-        arguments = (
-            self.parts,
-            self.world,
-            StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP),
-        )
+        arguments = (self.parts, self.world, StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP))
         loop_for(arguments, "act")(*arguments)
         return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
 

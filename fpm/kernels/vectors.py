@@ -9,13 +9,7 @@ from collections.abc import Callable
 from llvmlite import ir
 from numba import config, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import (
-    intrinsic,
-    lower_builtin,
-    make_attribute_wrapper,
-    models,
-    register_model,
-)
+from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from fpm.kernels.inlining import InlinedCompiler, InlinedKernel
 from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative

@@ -130,16 +130,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
     # A whole number would be another type, for which the loop would be compiled again.
-    arguments = (
-        parts,
-        world,
-        record,
-        step,
-        steps,
-        output_steps,
-        check_steps,
-        float(tolerance),
-    )
+    arguments = (parts, world, record, step, steps, output_steps, check_steps, float(tolerance))
     loop_for(arguments)(*arguments)
     return batch, parts, world, record
 

@@ -1,7 +1,5 @@
 """Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +12,7 @@ from deployable.intervals.box import MOST_FULL
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
+_MOST_CLIMBS = 40  # runs in a row of a local search
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -59,7 +58,10 @@ def converge_bounds(
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
+    climbs = _Climbs(model)
     for iteration in range(max_iterations + 1):
+        if iteration < max_iterations:
+            climbs.run()
         surrogates = model.surrogates()
         bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
         if iteration == max_iterations:
@@ -74,6 +76,32 @@ def converge_bounds(
             break
         mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
+
+
+class _Climbs:
+    """Local searches for the bounds of all quantities, which make their runs side by side."""
+
+    def __init__(self, model: ModelEvaluator) -> None:
+        from deployable.intervals.scalars import Climb
+
+        is_wide = model.points.shape[1] > MOST_FULL
+        quantities = [] if is_wide else model.experiment.quantity_list
+        self.model, self.climbs = model, [(Climb(-1.0), Climb(1.0)) for _ in quantities]
+
+    def run(self) -> None:
+        """Go on until no search promises a gain."""
+        model = self.model
+        for _ in range(_MOST_CLIMBS):
+            points = [
+                point
+                for pair, values in zip(self.climbs, model.numbers.T, strict=False)
+                for climb in pair
+                if (point := climb.propose(model.points, values)) is not None
+            ]
+            count = len(model.points)
+            model.add(points)
+            if len(model.points) == count:
+                break
 
 
 def _bounds(

@@ -13,8 +13,6 @@
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
 the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import traceback

@@ -1,7 +1,5 @@
 """Cases of a campaign: variants of its config, each of which is a campaign of its own."""
 
-from __future__ import annotations
-
 import copy
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """From a config to its campaign: names, numbers and defaults in place of what it leaves open."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any

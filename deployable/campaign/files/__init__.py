@@ -3,8 +3,6 @@
 The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
 its stage made it from (`basis`, the digest of code and config), and what computed it when."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

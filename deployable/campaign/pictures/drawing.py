@@ -1,7 +1,5 @@
 """A structure as it stands, with its points, joints, cables and supports."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A structure at some moments of its motion, side by side."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Directions from which a structure is seen, in parallel projection."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

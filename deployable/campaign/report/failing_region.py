@@ -1,7 +1,5 @@
 """The part of the box that fails: which runs meet all requirements, over pairs of parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -3,8 +3,6 @@
 Bounds stay in double precision, thin lines are single. Long curves are thinned, their extremes are
 kept. Each moving run is the glTF file of `pictures.glb`."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

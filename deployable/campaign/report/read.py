@@ -23,7 +23,7 @@ from deployable.campaign.report.data import (
     RunVerdicts,
     WhatIf,
     Work,
-)  # fmt: skip
+)
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of

@@ -5,8 +5,6 @@ The files are described at `intervals.bounds_dataset`, `intervals.surrogate_data
 `response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
 Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 """Roles, number and names of the runs of an open `samples.nc` (`netCDF4.Dataset` or
 `xarray.Dataset`), with any `jobs.keep`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """All ways to say a structure otherwise, by name; those of words, units and time."""
 
-from __future__ import annotations
-
 import copy
 import random
 from collections.abc import Callable

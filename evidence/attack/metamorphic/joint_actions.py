@@ -1,7 +1,5 @@
 """What acts on the openings of a drawn structure, and the numbers that it is drawn with."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -17,8 +15,7 @@ SLIDE_ACTIONS = ["spring", "damper", "friction", "stop", "latch", "tabulated spr
 
 class StructureDraft:
     """A structure, `structure`, while it is drawn. quiet: nothing moves it before a curve does, and
-    curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one.
-    """
+    curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one."""
 
     def __init__(self, rng: random.Random):
         self.rng, self.quiet = rng, rng.random() < 0.35

@@ -4,10 +4,7 @@ What is the same arithmetic but for rounding must agree to `ROUNDING`, and to wh
 structure that differ by `NUDGE` change, `GROWTH` times: where that is much, the motion hangs on
 rounding (something catches, sticks or slackens just so), and the pair says nothing. What is the
 same to the order of the step must agree within `ORDER` times what half the step changes, and so
-must what is read off amid a step (`LATCH_KINDS`).
-"""
-
-from __future__ import annotations
+must what is read off amid a step (`LATCH_KINDS`)."""
 
 import random
 from collections.abc import Callable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Structures of other parts that do the same."""
 
-from __future__ import annotations
-
 import copy
 import random
 from typing import Any

@@ -1,10 +1,7 @@
 """Structures drawn at random: chains, trees and loops of rigid bodies and bars.
 
 All sizes are of the order of one, in metres, kilograms and seconds, so that what is drawn moves by
-tenths of a radian in `DURATION`. What the language refuses is drawn again by the caller.
-"""
-
-from __future__ import annotations
+tenths of a radian in `DURATION`. What the language refuses is drawn again by the caller."""
 
 import random
 from itertools import pairwise

@@ -2,10 +2,7 @@
 
 A peer is found by import in this environment, or as another Python named by an environment
 variable (PEERS below), e.g. `PEER_CHAOSPY=/path/to/venv/bin/python`: their pins clash. One that is
-not there becomes a skipped entry with the command that installs it.
-"""
-
-from __future__ import annotations
+not there becomes a skipped entry with the command that installs it."""
 
 import subprocess
 import tempfile

@@ -29,8 +29,7 @@ def missing(case: Case, level: Level, rounds: list[Runs], phases: dict) -> list[
 
     After rounds: the growth g of the last one, and of those that did not come: g q / (1 - q) if the
     growth goes on to fall by q = g / (growth of the round before), q from 0.5 to 0.95. Without
-    rounds: the growth from half the scan to all of it.
-    """
+    rounds: the growth from half the scan to all of it."""
     last = rounds[-1]
     if len(rounds) < 3:
         half = scan_of(case, level.scan)

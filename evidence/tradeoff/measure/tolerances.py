@@ -1,10 +1,7 @@
 """One key for accuracy against designs and scans chosen by hand: what came of it, and its cost.
 
 All of them are whole campaigns without figures, in one process, so that the cost of each is that of
-everything: choosing runs, integrating, writing, bounds, checks.
-"""
-
-from __future__ import annotations
+everything: choosing runs, integrating, writing, bounds, checks."""
 
 import copy
 import json

@@ -57,8 +57,7 @@ class Turn(ElementType):
             ]
 
         return Turns(
-            state=batch.stack(len(cls.find(batch.scene)), TURN, starts),
-            impact=batch.blank(1, 1),
+            state=batch.stack(len(cls.find(batch.scene)), TURN, starts), impact=batch.blank(1, 1)
         )
 
 

@@ -21,8 +21,8 @@ from evidence.search.boxes import Box
 
 DRAWS, CHUNK = 2**18, 2**14
 """Points by which true fractions are told, and those that a model gets at once."""
-OFFSETS = (-0.03, -0.005, 0.005, 0.03)
-"""Shares of the width by which the limits of requirements lie outside the true bounds."""
+OFFSETS = {-1: (-0.005,), 1: (-0.03, 0.005)}
+"""Shares of the width by which limits lie outside the true bounds: of the lower and the upper."""
 MAX_RUNS, TOLERANCE = 400, 0.05
 PRESETS = {
     "default": {},
@@ -98,7 +98,7 @@ def limits(bounds: Bounds) -> dict[str, tuple[str, int, float, float]]:
     for name, (lower, upper) in bounds.items():
         width = upper - lower
         for side, end in ((-1, lower), (1, upper)):
-            for number, share in enumerate(OFFSETS):
+            for number, share in enumerate(OFFSETS[side]):
                 level = end + side * share * width
                 answers[f"{name}_{'_ab'[side]}{number}"] = name, side, level, share
         answers[f"{name}_middle"] = name, 1, (lower + upper) / 2, -0.5

@@ -111,10 +111,10 @@ def driven(k: Values, c: Values, m: Values = 1.0) -> Values:
 
 
 def corner(v: Values, k: Values, F: Values) -> Values:
-    """Time and rate at 0.86, reached against a spring and a load."""
+    """Time and rate at 0.62, reached against a spring and a load."""
     w, behind = np.sqrt(k), F / k
-    time = reach(behind, v, w, 0.42 + behind)
-    left = v**2 - k * 0.42**2 - 2 * F * 0.42
+    time = reach(behind, v, w, 0.62 + behind)
+    left = v**2 - k * 0.62**2 - 2 * F * 0.62
     return columns(time, when(np.isfinite(time), np.sqrt(np.maximum(left, 0))))
 
 
@@ -260,7 +260,7 @@ BOXES = (
         of_columns(driven), SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
     box("corner", {"v": (1.0, 1.6), "k": (4, 8), "F": (0.2, 1.0)},
         {"t": CATCH, "rate": {"value": "w", "at": "t"}}, of_columns(corner),
-        SPRING % "0 m" + PIN % "0.42 m", {"x": X, "w": RATE}),
+        SPRING % "0 m" + PIN % "0.62 m", {"x": X, "w": RATE}),
     box("plateau", {"v": (0.3, 1.1), "mass": (0.8, 1.2)}, {"far": {"largest": "x"}},
         of_columns(plateau), "bent: {type: tabulated spring, joint: rail, "
         "positions: [0 m, 0.2 m, 0.6 m], forces: [0 N, -1 N, -1.2 N]}; " + PIN % "0.5 m"),

@@ -112,9 +112,9 @@ class _Climbs:
         self.margin_climbs = [Climb(1.0) for _ in quantities]  # where an event may begin to occur
 
     def missing_points(self, surrogates: Sequence[Any]) -> np.ndarray:
-        """Points (P, k) where further runs tell whether searches have missed a part of the box: none
-        where all quantities are smooth; else the corners, if these are few, and points that are
-        spread over the box, eight for each parameter in all; where a quantity has no value in any
+        """Points (P, k) of runs that tell whether searches have missed a part of the box: none where
+        all quantities are smooth; else the corners, if these are few, and points spread over the
+        box, so that there are eight runs for each parameter; where a quantity has no value in any
         run four times as many, eight for each parameter at a time."""
         model = self.model
         if not self.climbs or not any(map(_is_rough, surrogates)):

@@ -88,9 +88,8 @@ def sensitivity_dataset(
     surrogate = fit(design, data.values[match_points(design.points, data.points)])
     error = _error(data, design, surrogate)
     influence = measure_sensitivity(surrogate)
-    width, first, total = (
-        np.moveaxis(array, 0, 1) for array in (influence.width, influence.first, influence.total)
-    )
+    arrays = influence.width, influence.first, influence.total
+    width, first, total = (np.moveaxis(array, 0, 1) for array in arrays)
     wide, shares = np.zeros((2, *width.shape[:2]))
     for i, variance in enumerate(influence.variance):
         area = np.trapezoid(np.where(width[i] > error[i], width[i], 0.0), data.time)

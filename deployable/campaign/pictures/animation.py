@@ -49,15 +49,9 @@ def write_moving(
         options: dict[str, Any] = {"optimize": False, "disposal": 1}
     else:
         options = {"quality": 80, "method": 4}
+    options |= {"append_images": images[1:], "duration": durations, "loop": 0}
     with whole_file(path) as temporary:
-        images[0].save(
-            temporary,
-            save_all=True,
-            append_images=images[1:],
-            duration=durations,
-            loop=0,
-            **options,
-        )
+        images[0].save(temporary, save_all=True, **options)
     return path
 
 

@@ -7,7 +7,7 @@ from typing import Any
 CAMPAIGN = "campaign.yaml"
 """Name of the campaign in a folder of one's own."""
 
-PICTURES = ("png", "pdf", "svg")
+PICTURES = ("png", "pdf")
 
 MOST_PANELS = 8
 """Panels of one figure, as many as fit on a page."""

@@ -16,6 +16,8 @@ MOST_FULL = 8
 
 _MOST_CORNERS = 256  # of a box of more parameters
 
+_ROUNDING = 1e-12  # of coordinates that searches and designs compute: 1 may be 1 + 2e-16
+
 
 @dataclass(frozen=True)
 class Box:
@@ -74,10 +76,10 @@ class Box:
     def from_unit(self, points: np.ndarray) -> np.ndarray:
         """Parameter values (..., k) of normalized coordinates `points` (..., k): -1 gives exactly
         `lower`, 1 exactly `upper`, and equal coordinates give equal values to the last bit, as runs
-        are recognised by their values; beyond [-1, 1] the map goes on."""
+        are recognised by their values; beyond [-1, 1], by more than rounding, the map goes on."""
         points = np.asarray(points, dtype=float)
         values = self.lower * ((1.0 - points) / 2.0) + self.upper * ((1.0 + points) / 2.0)
-        in_cube = (np.abs(points) <= 1.0) & self.free
+        in_cube = (np.abs(points) <= 1.0 + _ROUNDING) & self.free
         values = np.where(in_cube, np.clip(values, self.lower, self.upper), values)
         return np.where(self.free, values, self.lower)
 

@@ -157,11 +157,6 @@ class Batch:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
-    def is_read(self, kind: type) -> bool:
-        """Return whether another element type of these scenes needs the arrays of the type `kind`
-        in every step (lists it in `reads_in`)."""
-        return any(kind in reader.reads_in(self.scene) for reader in self.kinds)
-
     def work_account(self, kind: type) -> int:
         """Return the column of World.accounts for the work (J) that elements of `kind` give."""
         return self.accounts.index(kind.gives)
@@ -261,11 +256,15 @@ class Batch:
     def _least_scale(self, step: float, steps: int) -> np.ndarray:
         """Energy (lanes,) that rounding may hold in a scene at rest. Joints close in every step
         what rounding opened, which adds up as a random walk; of so much way forces do work. At a
-        stable step no spring has more energy of so much strain than masses have of such motion."""
+        stable step no spring has more energy of so much strain than masses have of such motion.
+        Where all particles are held or driven no motion can grow: the balance proves nothing."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):
             free = ~scene.fixed.all(axis=1)
+            if not free.any():
+                scale[lane] = np.inf
+                continue
             reach = np.abs(scene.position).max(initial=0.0)
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from fpm.arithmetic.expressions import ExpressionError, Value
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
-from fpm.structures.expressions import ExpressionError, Value
 from fpm.structures.names import Bound
 from fpm.structures.reading import Problems, SkippedError
 

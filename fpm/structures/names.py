@@ -11,11 +11,11 @@ from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
 from pathlib import Path
 
+from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
+from fpm.arithmetic.units import NUMBER, Dimension, is_unit
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
-from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
 UNIT_VECTORS = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, refused
 
 import fpm
+from fpm.arithmetic.expressions import parse
 from fpm.structures import loads
-from fpm.structures.expressions import parse
 from fpm.structures.plausible import warnings
 
 NUMBERS = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)

@@ -1,6 +1,6 @@
 """Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,9 +9,14 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.intervals.box import MOST_FULL
+from deployable.intervals.designs import scan_points
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
+_MOST_CLIMBS = 40  # runs in a row of a local search
+_EACH = 8  # runs for each parameter before the surrogate says where others are made
+_MOST_SPREAD = 4  # times as many where a quantity has no value
+_FEW = 3  # parameters whose corners are run at once
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -57,7 +62,12 @@ def converge_bounds(
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
+    climbs = _Climbs(model)
     for iteration in range(max_iterations + 1):
+        if iteration < max_iterations:
+            climbs.run()
+            while model.add(climbs.missing_points()).size:
+                climbs.run()
         surrogates = model.surrogates()
         bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
         if iteration == max_iterations:
@@ -72,6 +82,58 @@ def converge_bounds(
             break
         mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
+
+
+class _Climbs:
+    """Local searches for the bounds of all quantities, which make their runs side by side."""
+
+    def __init__(self, model: ModelEvaluator) -> None:
+        from deployable.intervals.scalars import Climb
+
+        is_wide = model.points.shape[1] > MOST_FULL
+        quantities = [] if is_wide else model.experiment.quantity_list
+        self.model, self.climbs = model, [(Climb(-1.0), Climb(1.0)) for _ in quantities]
+        self.margin_climbs = [Climb(1.0) for _ in quantities]  # where an event may begin to occur
+
+    def missing_points(self) -> np.ndarray:
+        """Points (P, k), spread over the box, that make eight runs for each parameter, or, where a
+        quantity has no value in any run, four times as many, eight for each parameter at a time."""
+        free, has_value = (
+            self.model.experiment.box.free,
+            np.isfinite(self.model.numbers).any(axis=0),
+        )
+        total = _EACH * int(free.sum()) * (1 if has_value.all() else _MOST_SPREAD)
+        count = min(total - len(self.model.points), _EACH * int(free.sum()))
+        if count <= 0 or not self.climbs:
+            return self.model.points[:0]
+        return scan_points(free, len(self.model.points) + count, corners=False)[-count:]
+
+    def run(self) -> None:
+        """Go on until no search promises a gain; first at the corners, where these are few."""
+        model, box = self.model, self.model.experiment.box
+        if self.climbs and box.free.sum() <= _FEW:
+            model.add(box.corners())
+        for _ in range(_MOST_CLIMBS):
+            points = [
+                point
+                for climb, values in self._active()
+                if (point := climb.propose(model.points, values)) is not None
+            ]
+            count = len(model.points)
+            model.add(points)
+            if len(model.points) == count:
+                break
+
+    def _active(self) -> Iterator[tuple[Any, np.ndarray]]:
+        """Searches, and the values (R) of the runs so far that they go by."""
+        numbers, margins = self.model.numbers.T, self.model.margins.T
+        for pair, margin_climb, values, margin in zip(
+            self.climbs, self.margin_climbs, numbers, margins, strict=False
+        ):
+            if np.isfinite(values).any():
+                yield from ((climb, values) for climb in pair)
+            elif np.isfinite(margin).all():
+                yield margin_climb, margin
 
 
 def _bounds(

@@ -411,12 +411,12 @@ class MeasuredTest(ConfigSection):
     """`check`: it may refute what the other tests leave, and narrows nothing."""
 
 
-def _definition(noun: str, example: str, **units: str) -> Any:
-    """The type of a response's or quantity's definition, which the mechanics read; units: of its
-    numbers, by key."""
+def _definition(noun: str, example: str, kind: Any = dict[str, Any], **units: str) -> Any:
+    """The type of a response's or quantity's definition, which the mechanics read; kind: of it in
+    Python; units: of its numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
     key = Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
-    return Annotated[dict[str, Any], key]
+    return Annotated[kind, key]
 
 
 _OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
@@ -465,7 +465,9 @@ class Config(ConfigSection):
             Name,
             _definition(
                 "quantity",
-                "`{largest: vB}` or `{event: closes, number: 1}`",
+                "`{largest: vB}` or `{event: closes, number: 1}`, or an expression of others such "
+                "as `t1 - t2`",
+                dict[str, Any] | str,
                 at="s",
                 **dict.fromkeys(("level", "about", "within"), "response"),
             ),
@@ -473,8 +475,8 @@ class Config(ConfigSection):
         Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
     """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
-    values, values at a time, times of crossings and events and others (docs/quantities.md). A run
-    in which it does not happen has none."""
+    values, values at a time, times of crossings and events and others, and arithmetic of these
+    (docs/quantities.md). A run in which it does not happen has none."""
     margins: Annotated[
         dict[
             Name,

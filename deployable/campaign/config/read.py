@@ -16,6 +16,10 @@ from fpm.structures.model import KEYS
 from fpm.structures.reading import commas
 
 
+_LABELS = ("[key]", "dict[str,any]", "str")
+"""What pydantic puts into the places of errors besides names: of keys, of a choice of types."""
+
+
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     """Check a raw config by the models of its sections: returns the `Config`, a copy of the valid
     part of `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can
@@ -76,7 +80,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
     unknown = [names.pop()] if kind == "unexpected_keyword_argument" else []
     path, keys, value = [], [whole()], raw
     for name in names:
-        if name != "[key]" and (child := keys[-1].child(name)):
+        if name not in _LABELS and (child := keys[-1].child(name)):
             path.append(name)
             keys.append(child)
             value = value.get(name) if isinstance(value, Mapping) else None

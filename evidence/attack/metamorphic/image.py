@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from evidence.attack.metamorphic.structure_text import Structure
-from fpm.structures.units import unit
+from fpm.arithmetic.units import unit
 
 Entries = dict[str, dict[str, Any]]
 

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.cables.cable_kernels import TINY
 from fpm.elements.joints.hinge_arrays import SIDE_FORCE2
 from fpm.elements.joints.joint_arrays import DIRECTION
 from fpm.elements.openings.opening_kernels import NEW, OLD
@@ -91,11 +92,11 @@ def force_of(bearing, i, timing):
 @kernel
 def onset(new, old):
     """Return the factor, 0.5 to 1.5, on the force of a damper that starts (or ends) within this
-    step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
-    An impulse is that of half a step before and after now; the force acts for half a step and s/(s
-    + b) of one, s and b being the sizes of new and old."""
-    product = new * old
-    return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
+    step, as the overlap passes 0 or begins there; 1 in other steps. new, old: overlap now and a
+    step ago (rad, m). An impulse is that of half a step before and after now; the force acts for
+    half a step and s/(s + b) of one, s and b being the sizes of new and old."""
+    share = absolute(new) / (absolute(new - old) + TINY)
+    return where_negative(-1.0 * new * old, 1.0, 0.5 + share)
 
 
 @kernel

@@ -6,13 +6,13 @@ from itertools import compress
 
 import numpy as np
 
+from fpm.arithmetic.expressions import Expression, ExpressionError
 from fpm.elements import Drag, Load
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.expressions import Expression, ExpressionError
 from fpm.structures.keys import (
     ChoiceKey,
     CurveExpressionKey,

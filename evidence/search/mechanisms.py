@@ -1,0 +1,204 @@
+"""Boxes of small structures with rigid parts, whose bounds are known from models of their own.
+
+Each goes through the whole program: once with `accuracy`, and with presets to compare its cost.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from deployable import campaign
+from evidence.search.boxes import Box
+
+DRAWS, CHUNK = 2**18, 2**14
+"""Points by which true fractions are told, and those that a model gets at once."""
+OFFSETS = {-1: (-0.005,), 1: (-0.03, 0.005)}
+"""Shares of the width by which limits lie outside the true bounds: of the lower and the upper."""
+MAX_RUNS, TOLERANCE = 400, 0.05
+PRESETS = {
+    "default": {},
+    "smolyak 4": {"design": {"method": "smolyak", "order": 4}, "bounds": {"model": "spline"}},
+    "sobol 256": {"design": {"method": "sobol", "samples": 256}},
+    "sobol 1024": {"design": {"method": "sobol", "samples": 1024}},
+}
+"""Designs by hand, the first of which is judged as well; the others tell what as right an answer costs."""
+FLOOR, CLOSE = 0.002, 0.01  # shares of the width: added to every error, and as right as is asked
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A structure, its box and a model of it that shares nothing with the program.
+
+    structure: text in the language of structures, whose real parameters have SI units; intervals:
+    least and largest value by parameter; responses, quantities, margins: as in a config; model:
+    values (P, quantities) at points (P, parameters) in SI units, in the order of `names` and
+    `intervals`, NaN where a quantity does not happen; duration: of a run, s; design: in place of
+    `accuracy`, where there are more than eight intervals.
+    """
+
+    name: str
+    structure: str
+    intervals: Mapping[str, tuple[float, float]]
+    responses: Mapping[str, Any]
+    quantities: Mapping[str, Any]
+    model: Callable[[np.ndarray], np.ndarray]
+    duration: float = 1.0
+    instants: int = 401
+    design: Mapping[str, Any] | None = None
+    margins: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all quantities."""
+        return [*self.quantities, *(f"{name}_least" for name in self.margins)]
+
+    def values(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P, quantities) of the model at points (P, k) of the unit box, from -1 to 1."""
+        lower, upper = np.array(list(self.intervals.values()), dtype=float).T
+        points = lower + (np.asarray(unit) + 1) / 2 * (upper - lower)
+        with np.errstate(all="ignore"):
+            parts = [self.model(points[i : i + CHUNK]) for i in range(0, len(points), CHUNK)]
+        return np.concatenate(parts)
+
+    def truth(self) -> dict[str, Any]:
+        """True bounds and fractions in which each quantity happens and each limit is kept."""
+        unit = 2 * qmc.Sobol(len(self.intervals), seed=0).random(DRAWS) - 1
+        values = self.values(unit)
+        bounds = {
+            name: Box(
+                name, len(self.intervals), lambda u, j=j: (self.values(u)[:, j], None)
+            ).true_bounds()
+            for j, name in enumerate(self.names)
+        }
+        kept = {
+            key: float(
+                np.mean(np.less_equal(side * values[:, self.names.index(name)], side * level))
+            )
+            for key, (name, side, level, _) in limits(bounds).items()
+        }
+        happens = dict(zip(self.names, np.isfinite(values).mean(axis=0).tolist(), strict=True))
+        return {"bounds": bounds, "happens": happens, "kept": kept}
+
+
+Bounds = Mapping[str, Sequence[float]]
+
+
+def limits(bounds: Bounds) -> dict[str, tuple[str, int, float, float]]:
+    """Limits by requirement: quantity, 1 for at most or -1 for at least, level, share outside."""
+    answers = {}
+    for name, (lower, upper) in bounds.items():
+        width = upper - lower
+        for side, end in ((-1, lower), (1, upper)):
+            for number, share in enumerate(OFFSETS[side]):
+                level = end + side * share * width
+                answers[f"{name}_{'_ab'[side]}{number}"] = name, side, level, share
+        answers[f"{name}_middle"] = name, 1, (lower + upper) / 2, -0.5
+    return answers
+
+
+def config(mechanism: Mechanism, bounds: Bounds, design: Mapping[str, Any]) -> dict[str, Any]:
+    """The campaign of a mechanism, whose structure is in `box.yaml`."""
+    sides = {-1: "at_least", 1: "at_most"}
+    asked = {key: getattr(mechanism, key) for key in ("responses", "quantities", "margins")}
+    asked["requirements"] = {
+        key: {quantity: {sides[side]: level}}
+        for key, (quantity, side, level, _) in limits(bounds).items()
+    }
+    return {
+        "campaign": "box",
+        "scene": {"file": "box.yaml"},
+        "solver": {"duration": mechanism.duration, "instants": mechanism.instants},
+        "intervals": {
+            key: {"lower": ends[0], "upper": ends[1]} for key, ends in mechanism.intervals.items()
+        },
+        **{key: dict(value) for key, value in asked.items() if value},
+        **design,
+    }
+
+
+def play(
+    mechanism: Mechanism, truth: Mapping[str, Any], design: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What a campaign says of a mechanism, beside the truth, in plain numbers."""
+    start, folder = os.getcwd(), tempfile.TemporaryDirectory()
+    with folder:
+        os.chdir(folder.name)
+        try:
+            Path("box.yaml").write_text(mechanism.structure)
+            Path("c.yaml").write_text(json.dumps(config(mechanism, truth["bounds"], design)))
+            before = sum(os.times()[:4])
+            campaign.run("c.yaml", results="r", figures=False, notify=lambda text: None)
+            seconds = sum(os.times()[:4]) - before
+            summary = json.loads(Path("r/box/summary.json").read_text())
+            runs = len(list(Path("r/box/trajectories").glob("*.nc")))
+        finally:
+            os.chdir(start)
+    said = {quantity["name"]: quantity for quantity in summary["quantities"]}
+    shares = {requirement["name"]: requirement for requirement in summary["requirements"]}
+    accuracy = summary.get("accuracy") or {}
+    return {
+        "box": mechanism.name, "seconds": seconds, "runs": runs,
+        "accuracy_met": accuracy.get("met"), "bounds": [
+            bound for name in mechanism.names
+            for bound in _bounds(said[name], name, truth, accuracy.get("unmet", []))
+        ], "shares": [
+            {"requirement": name, "true": truth["kept"][name], "said": shares[name]["share"],
+             "open": shares[name]["share_uncertainty"], "met": shares[name]["met"],
+             "all": truth["happens"][quantity] == 1 and share > 0}
+            for name, (quantity, _, _, share) in limits(truth["bounds"]).items()
+        ],
+    }  # fmt: skip
+
+
+def _bounds(said: Mapping[str, Any], name: str, truth: Mapping, unmet: list[str]) -> Iterable[dict]:
+    """Both bounds of a quantity: shares of the true width by which they are off, and the errors."""
+    lower, upper = truth["bounds"][name]
+    width = upper - lower
+    error = said.get("errors", {}).get("whole", said["error"])
+    for end, true in (("lower", lower), ("upper", upper)):
+        value, attained = (
+            said[key] if said[key] is not None else np.nan for key in (end, f"simulated_{end}")
+        )
+        yield {
+            "bound": f"{name} {end}", "true": true, "said": value, "attained": attained,
+            "off": abs(value - true) / width, "runs_off": abs(attained - true) / width,
+            "error": np.inf if error is None else error / width,
+            "predicted": end in said["predicted_ends"], "partial": truth["happens"][name] < 1,
+            "told_met": name not in unmet,
+        }  # fmt: skip
+
+
+def worst(answer: Mapping[str, Any]) -> float:
+    """By how much the worst bound of an answer is off, as a share of its width."""
+    return max(np.nan_to_num(bound["off"], nan=np.inf) for bound in answer["bounds"])
+
+
+def check(mechanism: Mechanism, truth: Mapping[str, Any]) -> dict[str, Any]:
+    """A mechanism with `accuracy`, by default, and by the first preset that is as right."""
+    goal = {"accuracy": {"tolerance": TOLERANCE, "max_runs": MAX_RUNS}}
+    play(mechanism, truth, {"design": {"method": "smolyak", "order": 1}})  # it compiles
+    answer = play(mechanism, truth, goal)
+    default = play(mechanism, truth, PRESETS["default"])
+    rivals = {}
+    for name, design in PRESETS.items():
+        rival = default if name == "default" else play(mechanism, truth, design)
+        rivals[name] = rival["seconds"], worst(rival)
+        if worst(rival) <= max(worst(answer), CLOSE):
+            break
+    else:
+        name = ""
+    return {"accuracy": answer, "default": default, "rivals": rivals, "as_right": name}
+
+
+def truths(module: str) -> dict[str, Any]:
+    """The stored truths of the boxes of a module of this package."""
+    return json.loads(Path(__file__).with_name(f"{module}.json").read_text())

@@ -122,9 +122,7 @@ def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     return widen(data.time, residuals.max(axis=0))
 
 
-def surrogate_dataset(
-    samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
-) -> xr.Dataset:
+def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
     """Compute the Chebyshev coefficients of every response at every instant, as a dataset.
 
     Parameters
@@ -134,8 +132,6 @@ def surrogate_dataset(
         (run, parameter).
     design
         Points among the runs, and the polynomials that are fitted to these runs.
-    responses
-        Names of the responses that are wanted; None: all.
 
     Returns
     -------
@@ -145,7 +141,7 @@ def surrogate_dataset(
         coefficients."""
     import xarray as xr
 
-    data, indices = read_samples(samples, responses), design.multi_indices
+    data, indices = read_samples(samples), design.multi_indices
     variables: dict[str, tuple] = {
         "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"})
     }

@@ -99,9 +99,9 @@ def slides(bench: Bench) -> None:
     decay = damping / (2 * mass)
     omega_d = np.sqrt(omega**2 - decay**2)
     start = 0.05 - rest
-    exact = rest + np.exp(-decay * time) * (
-        start * np.cos(omega_d * time) + (0.3 + decay * start) / omega_d * np.sin(omega_d * time)
-    )
+    cosine, sine = np.cos(omega_d * time), np.sin(omega_d * time)
+    exact = start * cosine + (0.3 + decay * start) / omega_d * sine
+    exact = rest + np.exp(-decay * time) * exact
     curve("swing", exact, 1e-6, "m s'' = -k (s - l) - c s' + m g·a")
     figure.curve(time, opening["swing"], "spring and damper")
     figure.curve(time, exact, "exact", True)

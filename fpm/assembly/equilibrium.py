@@ -177,9 +177,8 @@ class Potential:
         that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
         (m) or angle (rad) that is the unit of each."""
         pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self._sources)]
-        bars, *sizes = (
-            float(abs(scale_matrix(k, scales, scales)).max()) if k.nnz else 0.0 for _, k in pairs
-        )
+        matrices = (scale_matrix(k, scales, scales) for _, k in pairs)
+        bars, *sizes = (float(abs(k).max()) if k.nnz else 0.0 for k in matrices)
         return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
 
 

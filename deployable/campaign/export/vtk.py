@@ -39,9 +39,8 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
             file = places / f"{name}-{frame:04d}.vtu"
             write_text(file, grid_text(*grid, time))
             file_name = quoteattr(f"{places.name}/{file.name}")
-            entries.append(
-                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={file_name}/>'
-            )
+            text = f'timestep="{time!r}" part="{part}" name="{name}" file={file_name}'
+            entries.append(f"<DataSet {text}/>")
     collection = "\n".join(["<Collection>", *entries, "</Collection>"])
     write_text(path, _file("Collection", collection))
     return path
@@ -133,9 +132,8 @@ def _array(name: str, values: np.ndarray, attrs: str = "") -> str:
     text = base64.b64encode(len(raw).to_bytes(8, "little") + raw).decode()
     if values.ndim > 1:
         attrs += f' NumberOfComponents="{values.shape[1]}"'
-    return (
-        f'<DataArray type="{kind}" Name={quoteattr(name)}{attrs} format="binary">{text}</DataArray>'
-    )
+    head = f'type="{kind}" Name={quoteattr(name)}{attrs} format="binary"'
+    return f"<DataArray {head}>{text}</DataArray>"
 
 
 def _file(kind: str, content: str) -> str:

@@ -16,22 +16,16 @@ _HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
 _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
 
 
-def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
-    """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
-    a matplotlib figure, not saved yet.
+WIDTH = 6.0
+"""Width of the figure, in inches; the height follows from the structure."""
 
-    Parameters
-    ----------
-    scene
-        An `fpm.Scene`, which holds the structure.
-    view
-        Direction from the structure to the eye; None: `View()`.
-    width
-        Width of the figure, in inches; the height follows from the structure."""
+
+def draw_structure(scene: Any) -> Any:
+    """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
+    a matplotlib figure, not saved yet. scene: an `fpm.Scene`, which holds the structure."""
     from matplotlib.figure import Figure
 
-    view = view or View()
-    solid = solid_of_scene(scene)
+    view, solid = View(), solid_of_scene(scene)
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
     supports = scene.position[scene.fixed[:, :3].all(axis=1)]
     hinges = list(_hinge_lines(scene))
@@ -40,7 +34,8 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     limits = paint.limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     x_span, y_span = limits[1] - limits[0]
     size = max(x_span, y_span)
-    figure = Figure(figsize=(width, min(1.1 * width, width * (y_span + 0.2 * size) / x_span)))
+    height = WIDTH * min(1.1, (y_span + 0.2 * size) / x_span)
+    figure = Figure(figsize=(WIDTH, height))
     ax = figure.add_axes((0, 0, 1, 1))
     paint.frame_picture(ax, limits, view)
     if len(solid.nodes):

@@ -47,9 +47,8 @@ class Draw(StructureDraft):
             self.cable()
         self.world()
         prescribed_parts = {drive["part"] for drive in self.structure.get("drives", {}).values()}
-        if (parts := [part for part in self.parts if part not in prescribed_parts]) and self.chance(
-            0.3
-        ):
+        parts = [part for part in self.parts if part not in prescribed_parts]
+        if parts and self.chance(0.3):
             self.drag(self.rng.choice(parts))
         if parts and self.chance(0.3):
             self.strut(self.rng.choice(parts))

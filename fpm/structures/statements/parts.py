@@ -176,9 +176,8 @@ def _height_axis(build, args, directions) -> np.ndarray:
 
 def _straight(scene, args, points, directions, normal) -> list[int]:
     """A bar between two points; the particles at both."""
-    link = scene.add_link(
-        *points, normal, args.section, args.material, args.elements, args.name, args.inertia_scale
-    )
+    shape = args.section, args.material, args.elements, args.name, args.inertia_scale
+    link = scene.add_link(*points, normal, *shape)
     return [int(link.particles[0]), int(link.particles[-1])]
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,7 @@ from deployable.campaign.answers.quantity_bounds import converge_bounds
 from deployable.intervals.designs import scan_points
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most
+from evidence.search import mechanisms
 from evidence.search.boxes import BOXES, Box
 
 ITERATIONS = 6  # as `verify.max_iterations`
@@ -85,12 +87,26 @@ def measure_all(quick: bool = False) -> list[BoxCheck]:
     return [search(box) for box in (BOXES[:3] if quick else BOXES)]
 
 
-PARTS = {"boxes": measure_all}
+PARTS = {
+    "boxes": measure_all,
+    "carts": partial(mechanisms.measure, "mechanisms_carts"),
+}
 
 
-def report(parts: Mapping[str, list[BoxCheck]]) -> Report:
-    """What the study claims, and all boxes as a table."""
-    boxes = parts["boxes"]
+def report(parts: Mapping[str, list]) -> Report:
+    """What the study claims of functions and of mechanisms, and all as tables."""
+    checks = [check for name, part in parts.items() if name != "boxes" for check in part]
+    reports = [_report_boxes(parts["boxes"])] if "boxes" in parts else []
+    reports += [mechanisms.report(checks)] if checks else []
+    return Report(
+        [row for part in reports for row in part.rows],
+        {key: value for part in reports for key, value in part.extra.items()},
+        "".join(part.text for part in reports),
+    )
+
+
+def _report_boxes(boxes: list[BoxCheck]) -> Report:
+    """What is asked of functions, and all of them as a table."""
     coverage = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
     is_close = [miss <= CLOSE * b.width for b in boxes for miss in b.misses()]
     worse = [

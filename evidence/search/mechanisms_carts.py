@@ -283,7 +283,8 @@ BOXES = (
         "push: {type: torsion spring, joint: rail, stiffness: kt, rest: 2.5 rad}; "
         "dry: {type: friction, joint: rail, moment: M}; wires: {type: tabulated spring, "
         "joint: rail, angles: [0, 0.7 rad, 1.4 rad], moments: [0, -h, 0]}", {}, duration=0.001,
-        opening="0", margins={"sheet": {"along": "rail", "to": "90 deg", "standard": "nasa-std-5017b"}}),
+        opening="0",
+        margins={"sheet": {"along": "rail", "to": "90 deg", "standard": "nasa-std-5017b"}}),
     box("relay", {"k": (8, 12), "k2": (8, 12), "r2": (0.14, 0.2), "idle": (0.5, 2)},
         {"t": CATCH, "t2": {"event": "latches", "of": "second"}}, of_columns(relay),
         SPRING % "0.5 m" + PIN % "0.3 m" + "; go: {type: release, joint: other, watch: pin}; "

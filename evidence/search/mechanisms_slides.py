@@ -315,6 +315,33 @@ def eight(m, ka, kb, ca, cb, x, v, i):
     )  # fmt: skip
 
 
+def speed(u, v, w):
+    """Speed of a body that is thrown: limits of it are balls."""
+    return (np.sqrt(u**2 + v**2 + w**2),)
+
+
+def corner(x, v, F, H):
+    """When a latch catches that forces drive a mass to: in time in a corner of the box."""
+    a, way = F + H, 1.3 - x
+    times = 2 * way / (v + np.sqrt(v**2 + 2 * a * way))
+    return np.where(times < 1, times, np.nan), np.where(times < 1, 1.3, x + v + a / 2)
+
+
+def band(u, v, w, M, p):
+    """A hub that dry friction stops: it stays short of a latch, is caught, or is too fast."""
+    rate = u + v + w
+    left = rate**2 - 2 * M * p
+    caught = (left > 0) & (left < 1)
+    times = (rate - np.sqrt(np.maximum(left, 0))) / M
+    return np.where(caught, times, np.nan), np.where(caught, p, rate**2 / (2 * M))
+
+
+def outside(a, b, c, d):
+    """When a mass comes to a latch: in time outside of a ball."""
+    times = 0.9 / np.sqrt(a**2 + b**2 + c**2 + d**2)
+    return (np.where(times < 1, times, np.nan),)
+
+
 ANGLE, WAY = {"angle": {"opening": "axle"}}, {"way": {"opening": "slide"}}
 ONE = "curves: {one: {times: [0, 10 s], values: [1, 1]}}\n"
 
@@ -568,5 +595,47 @@ gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
         start="x",
         duration=2.0,
         instants=801,
+    ),
+    mechanism(
+        "ball of three", "u m/s -1 1,v m/s -1 1,w m/s -1 1",
+        """
+bodies: {block: {mass: 1, centre: o, box: [5 cm, 5 cm, 5 cm]}}
+initial_velocities: {throw: {part: block, about: o, velocity: [u, v, w]}}
+record: {block: {part: block, at: o}}
+""",
+        speed, {"speed": {"velocity": "block", "component": "norm"}}, {"end": {"final": "speed"}},
+        duration=0.1, instants=11,
+    ),
+    mechanism(
+        "corner of four", "x m -0.5 0,v m/s 0 1,F N 0 1,H N 0 0.6",
+        SLIDE.replace("mass: mass", "mass: 1") + """
+opening_rates: {kick: {joint: slide, rate: v}}
+loads:
+  push: {part: block, at: o, force: [F, 0, 0]}
+  more: {part: block, at: o, force: [H, 0, 0]}
+actions: {pin: {type: latch, joint: slide, position: 1.3 m, side: below}}
+""",
+        corner, WAY, {"t_latch": {"event": "latches"}, "stays": {"final": "way"}},
+        start="x", duration=1.0, instants=401,
+    ),
+    mechanism(
+        "band of five",
+        "u rad/s 0.4 0.7,v rad/s 0.4 0.7,w rad/s 0.4 0.7,M N_m 0.6 1,p rad 1 1.2",
+        ROTOR.replace("Iz", "1") + """
+opening_rates: {kick: {joint: axle, rate: u + v + w}}
+actions:
+  dry: {type: friction, joint: axle, moment: M, sticks: exactly}
+  pin: {type: latch, joint: axle, angle: p, side: below, max_capture_rate: 1 rad/s}
+""",
+        band, ANGLE, {"t_latch": {"event": "latches"}, "stays": {"final": "angle"}},
+        duration=4.0, instants=801,
+    ),
+    mechanism(
+        "outside of a ball", "a m/s -1 1,b m/s -1 1,c m/s -1 1,d m/s -1 1",
+        SLIDE.replace("mass: mass", "mass: 1") + """
+opening_rates: {kick: {joint: slide, rate: sqrt(a*a + b*b + c*c + d*d)}}
+actions: {pin: {type: latch, joint: slide, position: 0.9 m, side: below}}
+""",
+        outside, WAY, {"t_latch": {"event": "latches"}}, duration=1.0, instants=101,
     ),
 )

@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,6 +16,7 @@ from deployable.intervals.box import corner_points
 from deployable.intervals.designs import scan_points
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most
+from evidence.search import mechanisms
 from evidence.search.boxes import BOXES, Box
 from evidence.search.rivals import CLOSE, rival_runs
 
@@ -103,12 +105,30 @@ def measure_rivals(quick: bool = False) -> list[dict[str, float]]:
     return [rival_runs(box, box.true_bounds()) for box in (BOXES[:1] if quick else BOXES)]
 
 
-PARTS = {"boxes": measure_all, "rivals": measure_rivals}
+PARTS = {
+    "boxes": measure_all,
+    "rivals": measure_rivals,
+    "carts": partial(mechanisms.measure, "mechanisms_carts"),
+}
 
 
 def report(parts: Mapping[str, list]) -> Report:
-    """What the study claims, and all boxes as a table."""
-    boxes = parts["boxes"]
+    """What the study claims of functions and of mechanisms, and all as tables."""
+    checks = [c for name, part in parts.items() if name not in ("boxes", "rivals") for c in part]
+    reports = []
+    if "boxes" in parts:
+        rivals = [min(runs.values()) for runs in parts.get("rivals", [])]
+        reports.append(_report_boxes(parts["boxes"], rivals))
+    reports += [mechanisms.report(checks)] if checks else []
+    return Report(
+        [row for part in reports for row in part.rows],
+        {key: value for part in reports for key, value in part.extra.items()},
+        "".join(part.text for part in reports),
+    )
+
+
+def _report_boxes(boxes: list[BoxCheck], rivals: list[float]) -> Report:
+    """What is asked of functions, and all of them as a table. rivals: runs of the best one."""
     coverage = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
     is_close = [miss <= CLOSE * b.width for b in boxes for miss in b.misses()]
     worse = [
@@ -116,7 +136,6 @@ def report(parts: Mapping[str, list]) -> Report:
         for b in boxes
         for miss, run, true in zip(b.misses(), b.attained, b.true, strict=True)
     ]
-    rivals = [min(runs.values()) for runs in parts.get("rivals", [])]
     rows: list[Row] = [
         at_least("true bounds within the reported error", float(np.mean(coverage)), 0.95),
         at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.95),

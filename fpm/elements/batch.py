@@ -226,6 +226,7 @@ class Batch:
             sums=self.blank(1, layout.SUMS),
             peaks=self._peaks,
             size=(size := self.stack(1, 1, lambda s: [[size_of(s)]])),
+            resistance=self.stack(1, 1, lambda s: [[1.0]]),
             most=np.array(
                 [w.most * (size[0, 0] if w.of_size else unity) for _, w in watches]
             ).reshape(-1, self.width),

@@ -25,10 +25,8 @@ _ZOOMS, _HALVINGS = 3, 12
 _NOISE = 1e-8  # added to the kernel of the model
 _GAP = 0.7  # least distance of a step from runs beyond the border, over that from others
 _RADIUS, _LEAST_RADIUS = 0.5, 1e-3  # in normalized coordinates
-_FALL, _STEEP = (
-    0.1,
-    3.0,
-)  # a run is beyond a jump if so far below, of the width, of what it promised
+_FALL = 0.1  # of the width: a run that is so far below the extreme one is beyond a jump,
+_STEEP = 3.0  # if that is also more than so many times what it promised
 _JUMP, _NEAR_JUMP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, how near, and runs for it
 _SHARE = 0.1  # of such a gain, by a border, where the model, smooth, promises too little
 _POLL = 0.05  # of the width, that a model may lose where a single parameter is moved
@@ -110,6 +108,9 @@ class Climb:
         gaps = np.linalg.norm(points[near][:, None] - points[near], axis=2)
         drops = heights[near][:, None] - heights[near]
         steepness = np.where((drops > _JUMP * width) & (gaps < 1.0), drops / (gaps + 1e-9), 0.0)
+        slopes = np.abs(drops) / (gaps + 1e-9)
+        usual = float(np.median(slopes[np.triu_indices(len(near), 1)])) if len(near) > 1 else 0.0
+        steepness[steepness < _STEEP * usual] = 0.0
         high, low = np.unravel_index(steepness.argmax(), steepness.shape)
         if self.probes >= _PROBES or not steepness[high, low]:
             return None

@@ -244,19 +244,20 @@ closure.report_gaps(Hinges, gap_squares)
 @hook(Hinges)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each hinge together in this step, if
-    impulses are summed. part: arrays of all hinges (Hinges); world: not used; row: index of the
-    recorded instant; timing (StepTime): times of the step (s)."""
-    record_sums(part.sums, part.forces, row, timing)
+    impulses are summed. part: arrays of all hinges (Hinges); world: with its resistance; row: index
+    of the recorded instant; timing (StepTime): times of the step (s)."""
+    record_sums(part.sums, part.forces, row, timing, world)
 
 
 @kernel
-def record_sums(sums, forces, row, timing):
-    """Store the impulses of a step, divided by the time timing.kick, as forces (N) and moments (N
-    m) in rows row * h to (row + 1) * h - 1 of `forces` ((instants + 1) h, 12, lanes). sums (h, 12,
-    lanes): the impulses (N s, N m s) of h hinges (Hinges.sums; None: nothing is done); row: index
-    of the recorded instant; timing (StepTime): times of the step (s)."""
+def record_sums(sums, forces, row, timing, world):
+    """Store the mean forces (N) of a step's impulses, and moments (N m), in rows row * h to (row +
+    1) * h - 1 of `forces` ((instants + 1) h, 12, lanes). sums (h, 12, lanes): the impulses (N s, N
+    m s) of h hinges (Hinges.sums; None: nothing is done); row: index of the recorded instant;
+    timing (StepTime): times of the step (s); world: with its resistance."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):
             for k in range(hinge.SUMS):
-                store(forces, row * count + h, k, (1.0 / timing.kick) * load(sums, h, k))
+                force = closure.mean_force(world, timing) * load(sums, h, k)
+                store(forces, row * count + h, k, force)

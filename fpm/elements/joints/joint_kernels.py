@@ -332,24 +332,24 @@ closure.report_gaps(Joints, find_gaps)
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    impulses are summed. part: arrays of all joints (Joints); world: not used; row: index of the
-    recorded instant; timing (StepTime): times of the step (s)."""
-    record_sums(part.sums, part, row, timing)
+    impulses are summed. part: arrays of all joints (Joints); world: with its resistance; row: index
+    of the recorded instant; timing (StepTime): times of the step (s)."""
+    record_sums(part.sums, part, row, timing, world)
 
 
 @kernel
-def record_sums(sums, part, row, timing):
-    """Store the impulses of a step, divided by the length of the kick, as forces (N) and moments (N
-    m) on both bodies of each joint in part.forces, in the scene's order of joints. sums: part.sums,
-    None where nothing reads them; part: arrays of all joints (Joints); row: index of the recorded
-    instant; timing: StepTime (s). Left out: moments about axes about which a body cannot turn."""
+def record_sums(sums, part, row, timing, world):
+    """Store the mean forces (N) of a step's impulses, and moments (N m), on both bodies of each
+    joint in part.forces, in the scene's order of joints. sums: part.sums, None where nothing reads
+    them; part: arrays of all joints (Joints); row: index of the recorded instant; timing: StepTime
+    (s); world: with its resistance. Left out: moments about axes about which a body cannot turn."""
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):
             force = 0.0 * get3(rows, 0, joint.DIRECTION)
             first, second = force, force
             for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                impulse = (1.0 / timing.kick) * load(sums, r, 0)
+                impulse = closure.mean_force(world, timing) * load(sums, r, 0)
                 force = force + impulse * get3(rows, r, joint.DIRECTION)
                 first = first + impulse * get3(rows, r, joint.TURN1)
                 second = second + impulse * get3(rows, r, joint.TURN2)

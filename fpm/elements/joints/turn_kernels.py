@@ -9,7 +9,7 @@ bodies; `solve` finds the impulses, again where it was decided otherwise, and te
 the openings would have; `move` begins with the impulses that stand then."""
 
 from fpm.elements.joints import joint_kernels
-from fpm.elements.joints.closure import clear, report_gaps
+from fpm.elements.joints.closure import clear, mean_force, report_gaps
 from fpm.elements.joints.joint_arrays import (
     AXIS,
     AXIS_IM,
@@ -69,11 +69,11 @@ def add_to_account(world, account, work):
 
 
 @kernel
-def moment_of(turns, t, timing):
+def moment_of(turns, t, timing, world):
     """Return the moment (N m, lanes), on the hinge's second particle, that held joint coordinate t
     in this step: its impulse over timing.kick (s). turns: joint coordinates held exactly (Turns);
-    t: index among these; timing (StepTime): times of the step (s)."""
-    return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
+    t: index among these; timing (StepTime): times of the step (s); world: with its resistance."""
+    return mean_force(world, timing) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
@@ -118,7 +118,7 @@ def end_work(part, world, timing, first, sign):
     all elements to account part.account of World. part: arrays of elements; world: World; timing:
     StepTime (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for losses."""
     for i in range(part.hinge.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], timing)
+        moment = moment_of(part.turns, part.turn[i], timing, world)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
         end_work_of(part, world, i, moment, first, sign)
 

@@ -69,12 +69,8 @@ def linear_spin_up(length, EI, line_mass, modes=6):
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq
 
-    roots = [
-        brentq(
-            lambda b: np.cos(b) * np.cosh(b) + 1, np.pi * (k - 0.5) - 0.4, np.pi * (k - 0.5) + 0.4
-        )
-        for k in range(1, modes + 1)
-    ]
+    middles = np.pi * (np.arange(modes) + 0.5)
+    roots = [brentq(lambda b: np.cos(b) * np.cosh(b) + 1, m - 0.4, m + 0.4) for m in middles]
     s, weights = np.polynomial.legendre.leggauss(200)
     s, weights = (s + 1) / 2, weights / 2
     shapes, slopes, tips = [], [], []

@@ -384,8 +384,8 @@ class Scene:
         with np.errstate(over="ignore"):
             slopes = np.diff(values) / (np.diff(times) if smooth else 1.0)
         if not np.isfinite(slopes).all():
-            raise SceneError("values", float(np.abs(values).max()), "values that do not differ by "
-                             "more than numbers can")  # fmt: skip
+            allowed = "values that do not differ by more than numbers can"
+            raise SceneError("values", float(np.abs(values).max()), allowed)
         self.curves.append((Curve.smooth if smooth else Curve.table)(times, values))
         return len(self.curves) - 1
 

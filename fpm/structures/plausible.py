@@ -53,10 +53,8 @@ MAX_RATIO = 1000.0
 MAX_GRAVITY = 100.0
 """Acceleration of gravity (m/s2) above which it is hardly in this unit."""
 
-USUAL = {
-    "mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m"), "density": (20, 25_000, "kg/m3"),
-    "Young's modulus": (1e6, 2e12, "Pa"),
-}  # fmt: skip
+USUAL = {"mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m")}
+USUAL |= {"density": (20, 25_000, "kg/m3"), "Young's modulus": (1e6, 2e12, "Pa")}
 """What is between these ends needs no warning."""
 
 

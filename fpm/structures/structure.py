@@ -120,8 +120,8 @@ class Structure(StatementTable):
 
     def text(self) -> str:
         """Return the structure as the text of a YAML file, which loads to the same scenes."""
-        return yaml.dump(self.table, Dumper=_TextDumper, sort_keys=False, allow_unicode=True,
-                         default_flow_style=None, width=100)  # fmt: skip
+        options = {"sort_keys": False, "allow_unicode": True, "default_flow_style": None}
+        return yaml.dump(self.table, Dumper=_TextDumper, width=100, **options)
 
     def write(self, path: str | Path) -> None:
         """Write the structure as a YAML file, which loads to the same scenes, at `path`. Raises

@@ -64,9 +64,8 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
     return cable.title(scene), f"friction {cable.title(scene)}"
 
 
-_SCALED_BY_CURVES = {
-    Load: ("force", "moment"), TorqueMotor: ("torque",), Gravity: ("acceleration",)
-}  # fmt: skip
+_SCALED_BY_CURVES = {Load: ("force", "moment"), TorqueMotor: ("torque",)}
+_SCALED_BY_CURVES |= {Gravity: ("acceleration",)}
 
 
 class Component(NamedTuple):

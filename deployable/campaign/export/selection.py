@@ -208,17 +208,9 @@ def _selected_run(
     folder: Folder | None = None,
 ) -> SelectedRun:  # fmt: skip
     solver = experiment.solver
-    return SelectedRun(
-        name=name,
-        scene=experiment.build(values),
-        duration=solver.duration,
-        instants=solver.instants,
-        step=step,
-        energy_tolerance=solver.energy_tolerance,
-        responses=tuple(experiment.response_list),
-        attributes=attributes,
-        folder=folder,
-    )
+    times = solver.duration, solver.instants, step, solver.energy_tolerance
+    responses = tuple(experiment.response_list)
+    return SelectedRun(name, experiment.build(values), *times, responses, attributes, folder)
 
 
 def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:

@@ -97,27 +97,21 @@ def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return y, np.cross(chord, y)
 
 
-def grid_text(
-    points: np.ndarray, cells: list[tuple[int, np.ndarray]], point_arrays: Mapping,
-    cell_arrays: Mapping, time: float,
-) -> str:  # fmt: skip
+def grid_text(points: np.ndarray, cells: list, point_data: Mapping, data: Mapping, time) -> str:
     """Write the text of a .vtu file with one unstructured grid. points (n, 3): positions (m);
     cells: pairs of VTK's number of a type, as 3 for lines, and cells (m, k) as indices of points;
-    point_arrays, cell_arrays: data arrays by name, a row for each point or cell; time: in s."""
+    point_data, data: arrays by name, a row for each point, or cell; time: in s."""
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])
     shape = {"connectivity": connectivity, "offsets": sizes.cumsum(), "types": kinds}
-    body = [
-        "<FieldData>", _array("TimeValue", np.array([time]), ' NumberOfTuples="1"'), "</FieldData>",
-        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">',
-        *_section("Points", {"position": points}),
-        *_section("Cells", shape),
-        *_section("PointData", point_arrays),
-        *_section("CellData", cell_arrays),
-        "</Piece>",
-    ]  # fmt: skip
-    grid = "\n".join(["<UnstructuredGrid>", *body, "</UnstructuredGrid>"])
+    instant = _array("TimeValue", np.array([time]), ' NumberOfTuples="1"')
+    piece = f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">'
+    body = ["<FieldData>", instant, "</FieldData>", piece]
+    sections = {"Points": {"position": points}, "Cells": shape}
+    sections |= {"PointData": point_data, "CellData": data}
+    body += [line for name, arrays in sections.items() for line in _section(name, arrays)]
+    grid = "\n".join(["<UnstructuredGrid>", *body, "</Piece>", "</UnstructuredGrid>"])
     return _file("UnstructuredGrid", grid)
 
 

@@ -105,10 +105,10 @@ def _select_marks(passes: np.ndarray) -> np.ndarray:
     """At most `MOST_MARKS` runs (indices), evenly chosen: those that meet all, then others."""
     kinds, most = [np.flatnonzero(passes), np.flatnonzero(~passes)], MOST_MARKS // 2
     counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
-    return np.concatenate([
-        runs[np.linspace(0, len(runs) - 1, min(count, len(runs))).round().astype(int)]
-        for runs, count in zip(kinds, counts, strict=True)
-    ])  # fmt: skip
+    sizes = [min(count, len(runs)) for runs, count in zip(kinds, counts, strict=True)]
+    spread = [np.linspace(0, len(r) - 1, n) for r, n in zip(kinds, sizes, strict=True)]
+    rows = zip(kinds, spread, strict=True)
+    return np.concatenate([runs[places.round().astype(int)] for runs, places in rows])
 
 
 def prices(facts: Mapping[str, Any]) -> list[Panel]:

@@ -105,21 +105,22 @@ def _deflection(scene, hinge: int) -> float:
     return SLIDE_DEFLECTION if scene.hinges[hinge].slides else DEFLECTION
 
 
+DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
+BEARING_LOAD = (
+    "force that the joint bears as a rule, at which it gives by `bristle_deflection` before it "
+    "slips; left out: it counts in margins only, and a motion has none of it"
+)
+
+
 @statement(
     "actions",
     "bearing",
     joint=JOINT,
     mu=NumberKey(text="coefficient of friction", least=0),
     radius=NumberKey(None, "at which it rubs; of hinges only", unit="m", above=0),
-    load=NumberKey(
-        None, "force that the joint bears as a rule, at which it gives by `bristle_deflection` "
-        "before it slips; left out: it counts in margins only, and a motion has none of it",
-        unit="N", above=0,
-    ),
-    bristle_deflection=key_of(
-        elements.Friction, "bristle_deflection", default=None, text="left out: as that of friction"
-    ),
-)  # fmt: skip
+    load=NumberKey(None, BEARING_LOAD, unit="N", above=0),
+    bristle_deflection=replace(DEFLECTION_KEY, text="left out: as that of friction"),
+)
 def bearing(build, args):
     """Friction by the force that a joint itself bears; a couple that it bears is not counted.
 
@@ -200,12 +201,12 @@ MOMENTS = ListKey(
     back=replace(
         MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
     ),
-    bristle_deflection=key_of(
-        elements.Friction, "bristle_deflection", default=None,
+    bristle_deflection=replace(
+        DEFLECTION_KEY,
         text="half of the way from one branch to the other; left out: as that of friction",
     ),
     **CLASS,
-)  # fmt: skip
+)
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 

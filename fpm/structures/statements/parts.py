@@ -318,8 +318,9 @@ MASS = {
     "mass": replace(_size("its mass, evenly in it; this or `density`", "kg"), default=None),
     "density": replace(_size("of its material, in the place of `mass`", "kg/m3"), default=None),
 }
-LINE = {"from": replace(POINT, text="one of its points, an end of its axis"),
-        "to": replace(POINT, text="the other end"), **MASS}  # fmt: skip
+FROM, TO = "one of its points, an end of its axis", "the other end"
+LINE = {"from": replace(POINT, text=FROM), "to": replace(POINT, text=TO), **MASS}
+ROD_DIAMETER = "of a solid round rod; left out: a line, which nothing may turn about itself"
 
 
 def _mass_of(build, args, volume: float, remedy: str) -> float:
@@ -353,10 +354,9 @@ def _cylinder(build, args, section: Section | None) -> Body:
     "bodies",
     "rod",
     **LINE,
-    diameter=replace(_size("of a solid round rod; left out: a line, which nothing may turn about "
-                           "itself"), default=None),
+    diameter=NumberKey(None, ROD_DIAMETER, "m", above=0),
     points=POINTS,
-)  # fmt: skip
+)
 def rod(build, args):
     """A straight rigid rod between two points, its mass evenly along it.
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.answers.evaluations import ModelEvaluator
-from deployable.campaign.answers.quantity_bounds import converge_bounds
+from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.intervals.box import Box as ParameterBox
 from deployable.intervals.box import corner_points
 from deployable.intervals.designs import scan_points
@@ -82,14 +82,20 @@ class _BoxEvaluator(ModelEvaluator):
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
 
-def search(box: Box) -> BoxCheck:
-    """Search the bounds of a box as a campaign does."""
+def find_bounds(box: Box) -> tuple[QuantityBounds, np.ndarray]:
+    """Bounds of a box, sought as a campaign does, and the values (R) of all runs in their order."""
     model = _BoxEvaluator(box)
     (bounds,) = converge_bounds(model, ITERATIONS)
+    return bounds, model.numbers[:, 0]
+
+
+def search(box: Box) -> BoxCheck:
+    """Search the bounds of a box, and compare them with the true ones."""
+    bounds, values = find_bounds(box)
     errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
-    attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(model.points)
+    attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(values)
     check = BoxCheck(box.name, count, true, bounds.outer, attained, errors)
-    close = np.abs(np.subtract.outer(true, model.numbers[:, 0])) <= CLOSE * check.width  # (2, R)
+    close = np.abs(np.subtract.outer(true, values)) <= CLOSE * check.width  # (2, R)
     counts = np.where(close.any(axis=1), close.argmax(axis=1) + 1.0, count)
     is_found = (check.misses() <= CLOSE * check.width).all()
     return replace(check, found=float(counts.max()) if is_found else np.inf)

@@ -12,7 +12,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.event_margins import margins_of, margins_of_samples
+from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
 from deployable.campaign.results.run_roles import fitted_rows
@@ -149,8 +149,7 @@ class ModelEvaluator:
         with mesh and step of `plan`, which may be finer than the evaluator's own. They are
         simulated unless stored, and do not become the evaluator's own runs."""
         records = self.records(plan, runs_at(plan, points))
-        margins = margins_of(self.experiment, np.array([record.values for record in records]))
-        return np.array([record.numbers for record in records]), margins
+        return tuple(np.array([getattr(r, key) for r in records]) for key in ("numbers", "margins"))
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
         """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in their

@@ -77,7 +77,7 @@ def search(box: Box) -> BoxCheck:
     """Search the bounds of a box as a campaign does."""
     model = _BoxEvaluator(box)
     (bounds,) = converge_bounds(model, ITERATIONS)
-    errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
+    errors = tuple(max(e.error, bounds.surrogate.bound_error) for e in bounds.estimates)
     attained = bounds.lower, bounds.upper
     return BoxCheck(box.name, len(model.points), box.true_bounds(), bounds.outer, attained, errors)
 

@@ -13,8 +13,6 @@ what is not excluded, where the next polynomials are less wrong (history matchin
 the misfit, are found by sequential linear programming with a trust region and second-order
 corrections (Fletcher and Sainz de la Maza 1989)."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -210,9 +208,8 @@ class _Problem:
         self.fits, self.k, self.places, self.size = fits, k, [], k
         for fit in fits:
             count = fit.test.starts + fit.test.limits.shape[1]
-            self.places.append(
-                np.concatenate([fit.test.axes, self.size + np.arange(count)]).astype(int)
-            )
+            places = np.concatenate([fit.test.axes, self.size + np.arange(count)])
+            self.places.append(places.astype(int))
             self.size += count
         self.bands = np.concatenate([fit.test.bands.ravel() for fit in fits])
         self.errors = np.concatenate([fit.errors.ravel() for fit in fits])
@@ -229,10 +226,7 @@ class _Problem:
             jacobian[:, places[p:]] = columns[:, p:] * (high - low) / 2
             residuals.append(part)
             rows.append(jacobian)
-        return (
-            np.concatenate(residuals) / self.bands,
-            np.concatenate(rows) / self.bands[:, None],
-        )
+        return (np.concatenate(residuals) / self.bands, np.concatenate(rows) / self.bands[:, None])
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
         """By how many bands each residual (M) deviates, less or more the surrogate's error."""
@@ -291,9 +285,8 @@ class _Problem:
         matrix = np.block([[slopes, column], [-slopes, column]])
         bound = np.concatenate([limit - residuals[rows], limit + residuals[rows]])
         bounds = [*(sides / scales).T, (0.0, None)]
-        result = scipy.optimize.linprog(
-            np.append(cost * scales, penalty), matrix, bound, bounds=bounds, method="highs-ds"
-        )
+        costs = np.append(cost * scales, penalty)
+        result = scipy.optimize.linprog(costs, matrix, bound, bounds=bounds, method="highs-ds")
         if result.x is None:
             return np.zeros(self.size), inf
         return result.x[:-1] * scales, float(result.fun)
@@ -456,9 +449,8 @@ class _Waves:
             hull[:, self.sensors] = self.hull[:, self.sensors]
             volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
             self.hull = hull
-            is_precise = error <= _PRECISE or (
-                error <= 4 * _PRECISE and volumes[0] > _STATIONARY * volumes[1]
-            )
+            is_steady = volumes[0] > _STATIONARY * volumes[1]
+            is_precise = error <= (4 * _PRECISE if is_steady else _PRECISE)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
             if is_precise or is_met or min(map(len, self.points)) >= most:
                 break

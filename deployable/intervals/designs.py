@@ -4,8 +4,6 @@
 [-1, 1]^k; an interval of zero width contributes one point (0) in its direction. A new design is a
 function that makes it, and a line in `METHODS`."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -286,6 +284,5 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
             allowed = "points that determine every coefficient"
             raise IntervalError("points", f"{design.run_count} of them", allowed)
         coefficients = solution[0]
-    return Surrogate(
-        coefficients.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices
-    )
+    shape = len(design.multi_indices), *values.shape[1:]
+    return Surrogate(coefficients.reshape(shape), design.multi_indices)

@@ -1,7 +1,5 @@
 """Which runs come next: where bounds are decided, and where they may be wider."""
 
-from __future__ import annotations
-
 import heapq
 from dataclasses import dataclass
 
@@ -77,12 +75,7 @@ def _nearest(points: np.ndarray, candidates: np.ndarray) -> np.ndarray:
 
 
 def seek_points(
-    points: np.ndarray,
-    values: np.ndarray,
-    count: int,
-    *,
-    candidates: int = 16384,
-    seed: int = 0,
+    points: np.ndarray, values: np.ndarray, count: int, *, candidates: int = 16384, seed: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the next points of an adaptive design: where a spline exceeds the bounds most.
 

@@ -1,7 +1,5 @@
 """Peers on the same runs: how long their fits take, and the errors of their bounds."""
 
-from __future__ import annotations
-
 from evidence.rows import Row, at_least, at_most, skip_row
 
 PARALLEL = "measured side by side"

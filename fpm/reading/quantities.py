@@ -59,6 +59,18 @@ class Quantity:
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
+    def always_exists(self) -> bool:
+        """Whether every run has the quantity, as a peak, unlike an event or a crossing."""
+        if isinstance(self.instant, Quantity):
+            return self.instant.always_exists
+        return self.margin_source is None and self.kind != "event"
+
+    @property
+    def leaves(self) -> tuple["Quantity", ...]:
+        """Quantities, read off curves and events, of which this one is made: itself."""
+        return (self,)
+
+    @property
     def margin_source(self) -> "Quantity | None":
         """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
         to a target), or of a value that giving its time; None: runs only tell whether it does."""
@@ -73,6 +85,11 @@ class Quantity:
         if self.kind == "settling":
             return self.tolerance - np.abs(values[..., -1] - self.target)
         return crossing_margin(values - self.level, self.direction, self.number)
+
+    def read(self, number: Callable[["Quantity"], float]) -> float:
+        """Return the quantity's value (its unit, NaN: none) from those of its `leaves`. number:
+        function of a leaf that returns its value."""
+        return number(self)
 
     def evaluate(self, curves: Curves) -> float:
         """Return the quantity's value in one run; NaN if it does not exist there, as where an event
@@ -201,7 +218,9 @@ def _value(quantity: Quantity, curves: Curves) -> float:
     time = instant.evaluate(curves) if instant else quantity.instant
     if not np.isfinite(time) or not curves.time[0] <= time <= curves.time[-1]:
         return float("nan")
-    event = instant is not None and instant.kind == "event"
+    event = instant is not None and any(
+        leaf.kind == "event" and leaf.evaluate(curves) == time for leaf in instant.leaves
+    )
     return float(value_at(curves, quantity.response, time, event))
 
 

@@ -20,8 +20,6 @@
 
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from functools import partial

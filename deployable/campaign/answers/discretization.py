@@ -5,8 +5,6 @@ Each component begins with what changes beside the runs before: a finer mesh tak
 anyway, which so counts once. The change is continued to what all further halvings would change, by
 its order: that of a few runs with a quarter of the step, or on a mesh half as fine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple

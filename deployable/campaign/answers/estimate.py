@@ -1,7 +1,5 @@
 """What a campaign will take, before it runs: runs, time and disk."""
 
-from __future__ import annotations
-
 import math
 import os
 import time

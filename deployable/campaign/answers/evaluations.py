@@ -2,8 +2,6 @@
 
 Further runs go through the campaign's store, so that they are found again."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -60,7 +58,7 @@ class ModelEvaluator:
     @classmethod
     def from_folder(
         cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, refinements: bool = False
-    ) -> ModelEvaluator:
+    ) -> "ModelEvaluator":
         """Make an evaluator that has the runs of a folder of results, with event margins, from its
         plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
         runs it has those that `fitted_rows` chooses to fit surrogates to. refinements: whether to

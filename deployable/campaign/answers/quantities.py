@@ -16,8 +16,6 @@ their bounds take, `refinement.nc`.
     least                           physical lower bound, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes"""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """The commands that are about whole campaigns and structures, not about one stage (`cli`)."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

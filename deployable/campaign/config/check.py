@@ -6,8 +6,6 @@
 Everything wrong with it is collected into one `ConfigError`: what the models of its sections refuse
 (`models`, by `read`), then what needs the scene (`scene_checks`)."""
 
-from __future__ import annotations
-
 import copy
 import os
 from collections.abc import Iterator, Mapping, Sequence

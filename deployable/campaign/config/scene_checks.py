@@ -1,7 +1,5 @@
 """Checks of a config that need the scene, as of names, ranges, responses and requirements."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

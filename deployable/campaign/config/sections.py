@@ -169,7 +169,7 @@ class Experiment:
     design: DesignChoice
     held_out: int
     responses: dict[str, dict]
-    quantities: dict[str, dict] = field(default_factory=dict)
+    quantities: dict[str, dict | str] = field(default_factory=dict)
     accuracy: Accuracy = Accuracy()
 
     @classmethod
@@ -256,15 +256,18 @@ class Experiment:
         forces of joints that others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.response_list]
         quantities = [
-            (q.name, q.response, q.is_instantaneous) for q in self.quantity_list if q.response
+            (q.name, leaf.response, leaf.is_instantaneous)
+            for q in self.quantity_list
+            for leaf in q.leaves
+            if leaf.response
         ]
         redundancies = undetermined_forces(self.nominal_scene, self.response_list)
-        reasons = {
-            name: (warn(self.nominal_scene, response) if peak else "")
-            or redundancies.get(response.name, "")
+        reasons = [
+            (name, (warn(self.nominal_scene, response) if peak else "")
+             or redundancies.get(response.name, ""))
             for name, response, peak in curves + quantities
-        }
-        return {name: reason for name, reason in reasons.items() if reason}
+        ]  # fmt: skip
+        return {name: reason for name, reason in reasons if reason}
 
     @property
     def warnings(self) -> list[str]:

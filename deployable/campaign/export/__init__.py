@@ -1,7 +1,5 @@
 """Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,11 +77,7 @@ COLOURS = ("bars", "stress")
 
 
 def export(
-    run: SelectedRun,
-    kind: str,
-    folder: str | Path,
-    frames: int | None = None,
-    colour: str = "bars",
+    run: SelectedRun, kind: str, folder: str | Path, frames: int | None = None, colour: str = "bars"
 ) -> list[Path]:
     """Simulate a run, write it in one format, and return the paths of the files to open: of a
     ParaView collection the .pvd alone, of figures the PDF files. Raises `CampaignError` if the

@@ -1,8 +1,6 @@
 """Checks of what results hold: variables, their dimensions, values and names. Results may come from
 anybody. Their readers rely on these checks, which are made once, where a file is opened."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -77,7 +75,7 @@ number quantity parameter: argmin argmax share alone fixed halved""",
 text run: run_id
 known run parameter: normalized value
 number run quantity: quantities margin""",
-}  # fmt: skip
+}
 """Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
 or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
 

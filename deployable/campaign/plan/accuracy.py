@@ -5,8 +5,6 @@ spline goes; those of later rounds are sought where the bounds are decided. A ro
 so is checked: its bounds know what a finer mesh and half the step change. What comes next is
 decided by `decide`; here results become its arguments and its decision a plan."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

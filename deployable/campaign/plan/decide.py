@@ -3,8 +3,6 @@
 Pure logic, without files or runs. Errors are shares of the widths of responses and quantities, by
 part: surrogate, step and mesh."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

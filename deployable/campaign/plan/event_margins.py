@@ -1,7 +1,5 @@
 """Event margins of runs: by how much they have their quantities, from the curves of responses."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The runs of a plan as arrays: a million of them take some tens of megabytes, and no time."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -45,7 +43,7 @@ class Runs(Sequence[PlannedRun]):
         self.role, self.normalized, self.values, self.id_of = role, points, values, id_of
 
     @classmethod
-    def from_runs(cls, runs: Sequence[PlannedRun]) -> Runs:
+    def from_runs(cls, runs: Sequence[PlannedRun]) -> "Runs":
         """Make the sequence from `PlannedRun` objects, which keep their ids."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
@@ -81,7 +79,7 @@ class Runs(Sequence[PlannedRun]):
         sha.update(self.values.tobytes())
         return sha.hexdigest()[:16]
 
-    def unique(self) -> Runs:
+    def unique(self) -> "Runs":
         """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]

@@ -1,8 +1,6 @@
 """Facts of a campaign, its results as plain numbers and texts: the content of `summary.json`, from
 which the templates in this folder make the summary and the page."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress

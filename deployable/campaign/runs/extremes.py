@@ -14,8 +14,6 @@ quarters of the scan consist of whole chunks. In the file:
                                             padded with NaN, -1, -1
     overlap                                 largest overlap of the faces of a contact, rad"""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice, pairwise
@@ -113,7 +111,7 @@ class ScanChunk:
         common.write_netcdf(path, {"contact": self.contacts, **common.names_of(self)}, variables)
 
     @classmethod
-    def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> ScanChunk:
+    def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> "ScanChunk":
         """Read a chunk from the netCDF file `path`. responses, quantities: those of the experiment,
         by which further results are evaluated. Raises `DamagedError` for malformed content."""
         import netCDF4
@@ -179,7 +177,7 @@ class ScanExtremes(common.Store):
         if chunk.mask.any():
             self._save(group, chunk)
 
-    def read(self, group: Runs) -> ScanChunk | None:
+    def read(self, group: Runs) -> "ScanChunk | None":
         """Read what is stored of a chunk (`group`), from its undamaged file with most runs; None
         without one. Raises `DamagedError` for a file of other runs, responses or instants."""
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
@@ -193,7 +191,7 @@ class ScanExtremes(common.Store):
     def _files(self, group: Runs) -> list[Path]:
         return list(self.folder.glob(f"{self.file_of(group)}.*.nc"))
 
-    def _save(self, group: Runs, chunk: ScanChunk) -> None:
+    def _save(self, group: Runs, chunk: "ScanChunk") -> None:
         path = self.folder / f"{self.file_of(group)}.{chunk.mask.sum()}.nc"
         with whole_file(path, {"name": common.title(path)}) as temporary:
             chunk.write(temporary)

@@ -62,14 +62,16 @@ class RunRecord:
 
 class Store:
     """Base of the stores: a folder of run results in files named by a digest of their content, so
-    that a restarted campaign finds finished runs again. experiment: its responses and quantities
-    are kept. A file that is damaged or of another run counts as absent, and is noted in `damage`
-    (errors by path); `absences`, by run id, the columns (variable, label) that its file lacks. A
-    subclass can tell which runs of a group are `missing`, `write` results and `read` records."""
+    that a restarted campaign finds finished runs again. experiment: its responses are kept, and
+    `quantities`, those that are no expressions of others: these are computed when runs are read. A
+    file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
+    path); `absences`, by run id, the columns (variable, label) that its file lacks. A subclass can
+    tell which runs of a group are `missing`, `write` results and `read` records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
-        self.responses, self.quantities = experiment.response_list, experiment.quantity_list
+        self.responses = experiment.response_list
+        self.quantities = [q for q in experiment.quantity_list if q.kind != "expression"]
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
 
@@ -105,7 +107,7 @@ class Store:
         (quantities may be NaN: absent), and events of its own contacts only."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
-        if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
+        if shapes != [(instants,), (count, instants), (len(self.experiment.quantities),)]:
             raise ValueError("it has other instants, responses or quantities than the campaign")
         indices = record.events[:, 1]
         if not (np.isfinite(record.values).all() and np.isfinite(record.overlap)):
@@ -157,6 +159,18 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
     except ValueError as error:
         raise CampaignError(str(error)) from None
+
+
+def complete_numbers(experiment: Experiment, numbers: np.ndarray) -> np.ndarray:
+    """Return all q quantities of an experiment (..., q), in order, from those that stores keep
+    (..., s): the others are expressions of these."""
+    quantities = experiment.quantity_list
+    names = [quantity.name for quantity in quantities if quantity.kind != "expression"]
+    if len(names) == len(quantities):
+        return numbers
+    runs = [dict(zip(names, row, strict=True)) for row in np.reshape(numbers, (-1, len(names)))]
+    table = [[q.read(lambda leaf: run[leaf.name]) for q in quantities] for run in runs]  # noqa: B023
+    return np.reshape(table, (*np.shape(numbers)[:-1], len(quantities)))
 
 
 def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:

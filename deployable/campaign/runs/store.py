@@ -80,6 +80,7 @@ class Trajectories(Store):
             with report_damage(self.path(run)):
                 values = np.stack([r.evaluate(curves) for r in self.responses])
                 numbers = common.numbers_of(self.quantities, curves)
+                numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
                 record = RunRecord(curves.time, values, events, contacts, numbers, overlap)
@@ -168,6 +169,7 @@ class Responses(Store):
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
             empty = np.zeros((len(group), 0))
             numbers = file["quantities"][:] if self.quantities else empty
+            numbers = common.complete_numbers(self.experiment, numbers)
             records = {}
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]

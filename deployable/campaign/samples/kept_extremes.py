@@ -29,6 +29,7 @@ from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.results import complete_numbers
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.samples import samples
 from deployable.intervals.samples import RunBounds, quarter_ends
@@ -105,9 +106,9 @@ def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
         compression = _compression(runs, 8)
         variable = file.createVariable(name, kind, ("run", "event"), fill_value=fill, **compression)
         variable.setncatts(samples.ATTRIBUTES[name])
-    if store.quantities:
-        samples.write_names(file, "quantity", store.quantities)
-        compression = _compression(runs, len(store.quantities))
+    if quantities := store.experiment.quantity_list:
+        samples.write_names(file, "quantity", quantities)
+        compression = _compression(runs, len(quantities))
         variable = file.createVariable("quantities", "f8", ("run", "quantity"), **compression)
         variable.long_name = samples.ATTRIBUTES["quantities"]["long_name"]
 
@@ -118,7 +119,7 @@ def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
     for name, values in chunk.events.items():
         file[name][rows, : values.shape[1]] = values
     if store.quantities:
-        file["quantities"][rows] = chunk.numbers
+        file["quantities"][rows] = complete_numbers(store.experiment, chunk.numbers)
 
 
 def _write_quarters(file: Any, quarters: list[RunBounds | None]) -> None:

@@ -77,9 +77,9 @@ def gather(
     ):
         _write_runs(file, plan)
         write_names(file, "response", store.responses)
-        if store.quantities:
-            write_names(file, "quantity", store.quantities)
-            blanks = np.full((len(plan.runs), len(store.quantities)), np.nan)
+        if quantities := plan.experiment.quantity_list:
+            write_names(file, "quantity", quantities)
+            blanks = np.full((len(plan.runs), len(quantities)), np.nan)
             text = ATTRIBUTES["quantities"]["long_name"]
             _numbers(file, "quantities", ("run", "quantity"), blanks, text)
         for group in groups:

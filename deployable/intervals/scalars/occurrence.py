@@ -144,7 +144,7 @@ class Occurrence:
     def _border(self, x: np.ndarray) -> np.ndarray:
         """The smoothest function that tells the runs apart."""
         points, weights = self._support_vectors
-        return _matern(x, points) @ weights
+        return matern(x, points) @ weights
 
     def formula(self) -> Formula:
         """Write the decision function (`decision`) as a table for other programs; only for an
@@ -159,7 +159,7 @@ class Occurrence:
         """Unit points (n, k) and weights (n) of that function, by its dual: the least |L' a - b|
         with a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
         points, signs = self._training_runs()
-        kernel = _matern(points, points) * signs * signs[:, None]
+        kernel = matern(points, points) * signs * signs[:, None]
         root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
         bound = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
         weights, _ = scipy.optimize.nnls(root.T, bound, maxiter=100 * len(points))
@@ -195,7 +195,7 @@ class Occurrence:
         return points
 
 
-def _matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
+def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
     squares = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * x @ points.T
     distance = np.sqrt(5 * np.maximum(squares, 0.0)) / _LENGTH

@@ -275,10 +275,7 @@ def fit_scalar(
         if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
             fit = edge_fit
     return ScalarSurrogate(
-        fit,
-        occurrence,
-        -np.inf if least is None else least,
-        np.inf if latest is None else latest,
+        fit, occurrence, -np.inf if least is None else least, np.inf if latest is None else latest
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fpm.elements.fields import stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import Connector, on_hinge
+from fpm.elements.openings.opening import Connector, on_hinge, struck_stiffness
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,9 @@ class Contact(Connector):
     noun = "contact"
     resists_as = "S"
     cost = 70.0
+
+    def stiffness_in(self, scene):
+        return struck_stiffness(self)
 
     @classmethod
     def blocked_motions(cls, scene, inverse):

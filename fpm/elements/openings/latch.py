@@ -16,7 +16,14 @@ import numpy as np
 
 from fpm.elements.fields import damping, number, stiffness, topology, word
 from fpm.elements.kind import Energy, Series
-from fpm.elements.openings.opening import JOINT_LOSS, ONSET, Connector, by_unit, on_hinge
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    ONSET,
+    Connector,
+    by_unit,
+    on_hinge,
+    struck_stiffness,
+)
 from fpm.errors import SceneError
 
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
@@ -94,6 +101,9 @@ class Latch(AnyLatch):
     name: str = topology("")
 
     stores = Energy("latch", "latch_energy", "energy of the latches")
+
+    def stiffness_in(self, scene):
+        return struck_stiffness(self) if self.one_sided else self.stiffness
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times

@@ -92,7 +92,7 @@ def find_bounds(box: Box) -> tuple[QuantityBounds, np.ndarray]:
 def search(box: Box) -> BoxCheck:
     """Search the bounds of a box, and compare them with the true ones."""
     bounds, values = find_bounds(box)
-    errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
+    errors = tuple(max(e.error, bounds.surrogate.bound_error) for e in bounds.estimates)
     attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(values)
     check = BoxCheck(box.name, count, true, bounds.outer, attained, errors)
     close = np.abs(np.subtract.outer(true, values)) <= CLOSE * check.width  # (2, R)

@@ -88,7 +88,7 @@ def quantities_dataset(
     variables = _Variables()
     _put_bounds(variables, model, bounds)
     is_adaptive = model.experiment.is_adaptive
-    errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
+    errors = [b.surrogate.bound_error if is_adaptive else b.surrogate.error for b in bounds]
     errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
     is_averaged = is_adaptive and model.experiment.box.free.sum() <= MAX_DIRECTIONS

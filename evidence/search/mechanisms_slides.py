@@ -597,45 +597,65 @@ gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
         instants=801,
     ),
     mechanism(
-        "ball of three", "u m/s -1 1,v m/s -1 1,w m/s -1 1",
+        "ball of three",
+        "u m/s -1 1,v m/s -1 1,w m/s -1 1",
         """
 bodies: {block: {mass: 1, centre: o, box: [5 cm, 5 cm, 5 cm]}}
 initial_velocities: {throw: {part: block, about: o, velocity: [u, v, w]}}
 record: {block: {part: block, at: o}}
 """,
-        speed, {"speed": {"velocity": "block", "component": "norm"}}, {"end": {"final": "speed"}},
-        duration=0.1, instants=11,
+        speed,
+        {"speed": {"velocity": "block", "component": "norm"}},
+        {"end": {"final": "speed"}},
+        duration=0.1,
+        instants=11,
     ),
     mechanism(
-        "corner of four", "x m -0.5 0,v m/s 0 1,F N 0 1,H N 0 0.6",
-        SLIDE.replace("mass: mass", "mass: 1") + """
+        "corner of four",
+        "x m -0.5 0,v m/s 0 1,F N 0 1,H N 0 0.6",
+        SLIDE.replace("mass: mass", "mass: 1")
+        + """
 opening_rates: {kick: {joint: slide, rate: v}}
 loads:
   push: {part: block, at: o, force: [F, 0, 0]}
   more: {part: block, at: o, force: [H, 0, 0]}
 actions: {pin: {type: latch, joint: slide, position: 1.3 m, side: below}}
 """,
-        corner, WAY, {"t_latch": {"event": "latches"}, "stays": {"final": "way"}},
-        start="x", duration=1.0, instants=401,
+        corner,
+        WAY,
+        {"t_latch": {"event": "latches"}, "stays": {"final": "way"}},
+        start="x",
+        duration=1.0,
+        instants=401,
     ),
     mechanism(
         "band of five",
         "u rad/s 0.4 0.7,v rad/s 0.4 0.7,w rad/s 0.4 0.7,M N_m 0.6 1,p rad 1 1.2",
-        ROTOR.replace("Iz", "1") + """
+        ROTOR.replace("Iz", "1")
+        + """
 opening_rates: {kick: {joint: axle, rate: u + v + w}}
 actions:
   dry: {type: friction, joint: axle, moment: M, sticks: exactly}
   pin: {type: latch, joint: axle, angle: p, side: below, max_capture_rate: 1 rad/s}
 """,
-        band, ANGLE, {"t_latch": {"event": "latches"}, "stays": {"final": "angle"}},
-        duration=4.0, instants=801,
+        band,
+        ANGLE,
+        {"t_latch": {"event": "latches"}, "stays": {"final": "angle"}},
+        duration=4.0,
+        instants=801,
     ),
     mechanism(
-        "outside of a ball", "a m/s -1 1,b m/s -1 1,c m/s -1 1,d m/s -1 1",
-        SLIDE.replace("mass: mass", "mass: 1") + """
+        "outside of a ball",
+        "a m/s -1 1,b m/s -1 1,c m/s -1 1,d m/s -1 1",
+        SLIDE.replace("mass: mass", "mass: 1")
+        + """
 opening_rates: {kick: {joint: slide, rate: sqrt(a*a + b*b + c*c + d*d)}}
 actions: {pin: {type: latch, joint: slide, position: 0.9 m, side: below}}
 """,
-        outside, WAY, {"t_latch": {"event": "latches"}}, duration=1.0, instants=101,
+        outside,
+        WAY,
+        {"t_latch": {"event": "latches"}},
+        duration=1.0,
+        instants=101,
     ),
 )

@@ -243,10 +243,10 @@ PITCH = NumberKey(
 AXIS = DirectionKey(text="about which the second part turns against the first, fixed to both")
 
 
-def _slider(type: str, axis: str, along: str = "`x`", **keys) -> Callable:
-    """Register a statement of a joint with `_openings`; axis, along: texts on the axis and x."""
+def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
+    """Register a statement of a joint with `_openings`; axis: text on it; x_text: for x."""
     openings = {
-        n: replace(k, text=k.text.replace("`x`", along)) for n, k in _openings(type).items()
+        n: replace(k, text=k.text.replace("`x`", x_text)) for n, k in _openings(type).items()
     }
     keys = {"axis": replace(AXIS, text=axis), **keys, **openings}
     return statement("joints", type, parts=PAIR, at=POINT, **keys)

@@ -23,9 +23,9 @@ WORK = 1000.0
 of that on a driven body, which the drive takes back, is ten times as large, and the balance allows
 a hundredth of the scale."""
 
-GAP_OF_ASSEMBLY = 1e-11
-"""How far joints may be open at the start, as a share of the scene's size, where parts were forced
-together or brought into equilibrium (fpm.assembly.GAP_TOL); the first steps close them."""
+GAP_TOL = 1e-11
+"""Largest gap, as a share of the scene's size, or angle (rad) of joints that is left at the start
+where parts were forced together or brought into equilibrium; the first steps close it."""
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
@@ -270,7 +270,7 @@ class Batch:
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
             moment += sum(kind.held_round(scene) for kind in self.kinds)
-            start_gap = gap if scene.unstrained is None else max(gap, GAP_OF_ASSEMBLY)
+            start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
             scale[lane] = WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
         return scale
 

@@ -30,13 +30,10 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
 
     Parameters
     ----------
-    motion
-        Whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
-    count
-        Number of moments, evenly spread over the length of the particles' paths, up to the first
+    motion: whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
+    count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
-    width
-        Width of the figure, in inches."""
+    width: width of the figure, in inches."""
     from matplotlib.figure import Figure
 
     view, indices = View(), telling_moments(motion, count)

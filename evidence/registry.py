@@ -106,7 +106,8 @@ STUDIES = {
         Study(
             "search",
             "Searching bounds of quantities that are known",
-            uses=("deployable/intervals", "deployable/campaign/answers/quantity_bounds.py"),
+            uses=("deployable",),
+            parts=("boxes", "carts"),
             quick=True,
         ),
         Study(

@@ -58,14 +58,12 @@ def info(name: str, value: float | str, unit: str = "", note: str = "") -> Row:
 
 
 def close_to(
-    name: str, value: float, reference: float, tolerance: float, source: str = "", note: str = "",
-    unit: str = "",
-) -> Row:  # fmt: skip
+    name: str, value: float, reference: float, tolerance: float, source: str = "", note: str = ""
+) -> Row:
     """A value that may miss its reference by `tolerance`; one that is no number fails."""
     passed = bool(abs(value - reference) <= tolerance)
-    return Row(
-        name, float(value), unit, "within", float(reference), float(tolerance), passed, source, note
-    )
+    numbers = float(reference), float(tolerance)
+    return Row(name, float(value), "", "within", *numbers, passed, source, note)
 
 
 def at_most(

@@ -88,9 +88,8 @@ def bounds_dataset(
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
     variables = _curves(data, fit, bounds, error, by_shares)
-    for name, values in _numbers(
-        data, bounds, error.total, np.maximum(excess, 0.0), fit.test_rows
-    ).items():
+    numbers = _numbers(data, bounds, error.total, np.maximum(excess, 0.0), fit.test_rows)
+    for name, values in numbers.items():
         long_name, unit = _NUMBERS[name]
         attrs = {"long_name": long_name} | ({"units": unit} if unit else {})
         variables[name] = ("response", values, attrs)
@@ -98,9 +97,8 @@ def bounds_dataset(
         attrs = {"long_name": f"{name} value that bounds can have, for physical reasons"}
         values = np.where(np.isfinite(limit[:, 0]), limit[:, 0], np.nan)
         variables[name] = ("response", values, attrs)
-    return xr.Dataset(
-        variables | fit.variables(), coords=data.coordinates(), attrs=attributes | fit.attributes
-    )
+    attributes |= fit.attributes
+    return xr.Dataset(variables | fit.variables(), coords=data.coordinates(), attrs=attributes)
 
 
 def _curves(
@@ -176,9 +174,8 @@ def _numbers(
     numbers = _largest("largest_width", width, time)
     numbers["gap_share_of_width"] = share_of(bounds.gap, time, area)
     if len(test_rows):
-        sides = zip(
-            bounds.lower, bounds.upper, np.moveaxis(samples.values[test_rows], 1, 0), strict=True
-        )
+        tests = np.moveaxis(samples.values[test_rows], 1, 0)
+        sides = zip(bounds.lower, bounds.upper, tests, strict=True)
         runs = [compare_runs(*side) for side in sides]
         numbers |= {name: np.array([run[name] for run in runs]) for name in runs[0]}
     numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", excess, time)

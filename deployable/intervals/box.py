@@ -161,12 +161,16 @@ def _nearest(points: np.ndarray, runs: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return nearest[:, 0].astype(int), nearest[:, 1]
 
 
-def match_points(points: np.ndarray, runs: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+TOLERANCE = 1e-8
+"""Largest difference of a normalized coordinate between equal points."""
+
+
+def match_points(points: np.ndarray, runs: np.ndarray) -> np.ndarray:
     """Find the run at each design point (N, k): returns indices (N) into the runs, or raises
-    IntervalError if a point has none. runs (R, k): points of the runs, in any order; tolerance:
-    largest difference of a coordinate. All coordinates are normalized, -1 to 1."""
+    IntervalError if a point has none. runs (R, k): points of the runs, in any order. All
+    coordinates are normalized, -1 to 1."""
     index, distance = _nearest(points, runs)
-    missing = np.flatnonzero(distance > tolerance)
+    missing = np.flatnonzero(distance > TOLERANCE)
     if len(missing):
         first = np.round(points[missing[0]], 6).tolist()
         raise IntervalError(
@@ -177,8 +181,7 @@ def match_points(points: np.ndarray, runs: np.ndarray, tolerance: float = 1e-8) 
     return index
 
 
-def find_other_runs(runs: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+def find_other_runs(runs: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Find the runs that are at none of the design's points, which may test a fit to that design:
-    increasing indices into `runs` (R, k), normalized points of the runs; points (N, k): those of
-    the design; tolerance: largest difference of a coordinate between equal points."""
-    return np.flatnonzero(_nearest(runs, points)[1] > tolerance)
+    increasing indices into `runs` (R, k), normalized points; points (N, k): the design's."""
+    return np.flatnonzero(_nearest(runs, points)[1] > TOLERANCE)

@@ -208,9 +208,8 @@ class _Problem:
         self.fits, self.k, self.places, self.size = fits, k, [], k
         for fit in fits:
             count = fit.test.starts + fit.test.limits.shape[1]
-            self.places.append(
-                np.concatenate([fit.test.axes, self.size + np.arange(count)]).astype(int)
-            )
+            places = np.concatenate([fit.test.axes, self.size + np.arange(count)])
+            self.places.append(places.astype(int))
             self.size += count
         self.bands = np.concatenate([fit.test.bands.ravel() for fit in fits])
         self.errors = np.concatenate([fit.errors.ravel() for fit in fits])
@@ -286,9 +285,8 @@ class _Problem:
         matrix = np.block([[slopes, column], [-slopes, column]])
         bound = np.concatenate([limit - residuals[rows], limit + residuals[rows]])
         bounds = [*(sides / scales).T, (0.0, None)]
-        result = scipy.optimize.linprog(
-            np.append(cost * scales, penalty), matrix, bound, bounds=bounds, method="highs-ds"
-        )
+        costs = np.append(cost * scales, penalty)
+        result = scipy.optimize.linprog(costs, matrix, bound, bounds=bounds, method="highs-ds")
         if result.x is None:
             return np.zeros(self.size), inf
         return result.x[:-1] * scales, float(result.fun)
@@ -451,9 +449,8 @@ class _Waves:
             hull[:, self.sensors] = self.hull[:, self.sensors]
             volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
             self.hull = hull
-            is_precise = error <= _PRECISE or (
-                error <= 4 * _PRECISE and volumes[0] > _STATIONARY * volumes[1]
-            )
+            is_steady = volumes[0] > _STATIONARY * volumes[1]
+            is_precise = error <= (4 * _PRECISE if is_steady else _PRECISE)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
             if is_precise or is_met or min(map(len, self.points)) >= most:
                 break

@@ -284,6 +284,5 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
             allowed = "points that determine every coefficient"
             raise IntervalError("points", f"{design.run_count} of them", allowed)
         coefficients = solution[0]
-    return Surrogate(
-        coefficients.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices
-    )
+    shape = len(design.multi_indices), *values.shape[1:]
+    return Surrogate(coefficients.reshape(shape), design.multi_indices)

@@ -125,9 +125,8 @@ def _subdivide(dense, inner, tolerance, degrees):
     centre, half = np.zeros((total, k)), np.ones((total, k))
     budget = max(_WORK // int(np.prod(degrees + 1)), 2) * max(total, 16)
     vertices = np.ix_(*[[0, -1] if n else [0] for n in degrees])
-    signs = np.stack(
-        [g.ravel() for g in np.meshgrid(*[[-1, 1] if n else [0] for n in degrees], indexing="ij")]
-    ).T
+    grids = np.meshgrid(*[[-1, 1] if n else [0] for n in degrees], indexing="ij")
+    signs = np.stack([grid.ravel() for grid in grids]).T
     while len(owner):
         corner = patches[vertices].reshape(len(signs), -1)
         vertex = corner.argmax(axis=0)

@@ -88,9 +88,8 @@ def sensitivity_dataset(
     surrogate = fit(design, data.values[match_points(design.points, data.points)])
     error = _error(data, design, surrogate)
     influence = measure_sensitivity(surrogate)
-    width, first, total = (
-        np.moveaxis(array, 0, 1) for array in (influence.width, influence.first, influence.total)
-    )
+    arrays = influence.width, influence.first, influence.total
+    width, first, total = (np.moveaxis(array, 0, 1) for array in arrays)
     wide, shares = np.zeros((2, *width.shape[:2]))
     for i, variance in enumerate(influence.variance):
         area = np.trapezoid(np.where(width[i] > error[i], width[i], 0.0), data.time)
@@ -123,9 +122,7 @@ def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     return widen(data.time, residuals.max(axis=0))
 
 
-def surrogate_dataset(
-    samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
-) -> xr.Dataset:
+def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
     """Compute the Chebyshev coefficients of every response at every instant, as a dataset.
 
     Parameters
@@ -135,8 +132,6 @@ def surrogate_dataset(
         (run, parameter).
     design
         Points among the runs, and the polynomials that are fitted to these runs.
-    responses
-        Names of the responses that are wanted; None: all.
 
     Returns
     -------
@@ -146,7 +141,7 @@ def surrogate_dataset(
         coefficients."""
     import xarray as xr
 
-    data, indices = read_samples(samples, responses), design.multi_indices
+    data, indices = read_samples(samples), design.multi_indices
     variables: dict[str, tuple] = {
         "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"})
     }

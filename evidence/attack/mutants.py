@@ -162,9 +162,8 @@ def failed_of(place: Path, mark: str, tests: list[str], first: bool = False) -> 
     if process.returncode in (0, NO_TESTS):
         return []
     failures = [x for x in process.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
-    return [line.split(" - ")[0] for line in failures] or [
-        f"{' '.join(tests)}: {process.stdout[-300:]}"
-    ]
+    text = f"{' '.join(tests)}: {process.stdout[-300:]}"
+    return [line.split(" - ")[0] for line in failures] or [text]
 
 
 NO_TESTS = 5

@@ -41,9 +41,8 @@ def meshes() -> Plan:
 
 def starts() -> Plan:
     """Other starts, those of the paper's angle μ_B among them."""
-    readings = [
-        (Reading(f"start {s:g}°", (("start", s),)), GRID) for s in STARTS if s != default("start")
-    ]
+    starts = [start for start in STARTS if start != default("start")]
+    readings = [(Reading(f"start {s:g}°", (("start", s),)), GRID) for s in starts]
     for label, angle in (("half", MU_B), ("whole", MU_B / 2)):
         start = round(start_of_half_angle(angle), 6)
         reading = Reading(f"start at μ_B as {label} angle at B", (("start", start),))

@@ -52,9 +52,8 @@ def add_rod(scene: fpm.Scene, rod: Rod, start, end) -> tuple[int, int]:
     start, end = np.asarray(start, float), np.asarray(end, float)
     if rod.E is not None:
         material = fpm.Material(rod.E, 0.3, rod.mass / (rod.length * SIDE**2))
-        link = scene.add_link(
-            start, end, (0, 1, 0), fpm.Section.square(SIDE), material, rod.elements
-        )
+        section = fpm.Section.square(SIDE)
+        link = scene.add_link(start, end, (0, 1, 0), section, material, rod.elements)
         return int(link.particles[0]), int(link.particles[-1])
     x = (end - start) / np.linalg.norm(end - start)
     frame = np.column_stack([x, np.cross((0, 1, 0), x), (0, 1, 0)])

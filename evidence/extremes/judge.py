@@ -8,16 +8,8 @@ one that no mesh or step helps against."""
 import numpy as np
 
 import fpm
+from evidence.linkage import runs
 from evidence.linkage.rigid import RigidBennett
-from evidence.linkage.runs import (
-    closing_time,
-    complete,
-    curves,
-    distance,
-    first_closing,
-    imbalance,
-    simulate,
-)
 from evidence.rows import Row, at_most, refusal
 
 DEFAULT = (12, 0.9)
@@ -45,7 +37,7 @@ def attempt(duration: float, mesh: tuple[int, float], parameters: dict, **option
     """(outcome, None), or (None, the error that refuses the run)."""
     elements, safety = mesh
     try:
-        outcome = simulate(duration, safety=safety, elements=elements, **parameters, **options)
+        outcome = runs.simulate(duration, safety=safety, elements=elements, **parameters, **options)
     except fpm.SceneError as error:
         return None, error
     return (None, outcome.failure) if outcome.failure else (outcome, None)
@@ -55,7 +47,7 @@ def rigid(parameters: dict, times: np.ndarray) -> tuple[dict[str, np.ndarray], f
     """Curves of the rigid linkage and the time of its first closure."""
     names = {"L": "length", "a": "side", "rho": "density", "K_F": "spring_stiffness",
              "K_C": "contact_stiffness"}  # fmt: skip
-    p = complete(parameters)
+    p = runs.complete(parameters)
     model = RigidBennett(**{names[k]: p[k] for k in names})
     result = model.simulate(p["start"], times)
     closing = result["closings"][0] if len(result["closings"]) else np.inf
@@ -65,8 +57,8 @@ def rigid(parameters: dict, times: np.ndarray) -> tuple[dict[str, np.ndarray], f
 def compare(name, outcome, expected, end, accuracy, source) -> list[Row]:
     """Judge BD and B's velocity of one outcome against curves up to a time (s)."""
     window = outcome.time <= end
-    errors = distance(curves(outcome), expected, window)
-    note = f"energy {imbalance(outcome):.1g}, {outcome.steps} steps"
+    errors = runs.distance(runs.curves(outcome), expected, window)
+    note = f"energy {runs.imbalance(outcome):.1g}, {outcome.steps} steps"
     return [
         at_most(f"{name}: {curve}", error, allowed, source, note)
         for curve, error, allowed in zip(("BD", "velocity of B"), errors, accuracy, strict=True)
@@ -105,11 +97,11 @@ def judge(
 
     reference: "rigid" (the equation of motion of one degree of freedom) or "finer" (twice the
     elements, half the share of the step). is_whole_run: judge the whole run, impact and all."""
-    duration = duration or (1.25 if is_whole_run else 1.0) * closing_time(**parameters)
+    duration = duration or (1.25 if is_whole_run else 1.0) * runs.closing_time(**parameters)
     rows, name, mesh, outcome = persist(name, duration, parameters)
     if outcome is None:
         return rows
-    closing = first_closing(outcome)
+    closing = runs.first_closing(outcome)
     if reference == "rigid":
         expected, expected_closing = rigid(parameters, outcome.time)
         source = "rigid linkage, evidence/linkage/rigid.py"
@@ -117,7 +109,7 @@ def judge(
         finer, error = attempt(duration, (2 * mesh[0], mesh[1] / 2), parameters)
         if finer is None:
             return [*rows, Row(name, "no reference", passed=False, note=str(error))]
-        expected, expected_closing = curves(finer), first_closing(finer)
+        expected, expected_closing = runs.curves(finer), runs.first_closing(finer)
         source = f"{2 * mesh[0]} elements, half the share of the limit"
     end = duration if is_whole_run else 0.98 * min(closing, expected_closing)
     return rows + compare(name, outcome, expected, end, accuracy, source)

@@ -159,9 +159,7 @@ def refusals() -> list[Row]:
              "motor": ((np.nan, 0.0), (1.0, -1.0)), "preload": (-1.0,),
              "release": ((-1.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, np.inf, 1.0))}  # fmt: skip
     pairs = [(key, value) for key, values in cases.items() for value in values]
-    return [
-        must_refuse(f"{key} = {value}", partial(bodies, **{key: value})) for key, value in pairs
-    ]
+    return [must_refuse(f"{key} = {x}", partial(bodies, **{key: x})) for key, x in pairs]
 
 
 def study() -> list[Row]:

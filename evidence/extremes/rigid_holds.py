@@ -155,6 +155,5 @@ def contradictions() -> list[Row]:
 
 def study() -> list[Row]:
     """All rows."""
-    return [
-        row for part in (impact_rows, shares, friction, motors, contradictions) for row in part()
-    ]
+    parts = impact_rows, shares, friction, motors, contradictions
+    return [row for part in parts for row in part()]

@@ -187,9 +187,8 @@ class BennettGeometry:
     @cached_property
     def _angle_b0(self) -> float:
         """Angle PB0 of the spherical triangle at B when the frame is deployed, rad."""
-        return math.atan2(
-            math.cos(self.epsilon_a), math.sin(self.epsilon_a) * math.cos(self.epsilon_b)
-        )
+        sine, cosine = math.sin(self.epsilon_a), math.cos(self.epsilon_a)
+        return math.atan2(cosine, sine * math.cos(self.epsilon_b))
 
     def opening_a(self, opening_b):
         """Opening at A and C (rad) for the opening at B and D (rad, scalar or array)."""
@@ -252,19 +251,11 @@ class BennettGeometry:
 
     def hinges(self) -> tuple[Hinge, ...]:
         """The four hinges, in the order of HINGES, in the frames of their links."""
-        hinge_a = (
-            self.hinge_length_a,
-            self.arm_a,
-            self.axis_a,
-            # From the hinge line (outer edge) into the face: towards the end of the bar's axis.
-            _turn_into_face(self.axis_a, self.arm_a),
-        )
-        hinge_b = (
-            self.hinge_length_b,
-            self.arm_b,
-            self.axis_b,
-            _turn_into_face(self.axis_b, self.arm_b),
-        )
+        # References from the hinge line (outer edge) into the face: towards the end of the axis.
+        reference_a = _turn_into_face(self.axis_a, self.arm_a)
+        reference_b = _turn_into_face(self.axis_b, self.arm_b)
+        hinge_a = self.hinge_length_a, self.arm_a, self.axis_a, reference_a
+        hinge_b = self.hinge_length_b, self.arm_b, self.axis_b, reference_b
         hinges = []
         for name in HINGES:
             at_start = name in "AC"
@@ -272,21 +263,8 @@ class BennettGeometry:
             body1, body2 = _HINGE_BODIES[name]
             # Body 1 is AB or CD, body 2 a mirror image.  The axis lies in the mirror plane, so the
             # same arrow has the image's components.
-            hinges.append(
-                Hinge(
-                    name=name,
-                    body1=body1,
-                    body2=body2,
-                    at_start=at_start,
-                    length=length,
-                    arm1=arm,
-                    arm2=_EXCHANGE_YZ @ arm,
-                    axis1=axis,
-                    axis2=_EXCHANGE_YZ @ axis,
-                    reference1=reference,
-                    reference2=_EXCHANGE_YZ @ reference,
-                )
-            )
+            pairs = (x for v in (arm, axis, reference) for x in (v, _EXCHANGE_YZ @ v))
+            hinges.append(Hinge(name, body1, body2, at_start, length, *pairs))
         return tuple(hinges)
 
 

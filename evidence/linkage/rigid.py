@@ -152,12 +152,9 @@ class RigidBennett:
     def inertia(self, motion: dict[str, np.ndarray]) -> tuple[float, float]:
         """Generalised inertia M (kg m2) of all four bars and its derivative in beta."""
         rotation, centre = motion["rotation"], motion["centre"]
-        value = self.mass * centre[1] @ centre[1] + np.sum(
-            (rotation[1] @ self.second_moment) * rotation[1]
-        )
-        slope = 2.0 * self.mass * centre[1] @ centre[2] + 2.0 * np.sum(
-            (rotation[1] @ self.second_moment) * rotation[2]
-        )
+        first = rotation[1] @ self.second_moment
+        value = self.mass * centre[1] @ centre[1] + np.sum(first * rotation[1])
+        slope = 2.0 * self.mass * centre[1] @ centre[2] + 2.0 * np.sum(first * rotation[2])
         return 4.0 * float(value), 4.0 * float(slope)
 
     def potential(self, motion: dict[str, np.ndarray]) -> tuple[float, float, float]:
@@ -206,9 +203,8 @@ class RigidBennett:
         closings, openings = [], []
         # The contact makes the moment's slope jump: one solution per phase between the jumps.
         while time < times[-1]:
-            is_closed = state[0] < self.beta_deployed or (
-                state[0] == self.beta_deployed and state[1] < 0.0
-            )
+            gap, rate = state[0] - self.beta_deployed, state[1]
+            is_closed = gap < 0.0 or (gap == 0.0 and rate < 0.0)
             contact.direction = 1.0 if is_closed else -1.0
             solution = solve_ivp(
                 self.state_rate, (time, times[-1]), state, method="DOP853", rtol=tolerance,

@@ -72,9 +72,8 @@ def swing(seed: int, lack: str = "") -> tuple[np.ndarray, dict[str, float]]:
         return [rate, moment / inertia]
 
     times = np.arange(0.02, 3.0, 0.005)
-    solution = solve_ivp(
-        rates, (0, 3), start, dense_output=True, rtol=1e-9, atol=1e-11, max_step=0.01
-    )
+    options = {"rtol": 1e-9, "atol": 1e-11, "max_step": 0.01}
+    solution = solve_ivp(rates, (0, 3), start, dense_output=True, **options)
     angles, speeds = solution.sol(times - delay)
     if lack == "gear ratio":
         angles = 0.97 * angles

@@ -61,7 +61,7 @@ gravity: [0, 0, -9.81]
 """
 
 
-def simulate_arms(curves: Path = CURVES, duration: float = 1.0) -> np.ndarray:
+def simulate_arms(curves: Path, duration: float) -> np.ndarray:
     """Angles (3, T): time (s), shoulder and elbow (rad), from rest at hanging, with the torques in
     the file `curves`."""
     with tempfile.TemporaryDirectory() as folder:
@@ -72,7 +72,7 @@ def simulate_arms(curves: Path = CURVES, duration: float = 1.0) -> np.ndarray:
     return np.array([outcome.time, outcome.openings["shoulder"], outcome.openings["elbow"]])
 
 
-def largest_differences(curves: Path = CURVES, duration: float = 1.0) -> dict[str, float]:
+def largest_differences(curves: Path, duration: float) -> dict[str, float]:
     """Largest differences (rad) of the simulated angles from those in the file `curves`."""
     file, (times, *angles) = CurvesFile.read(curves), simulate_arms(curves, duration)
     rows = file.times <= duration

@@ -5,6 +5,7 @@ Each goes through the whole program: once with `accuracy`, and with presets to c
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import tempfile
@@ -17,12 +18,14 @@ import numpy as np
 from scipy.stats import qmc
 
 from deployable import campaign
+from evidence.results import Report, table
+from evidence.rows import Row, at_least, at_most, set_group
 from evidence.search.boxes import Box
 
 DRAWS, CHUNK = 2**18, 2**14
 """Points by which true fractions are told, and those that a model gets at once."""
-OFFSETS = (-0.03, -0.005, 0.005, 0.03)
-"""Shares of the width by which the limits of requirements lie outside the true bounds."""
+OFFSETS = {-1: (-0.005,), 1: (-0.03, 0.005)}
+"""Shares of the width by which limits lie outside the true bounds: of the lower and the upper."""
 MAX_RUNS, TOLERANCE = 400, 0.05
 PRESETS = {
     "default": {},
@@ -30,7 +33,7 @@ PRESETS = {
     "sobol 256": {"design": {"method": "sobol", "samples": 256}},
     "sobol 1024": {"design": {"method": "sobol", "samples": 1024}},
 }
-"""Designs by hand, the first of which is judged as well; the others tell what as right an answer costs."""
+"""Designs by hand: the first is judged as well, all tell what an answer as right costs."""
 FLOOR, CLOSE = 0.002, 0.01  # shares of the width: added to every error, and as right as is asked
 
 
@@ -98,7 +101,7 @@ def limits(bounds: Bounds) -> dict[str, tuple[str, int, float, float]]:
     for name, (lower, upper) in bounds.items():
         width = upper - lower
         for side, end in ((-1, lower), (1, upper)):
-            for number, share in enumerate(OFFSETS):
+            for number, share in enumerate(OFFSETS[side]):
                 level = end + side * share * width
                 answers[f"{name}_{'_ab'[side]}{number}"] = name, side, level, share
         answers[f"{name}_middle"] = name, 1, (lower + upper) / 2, -0.5
@@ -166,7 +169,7 @@ def _bounds(said: Mapping[str, Any], name: str, truth: Mapping, unmet: list[str]
     error = said.get("errors", {}).get("whole", said["error"])
     for end, true in (("lower", lower), ("upper", upper)):
         value, attained = (
-            said[key] if said[key] is not None else np.nan for key in (end, f"simulated_{end}")
+            np.nan if x is None else x for x in (said[end], said[f"simulated_{end}"])
         )
         yield {
             "bound": f"{name} {end}", "true": true, "said": value, "attained": attained,
@@ -202,3 +205,83 @@ def check(mechanism: Mechanism, truth: Mapping[str, Any]) -> dict[str, Any]:
 def truths(module: str) -> dict[str, Any]:
     """The stored truths of the boxes of a module of this package."""
     return json.loads(Path(__file__).with_name(f"{module}.json").read_text())
+
+
+def measure(module: str, quick: bool = False) -> list[dict[str, Any]]:
+    """All boxes of a module of this package, checked; the first one with `quick`."""
+    known = truths(module)
+    boxes = importlib.import_module(f"evidence.search.{module}").BOXES
+    return [check(box, known[box.name]) for box in (boxes[:1] if quick else boxes)]
+
+
+def _share(values: Iterable[bool]) -> float:
+    """Share of what is true, NaN of nothing."""
+    values = list(values)
+    return float(np.mean(values)) if values else np.nan
+
+
+def is_within(bound: Mapping[str, Any]) -> bool:
+    """Whether a bound is within its error of the truth."""
+    return bool(bound["off"] <= bound["error"] + FLOOR)
+
+
+def rows(checks: Sequence[Mapping[str, Any]], mode: str) -> list[Row]:
+    """What is asked of the campaigns of a mode, `accuracy` or `default`."""
+    answers = [check[mode] for check in checks]
+    bounds = [bound for answer in answers for bound in answer["bounds"]]
+    shares = [share for answer in answers for share in answer["shares"]]
+    wrong = [abs(share["said"] - share["true"]) for share in shares]
+    ratios = [
+        share["open"] / miss for share, miss in zip(shares, wrong, strict=True) if miss > 0.001
+    ]
+    is_covered = [miss <= s["open"] + 0.0005 for s, miss in zip(shares, wrong, strict=True)]
+    is_false = [
+        (share["met"] == "all" and not share["all"])
+        or (share["met"] == "none" and share["true"] > 0)
+        for share in shares
+    ]
+    is_worse = [not b["off"] <= np.nan_to_num(b["runs_off"], nan=np.inf) + 1e-4 for b in bounds]
+    found = [
+        at_least("true bounds within the error", _share(map(is_within, bounds)), 0.95),
+        at_least("of quantities that exist in a part of the box",
+                 _share(is_within(b) for b in bounds if b["partial"]), 0.9),
+        at_least("of predicted ones", _share(is_within(b) for b in bounds if b["predicted"]), 0.9),
+        at_most("bounds reported that are worse than the runs'", sum(is_worse), 0),
+        at_most("requirements falsely met, or by none", sum(is_false), 0),
+        at_most("stated uncertainty of fractions over their errors, median",
+                float(np.median(ratios)) if ratios else 0.0, 3),
+        at_least("fractions within their uncertainty", _share(is_covered), 0.95),
+    ]  # fmt: skip
+    if mode == "accuracy":
+        limit = TOLERANCE + FLOOR
+        told = [b for b in bounds if b["told_met"]]
+        whole = [answer for answer in answers if answer["accuracy_met"]]
+        cost = [
+            check["accuracy"]["seconds"] / check["rivals"][check["as_right"]][0]
+            for check in checks if check["as_right"]
+        ]  # fmt: skip
+        found += [
+            at_most("bounds told to be as accurate as asked that are not",
+                    sum(not b["off"] <= limit for b in told), 0),
+            at_most("campaigns told so that are not", sum(worst(a) > limit for a in whole), 0),
+            at_most("runs over those that are allowed, largest",
+                    max(answer["runs"] for answer in answers) / MAX_RUNS, 1),
+            at_most("cpu time over the cheapest preset that is as right, median",
+                    float(np.median(cost)) if cost else 0.0, 2),
+        ]  # fmt: skip
+    return set_group(f"mechanisms, {mode}", found)
+
+
+def report(checks: Sequence[Mapping[str, Any]]) -> Report:
+    """Rows of all mechanisms that were checked, and each bound as a line of a table."""
+    lines = [
+        (check[mode]["box"], mode, check[mode]["runs"], check[mode]["seconds"], bound["bound"],
+         *(f"{bound[key]:.4g}" for key in ("true", "said", "attained")), 100 * bound["off"],
+         100 * bound["error"], "predicted" if bound["predicted"] else "", is_within(bound))
+        for check in checks for mode in ("accuracy", "default") for bound in check[mode]["bounds"]
+    ]  # fmt: skip
+    header = ("box", "by", "runs", "cpu time (s)", "bound", "true", "reported", "of the runs",
+              "off (%)", "error (%)", "", "within")  # fmt: skip
+    text = "\n## Mechanisms\n\nOff and error: of the width.\n\n" + table(header, lines)
+    found = [row for mode in ("accuracy", "default") for row in rows(checks, mode)]
+    return Report(found, {"mechanisms": checks}, text)

@@ -1,4 +1,4 @@
-"""Carts on rails, and flaps on hinges, that latches, stops, friction and loads meet: closed forms."""
+"""Carts on slides and flaps on hinges, with latches, stops, friction and loads: closed forms."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ UNITS = {"k": "N/m", "k2": "N/m", "r": "m", "r2": "m", "v": "m/s", "mass": "kg",
 PHASES, WEIGHTS = np.polynomial.legendre.leggauss(160)
 SPRING = "push: {type: spring, joint: rail, stiffness: k, rest: %s}; "
 PIN = "pin: {type: latch, joint: rail, position: %s, side: below}"
+SLOW = ", max_capture_rate: %s m/s}"
 X, RATE = {"opening": "rail"}, {"opening_rate": "rail"}
 CATCH = {"event": "latches", "of": "pin"}
 Values = np.ndarray
@@ -29,9 +30,11 @@ def structure(intervals: dict, actions: str, bodies: str = "", joints: str = "",
     start = "opening_rates: {go: {joint: rail, rate: v}}" if "v" in intervals else ""
     pull = "loads: {pull: {part: cart, at: a, force: [-F, 0, 0]}}" if "F" in intervals else ""
     blocks = (
-        f"name: cart\nparameters:\n{parameters}points: {{a: [0, 0, 0], b: [0, 2, 0], e: [0, 4, 0]}}",
+        f"name: cart\nparameters:\n{parameters}points: "
+        "{a: [0, 0, 0], b: [0, 2, 0], e: [0, 4, 0]}",
         f"bodies:\n  cart: {{mass: {mass}, centre: a, inertia: [1, 1, 1]}}; {bodies}",
-        f"joints:\n  rail: {{type: {kind}, parts: [ground, cart], at: a, axis: x, opening: {opening}}}; {joints}",
+        f"joints:\n  rail: {{type: {kind}, parts: [ground, cart], at: a, "
+        f"axis: x, opening: {opening}}}; {joints}",
         f"actions:\n  {actions}",
         start, pull, top,
     )  # fmt: skip
@@ -39,7 +42,8 @@ def structure(intervals: dict, actions: str, bodies: str = "", joints: str = "",
 
 
 def box(name: str, intervals: dict, quantities: dict, model, actions: str, responses=None,
-        duration: float = 3.0, instants: int = 401, margins=None, **texts: str) -> Mechanism:  # fmt: skip
+        duration: float = 3.0, instants: int = 401, margins=None,
+        **texts: str) -> Mechanism:  # fmt: skip
     """A mechanism by its intervals and what acts."""
     text = structure(intervals, actions, **texts)
     responses = {"x": X} if responses is None else responses
@@ -111,10 +115,10 @@ def driven(k: Values, c: Values, m: Values = 1.0) -> Values:
 
 
 def corner(v: Values, k: Values, F: Values) -> Values:
-    """Time and rate at 0.86, reached against a spring and a load."""
+    """Time and rate at 0.62, reached against a spring and a load."""
     w, behind = np.sqrt(k), F / k
-    time = reach(behind, v, w, 0.42 + behind)
-    left = v**2 - k * 0.42**2 - 2 * F * 0.42
+    time = reach(behind, v, w, 0.62 + behind)
+    left = v**2 - k * 0.62**2 - 2 * F * 0.62
     return columns(time, when(np.isfinite(time), np.sqrt(np.maximum(left, 0))))
 
 
@@ -150,7 +154,7 @@ def rebound(v: Values, c: Values, m: Values) -> Values:
 
 
 def margin(kt: Values, M: Values, h: Values) -> Values:
-    """Least margin of a spring against friction and a harness, tightest at 0.7 rad or at the end."""
+    """Least margin of a spring against friction and a harness, at 0.7 rad or at the end."""
     return columns(kt / 3 * np.minimum(1.8 / (M + h), (2.5 - np.pi / 2) / M) - 1)
 
 
@@ -252,15 +256,15 @@ BOXES = (
     box("latch in 5 %", {"k": (15, 25), "r": (0.4, 0.54), "d": (1.0, 1.2)}, CAUGHT,
         of_columns(latch), SPRING % "r" + PIN % "d", WITH_RATE),
     box("needle", {"k": (60, 140)}, RMS, of_columns(lambda k: driven(k, 0.3)),
-        (SPRING % "0 m" + DAMPER).replace("damping: c", "damping: 0.3 N s/m"), duration=12, instants=1201,
-        top=DRIVE),
+        (SPRING % "0 m" + DAMPER).replace("damping: c", "damping: 0.3 N s/m"), duration=12,
+        instants=1201, top=DRIVE),
     box("needle, two parameters", {"k": (60, 140), "c": (0.2, 0.6)}, RMS, of_columns(driven),
         SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
     box("resonance inside", {"k": (60, 140), "c": (1.5, 2.5), "mass": (0.9, 1.1)}, RMS,
         of_columns(driven), SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
     box("corner", {"v": (1.0, 1.6), "k": (4, 8), "F": (0.2, 1.0)},
         {"t": CATCH, "rate": {"value": "w", "at": "t"}}, of_columns(corner),
-        SPRING % "0 m" + PIN % "0.42 m", {"x": X, "w": RATE}),
+        SPRING % "0 m" + PIN % "0.62 m", {"x": X, "w": RATE}),
     box("plateau", {"v": (0.3, 1.1), "mass": (0.8, 1.2)}, {"far": {"largest": "x"}},
         of_columns(plateau), "bent: {type: tabulated spring, joint: rail, "
         "positions: [0 m, 0.2 m, 0.6 m], forces: [0 N, -1 N, -1.2 N]}; " + PIN % "0.5 m"),
@@ -277,8 +281,9 @@ BOXES = (
         {"x": X, "w": RATE}, duration=1.0),
     box("margin", {"kt": (0.8, 1.2), "M": (0.1, 0.2), "h": (0.05, 0.25)}, {}, of_columns(margin),
         "push: {type: torsion spring, joint: rail, stiffness: kt, rest: 2.5 rad}; "
-        "dry: {type: friction, joint: rail, moment: M}; wires: {type: tabulated spring, joint: rail, "
-        "angles: [0, 0.7 rad, 1.4 rad], moments: [0, -h, 0]}", {}, duration=0.001, opening="0",
+        "dry: {type: friction, joint: rail, moment: M}; wires: {type: tabulated spring, "
+        "joint: rail, angles: [0, 0.7 rad, 1.4 rad], moments: [0, -h, 0]}", {}, duration=0.001,
+        opening="0",
         margins={"sheet": {"along": "rail", "to": "90 deg", "standard": "nasa-std-5017b"}}),
     box("relay", {"k": (8, 12), "k2": (8, 12), "r2": (0.14, 0.2), "idle": (0.5, 2)},
         {"t": CATCH, "t2": {"event": "latches", "of": "second"}}, of_columns(relay),
@@ -297,10 +302,10 @@ BOXES = (
         {"t": CATCH, "end": {"final": "x"}}, of_columns(slow), DAMPER + "; " + PIN % "0.6 m"),
     box("passed too fast", {"v": (0.6, 1.4), "k": (2, 6)},
         {"t": CATCH, "missed": {"event": "misses"}}, of_columns(missed),
-        SPRING % "0 m" + (PIN % "0.3 m").replace("}", ", max_capture_rate: 0.8 m/s}"), duration=1),
+        SPRING % "0 m" + (PIN % "0.3 m").replace("}", SLOW % 0.8), duration=1),
     box("caught by a later swing", {"v": (0.8, 2), "k": (9, 16), "c": (0.4, 0.8)}, CAUGHT,
         of_columns(swings),
-        SPRING % "0 m" + DAMPER + "; " + (PIN % "0.2 m").replace("}", ", max_capture_rate: 0.9 m/s}"),
+        SPRING % "0 m" + DAMPER + "; " + (PIN % "0.2 m").replace("}", SLOW % 0.9),
         WITH_RATE),
     box("swing of four", {"v": (1, 2), "k": (4, 8), "mass": (0.8, 1.2), "F": (0.1, 0.6)},
         {"far": {"largest": "x"}}, of_columns(swing), SPRING % "0 m", duration=1.5),

@@ -61,7 +61,9 @@ def crossing(
     """
     values = function(times[None])
     low, middle, high = values[:, :-2], values[:, 1:-1], values[:, 2:]
-    top = np.where((middle - low) * (high - middle) < 0, (low - high) / (low - 2 * middle + high), 0)
+    top = np.where(
+        (middle - low) * (high - middle) < 0, (low - high) / (low - 2 * middle + high), 0
+    )
     instants = np.repeat(times[None], len(values), axis=0)
     instants[:, 1:-1] += top / 2 * times[1]  # where it turns: a crossing there is not missed
     above = function(instants) > 0
@@ -133,7 +135,6 @@ def cubic_crossing(
     return crossing(value, h * np.arange(len(x)), number, way)
 
 
-
 def hang(v, m, EA):
     """What hangs on a cable and is kicked upwards, until the cable goes slack and is tight again."""
     k = EA + m * G
@@ -146,7 +147,6 @@ def hang(v, m, EA):
         np.maximum(weight - amplitude, 0), weight + amplitude,
         np.where(low, phase, np.nan), np.where(low, again, np.nan),
     )  # fmt: skip
-
 
 
 HUMP, TABLE = [-2, 0, 0.6, 1, 1.6, 2.4, 4], [2, 0, -1, 0, 1, 0, -2]
@@ -294,7 +294,11 @@ def ratio(F, c, m):
         return (F / c)[:, None] * (t - (m / c)[:, None] * -np.expm1(-t * (c / m)[:, None]))
 
     end = F / c * -np.expm1(-8 * c / m)
-    return crossing(lambda t: way(t) - 1, np.linspace(0, 8, 801)), end, way(np.full((1, 1), 2.0))[:, 0]
+    return (
+        crossing(lambda t: way(t) - 1, np.linspace(0, 8, 801)),
+        end,
+        way(np.full((1, 1), 2.0))[:, 0],
+    )
 
 
 def eight(m, ka, kb, ca, cb, x, v, i):
@@ -343,44 +347,61 @@ ONE = "curves: {one: {times: [0, 10 s], values: [1, 1]}}\n"
 
 MECHANISMS = (
     mechanism(
-        "cable slack", "v m/s 0.15 0.7,mass kg 0.9 1.1,EA N 900 1100",
-        "points: {o: [0, 0, 0], top: [1 m, 0, 0]}" + SLIDE + """
+        "cable slack",
+        "v m/s 0.15 0.7,mass kg 0.9 1.1,EA N 900 1100",
+        "points: {o: [0, 0, 0], top: [1 m, 0, 0]}"
+        + SLIDE
+        + """
 opening_rates: {kick: {joint: slide, rate: v}}
 cables: {rope: {through: [{part: ground, at: top}, {part: block, at: o}], EA: EA, preload: mass*(9.81 m/s2)}}
 gravity: [-9.81, 0, 0]
 """,
-        hang, {"pull": {"tension": "rope"}},
+        hang,
+        {"pull": {"tension": "rope"}},
         {
-            "least": {"smallest": "pull"}, "peak": {"largest": "pull"},
+            "least": {"smallest": "pull"},
+            "peak": {"largest": "pull"},
             "slack": {"crossing": "pull", "level": 1, "way": "falling"},
             "tight": {"crossing": "pull", "level": 1, "way": "rising"},
         },
-        duration=0.215, instants=431,
+        duration=0.215,
+        instants=431,
     ),
     mechanism(
-        "friction and hump", "w rad/s 1.1 1.6,M N_m 0.12 0.18,a N_m 0.4 0.6",
-        ROTOR.replace("Iz", "0.5") + """
+        "friction and hump",
+        "w rad/s 1.1 1.6,M N_m 0.12 0.18,a N_m 0.4 0.6",
+        ROTOR.replace("Iz", "0.5")
+        + """
 opening_rates: {kick: {joint: axle, rate: w}}
 actions:
   dry: {type: friction, joint: axle, moment: M, sticks: exactly}
   hump: {type: tabulated spring, joint: axle, angles: [-2 rad, 0, 0.6 rad, 1 rad, 1.6 rad, 2.4 rad, 4 rad],
     moments: [2*a, 0, -a, 0, a, 0, -2*a]}
 """,
-        creep, ANGLE, {"stays": {"final": "angle"}, "farthest": {"largest": "angle"}},
-        duration=20.0, instants=1001,
+        creep,
+        ANGLE,
+        {"stays": {"final": "angle"}, "farthest": {"largest": "angle"}},
+        duration=20.0,
+        instants=1001,
     ),
     mechanism(
-        "motor stalls", "T N_m 1 2,wn rad/s 1 3,k N_m/rad 1.2 1.8",
-        ROTOR.replace("Iz", "0.1") + """
+        "motor stalls",
+        "T N_m 1 2,wn rad/s 1 3,k N_m/rad 1.2 1.8",
+        ROTOR.replace("Iz", "0.1")
+        + """
 actions:
   drive: {type: torque motor, joint: axle, torque: T, no_load: wn}
   wind: {type: torsion spring, joint: axle, stiffness: k, rest: 0}
 """,
-        stall, ANGLE, {"t_one": {"crossing": "angle", "level": 1}, "farthest": {"largest": "angle"}},
-        duration=6.0, instants=1201,
+        stall,
+        ANGLE,
+        {"t_one": {"crossing": "angle", "level": 1}, "farthest": {"largest": "angle"}},
+        duration=6.0,
+        instants=1201,
     ),
     mechanism(
-        "direction of gravity", "b rad 1.25 1.6,w rad/s 0 1.5,L m 0.4 0.6,i rad 0 0.5",
+        "direction of gravity",
+        "b rad 1.25 1.6,w rad/s 0 1.5,L m 0.4 0.6,i rad 0 0.5",
         """
 points: {o: [0, 0, 0], end: [L, 0, 0]}
 bodies: {rod: {type: rod, from: o, to: end, mass: 1, diameter: 1 mm}}
@@ -388,25 +409,34 @@ joints: {axle: {type: revolute, parts: [ground, rod], at: o, axis: z, opening: 0
 opening_rates: {kick: {joint: axle, rate: w}}
 gravity: [(9.81 m/s2)*cos(b)*cos(i), (9.81 m/s2)*sin(b)*cos(i), (9.81 m/s2)*sin(i)]
 """,
-        tilt, ANGLE | {"rate": {"opening_rate": "axle"}},
+        tilt,
+        ANGLE | {"rate": {"opening_rate": "axle"}},
         {"t_over": {"crossing": "angle", "level": 2.9}, "fastest": {"largest": "rate"}},
-        duration=2.0, instants=801,
+        duration=2.0,
+        instants=801,
     ),
     mechanism(
-        "play of a drive", "r rad/s 0.8 1.2,k N_m/rad 20 40,Iz kg_m2 0.4 0.6,b rad 0.02 0.1",
-        ROTOR + ONE + """
+        "play of a drive",
+        "r rad/s 0.8 1.2,k N_m/rad 20 40,Iz kg_m2 0.4 0.6,b rad 0.02 0.1",
+        ROTOR
+        + ONE
+        + """
 opening_rates: {kick: {joint: axle, rate: r/2}}
 actions: {drive: {type: motor, joint: axle, rate: r, curve: one, stiffness: k, backlash: b}}
 """,
-        play, ANGLE | {"moment": {"joint_moment": "axle", "part": "motor"}},
+        play,
+        ANGLE | {"moment": {"joint_moment": "axle", "part": "motor"}},
         {
-            "peak": {"largest": "moment"}, "t_one": {"crossing": "angle", "level": 1},
+            "peak": {"largest": "moment"},
+            "t_one": {"crossing": "angle", "level": 1},
             "late": {"value": "angle", "at": 1.1},
         },
-        duration=2.0, instants=1001,
+        duration=2.0,
+        instants=1001,
     ),
     mechanism(
-        "masses that clash", "ma kg 0.5 1.5,mb kg 0.5 1.5,v m/s 0.5 1,kb N/m 2 20",
+        "masses that clash",
+        "ma kg 0.5 1.5,mb kg 0.5 1.5,v m/s 0.5 1,kb N/m 2 20",
         """
 points: {o: [0, 0, 0], far: [0.3 m, 0, 0]}
 bodies:
@@ -420,16 +450,19 @@ struts: {contact: {type: spring, between: [{part: a, at: o}, {part: b, at: far}]
 actions: {back: {type: spring, joint: other, stiffness: kb, rest: 0}}
 record: {a: {part: a, at: o}}
 """,
-        clash, {"force": {"strut_force": "contact"}, "va": {"velocity": "a", "component": "x"}},
+        clash,
+        {"force": {"strut_force": "contact"}, "va": {"velocity": "a", "component": "x"}},
         {
             "peak": {"largest": "force"},
             "again": {"crossing": "force", "level": 1, "way": "rising", "number": 2},
             "leaves": {"final": "va"},
         },
-        duration=1.2, instants=1201,
+        duration=1.2,
+        instants=1201,
     ),
     mechanism(
-        "release by a latch", "ta s 0.1 0.2,ka N_m/rad 2 4,JA kg_m2 0.4 0.6,kb N_m/rad 1 2",
+        "release by a latch",
+        "ta s 0.1 0.2,ka N_m/rad 2 4,JA kg_m2 0.4 0.6,kb N_m/rad 1 2",
         """
 points: {o: [0, 0, 0], far: [0.3 m, 0, 0]}
 bodies:
@@ -445,73 +478,105 @@ actions:
   hook: {type: release, joint: other, watch: pin}
   pull: {type: torsion spring, joint: other, stiffness: kb, rest: 3 rad}
 """,
-        chain, ANGLE | {"second": {"opening": "other"}},
+        chain,
+        ANGLE | {"second": {"opening": "other"}},
         {
             "t_latch": {"event": "latches", "of": "pin"},
-            "t_second": {"crossing": "second", "level": 1}, "stays": {"final": "angle"},
+            "t_second": {"crossing": "second", "level": 1},
+            "stays": {"final": "angle"},
         },
-        duration=2.0, instants=801,
+        duration=2.0,
+        instants=801,
     ),
     mechanism(
-        "blow on a stop", "F N 2 4,mass kg 0.5 1,k N/m 500 1000,d m 0.05 0.1",
-        SLIDE + """
+        "blow on a stop",
+        "F N 2 4,mass kg 0.5 1,k N/m 500 1000,d m 0.05 0.1",
+        SLIDE
+        + """
 loads: {push: {part: block, at: o, force: [F, 0, 0]}}
 actions: {end: {type: stop, joint: slide, upper: d, stiffness: k}}
 """,
-        strike, {"blow": {"joint_moment": "slide", "part": "stop"}},
+        strike,
+        {"blow": {"joint_moment": "slide", "part": "stop"}},
         {"hardest": {"smallest": "blow"}, "t_off": {"event": "leaves", "of": "slide"}},
-        duration=1.0, instants=1001,
+        duration=1.0,
+        instants=1001,
     ),
     mechanism(
-        "settling", "x rad 0.4 0.6,k N_m/rad 15 40,Iz kg_m2 0.4 0.6,c N_m_s/rad 0.6 1.4",
-        ROTOR + """
+        "settling",
+        "x rad 0.4 0.6,k N_m/rad 15 40,Iz kg_m2 0.4 0.6,c N_m_s/rad 0.6 1.4",
+        ROTOR
+        + """
 actions:
   wind: {type: torsion spring, joint: axle, stiffness: k, rest: 0}
   oil: {type: damper, joint: axle, damping: c}
 """,
-        settle, ANGLE, {"t_rest": {"settling": "angle", "within": 0.05, "about": 0}},
-        start="x", duration=6.0, instants=1201,
+        settle,
+        ANGLE,
+        {"t_rest": {"settling": "angle", "within": 0.05, "about": 0}},
+        start="x",
+        duration=6.0,
+        instants=1201,
     ),
     mechanism(
-        "overshoot", "Iz kg_m2 0.3 0.7,k N_m/rad 8 16,c N_m_s/rad 2 8",
-        ROTOR + """
+        "overshoot",
+        "Iz kg_m2 0.3 0.7,k N_m/rad 8 16,c N_m_s/rad 2 8",
+        ROTOR
+        + """
 actions:
   wind: {type: torsion spring, joint: axle, stiffness: k, rest: 1 rad}
   oil: {type: damper, joint: axle, damping: c}
 """,
-        overshoot, ANGLE,
-        {"over": {"overshoot": "angle", "about": 1}, "t_over": {"crossing": "angle", "level": 1.02}},
-        duration=6.0, instants=1201,
+        overshoot,
+        ANGLE,
+        {
+            "over": {"overshoot": "angle", "about": 1},
+            "t_over": {"crossing": "angle", "level": 1.02},
+        },
+        duration=6.0,
+        instants=1201,
     ),
     mechanism(
-        "second crossing", "x rad 0.9 1.1,Iz kg_m2 0.4 0.6,k N_m/rad 8 12,c N_m_s/rad 0.2 0.8",
-        ROTOR + """
+        "second crossing",
+        "x rad 0.9 1.1,Iz kg_m2 0.4 0.6,k N_m/rad 8 12,c N_m_s/rad 0.2 0.8",
+        ROTOR
+        + """
 actions:
   wind: {type: torsion spring, joint: axle, stiffness: k, rest: 0}
   oil: {type: damper, joint: axle, damping: c}
 """,
-        third, ANGLE, {"t_up": {"crossing": "angle", "level": 0.3, "way": "rising", "number": 2}},
-        start="x", duration=6.0, instants=1201,
+        third,
+        ANGLE,
+        {"t_up": {"crossing": "angle", "level": 0.3, "way": "rising", "number": 2}},
+        start="x",
+        duration=6.0,
+        instants=1201,
     ),
     mechanism(
-        "ratio", "F N 1 4,c N_s/m 1 4,mass kg 0.5 2",
-        SLIDE + """
+        "ratio",
+        "F N 1 4,c N_s/m 1 4,mass kg 0.5 2",
+        SLIDE
+        + """
 loads: {push: {part: block, at: o, force: [F, 0, 0]}}
 actions: {oil: {type: damper, joint: slide, damping: c}}
 record: {block: {part: block, at: o}}
 """,
-        ratio, WAY | {"speed": {"velocity": "block", "component": "x"}},
+        ratio,
+        WAY | {"speed": {"velocity": "block", "component": "x"}},
         {
-            "t_one": {"crossing": "way", "level": 1}, "end": {"final": "speed"},
+            "t_one": {"crossing": "way", "level": 1},
+            "end": {"final": "speed"},
             "at_two": {"value": "way", "at": 2},
         },
-        duration=8.0, instants=1601,
+        duration=8.0,
+        instants=1601,
     ),
     mechanism(
         "eight parameters",
         "mass kg 0.8 1.2,ka N/m 10 14,kb N/m 8 12,ca N_s/m 0.2 0.6,cb N_s/m 0.1 0.5,"
         "x m -0.1 0.05,v m/s 0.2 0.6,i rad -0.1 0.1",
-        SLIDE + """
+        SLIDE
+        + """
 opening_rates: {kick: {joint: slide, rate: v}}
 actions:
   a: {type: spring, joint: slide, stiffness: ka, rest: 0}
@@ -520,12 +585,16 @@ actions:
   more: {type: damper, joint: slide, damping: cb}
 gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
 """,
-        eight, WAY,
+        eight,
+        WAY,
         {
-            "t_in": {"crossing": "way", "level": 0.1, "way": "rising"}, "farthest": {"largest": "way"},
+            "t_in": {"crossing": "way", "level": 0.1, "way": "rising"},
+            "farthest": {"largest": "way"},
             "half": {"value": "way", "at": 0.5},
         },
-        start="x", duration=2.0, instants=801,
+        start="x",
+        duration=2.0,
+        instants=801,
     ),
     mechanism(
         "ball of three", "u m/s -1 1,v m/s -1 1,w m/s -1 1",

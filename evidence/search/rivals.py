@@ -48,7 +48,10 @@ class _Oracle:
         low, high = self.true
         values = np.array(self.values)
         tolerance = CLOSE * (high - low)
-        ends = ((-1.0, (values <= low + tolerance).any()), (1.0, (values >= high - tolerance).any()))
+        ends = (
+            (-1.0, (values <= low + tolerance).any()),
+            (1.0, (values >= high - tolerance).any()),
+        )
         return [sign for sign, is_there in ends if not is_there]
 
     def losses(self, sign: float) -> np.ndarray:
@@ -121,7 +124,9 @@ def seek_by_slopes(oracle: _Oracle, sign: float, seed: int) -> None:
     bounds = [(-1.0, 1.0)] * oracle.box.dimension
     starts = scan_points(np.ones(len(bounds), bool), 512, seed=seed, corners=False)
     for start in [np.zeros(len(bounds)), *starts]:
-        scipy.optimize.minimize(lambda x: oracle.loss(sign, x), start, bounds=bounds, method="SLSQP")
+        scipy.optimize.minimize(
+            lambda x: oracle.loss(sign, x), start, bounds=bounds, method="SLSQP"
+        )
 
 
 def seek_by_rectangles(oracle: _Oracle, sign: float, seed: int) -> None:

@@ -23,10 +23,10 @@ def all_rows(cases: dict[str, dict], peers: dict | None) -> list[Row]:
     return [replace(row, group=row.name.partition(":")[0]) for row in rows]
 
 
-def pick(case: dict, elements: int, choice: str, safety: float = 0.9) -> dict:
+def pick(case: dict, elements: int, choice: str) -> dict:
     """The record of a choice by its label; KeyError where there is none."""
     for record in case["records"]:
-        if (record["elements"], record["choice"], record["safety"]) == (elements, choice, safety):
+        if (record["elements"], record["choice"], record["safety"]) == (elements, choice, 0.9):
             return record
     raise KeyError(f"{case['case']}: no {choice} with {elements} elements")
 

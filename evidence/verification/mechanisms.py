@@ -66,10 +66,9 @@ def n_four_bar(bench: Bench) -> None:
     bench.check_small("energy balance", worst, 1e-4, "no damping", "energy")
 
 
-def bricard_points(length: float = 1.0) -> np.ndarray:
+def bricard_points() -> np.ndarray:
     """The six hinges of the cube-edge form (6, 3), m."""
-    points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
-    return length * np.array(points, float)
+    return np.array([(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)], float)
 
 
 def rigid_bricard() -> fpm.Scene:

@@ -78,9 +78,8 @@ def oscillator(time, start, stiffness, moment):
     swing = np.minimum(time * w // np.pi, count)
     turn = (-1.0) ** swing * (start - 2 * shift * swing)
     centre = (-1.0) ** swing * shift
-    return np.where(
-        swing == count, turn, centre + (turn - centre) * np.cos(w * time - np.pi * swing)
-    )
+    angle = centre + (turn - centre) * np.cos(w * time - np.pi * swing)
+    return np.where(swing == count, turn, angle)
 
 
 def swings(bench: Bench) -> None:

@@ -36,13 +36,11 @@ def _pair(scene, name: str, speed: float) -> int:
     return scene.add_slide(name, (first, second), place + 0.2 * X, X)
 
 
-def _add_cross(scene, name: str, spin, openings=(0.0, 0.0)) -> int:
+def _add_cross(scene, name: str, spin) -> int:
     """A body on a cross at its centre, about x of the ground and y of its own."""
     place = np.array([0.0, 0.0, 1.0 + len(scene.position)])
-    first = np.array(openings)[0] if len(openings) else 0.0
-    turn = np.array([X, [0, np.cos(first), np.sin(first)], [0, -np.sin(first), np.cos(first)]]).T
-    (body,) = scene.add_particles(place, 1.0, J, frame=turn, spin=spin)
-    return scene.add_universal(name, (0, body), place, X, turn[:, 1], openings)
+    (body,) = scene.add_particles(place, 1.0, J, spin=spin)
+    return scene.add_universal(name, (0, body), place, X, Y)
 
 
 def scene_of_all(speed=1.0) -> fpm.Scene:
@@ -99,9 +97,9 @@ def slides(bench: Bench) -> None:
     decay = damping / (2 * mass)
     omega_d = np.sqrt(omega**2 - decay**2)
     start = 0.05 - rest
-    exact = rest + np.exp(-decay * time) * (
-        start * np.cos(omega_d * time) + (0.3 + decay * start) / omega_d * np.sin(omega_d * time)
-    )
+    cosine, sine = np.cos(omega_d * time), np.sin(omega_d * time)
+    exact = start * cosine + (0.3 + decay * start) / omega_d * sine
+    exact = rest + np.exp(-decay * time) * exact
     curve("swing", exact, 1e-6, "m s'' = -k (s - l) - c s' + m g·a")
     figure.curve(time, opening["swing"], "spring and damper")
     figure.curve(time, exact, "exact", True)

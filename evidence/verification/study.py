@@ -2,64 +2,43 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from importlib import import_module
 
 import fpm
 from evidence import plots
 from evidence.results import Report
-from evidence.verification import (
-    bennett,
-    cables,
-    curves,
-    deployables,
-    drag,
-    dynamics,
-    equilibria,
-    forces,
-    free_flight,
-    joints,
-    latches,
-    mechanisms,
-    motors,
-    pins,
-    rigid_holds,
-    rigid_motors,
-    rotation,
-    sliders,
-    slides,
-    squeezer,
-    statics,
-    vibration,
-)
 from evidence.verification.bench import Bench
 from evidence.verification.relax import NotAtRest
 
 FAMILIES = (
-    statics,
-    equilibria,
-    vibration,
-    rotation,
-    dynamics,
-    drag,
-    free_flight,
-    joints,
-    forces,
-    latches,
-    motors,
-    pins,
-    rigid_holds,
-    rigid_motors,
-    slides,
-    sliders,
-    curves,
-    mechanisms,
-    squeezer,
-    deployables,
-    cables,
-    bennett,
+    "statics",
+    "equilibria",
+    "vibration",
+    "rotation",
+    "dynamics",
+    "drag",
+    "free_flight",
+    "joints",
+    "forces",
+    "latches",
+    "motors",
+    "pins",
+    "rigid_holds",
+    "rigid_motors",
+    "slides",
+    "sliders",
+    "curves",
+    "mechanisms",
+    "squeezer",
+    "deployables",
+    "cables",
+    "bennett",
 )
 
 PROBLEMS: dict[str, Callable[[Bench], None]] = {
-    name: problem for family in FAMILIES for name, problem in family.PROBLEMS.items()
+    name: problem
+    for family in FAMILIES
+    for name, problem in import_module(f"evidence.verification.{family}").PROBLEMS.items()
 }
 """Name of every problem -> its function."""
 

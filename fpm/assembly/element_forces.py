@@ -36,9 +36,8 @@ class ElementForces:
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads_in(part_scene), kind]
-        batch = Batch(
-            [part_scene], kinds, energies_of(kinds), lanes_of_register(), np.float64, 1, 1
-        )
+        rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
+        batch = Batch([part_scene], kinds, *rest)
         self.parts, self.world = batch.parts(), batch.world()
         deformations = kind.deformations(part_scene)
         dofs = () if deformations is None else deformations.dofs.ravel()

@@ -118,9 +118,7 @@ class ElementType:
     takes: ClassVar[Energy | None] = None  # the energy it takes out
     events: ClassVar[tuple[str, ...]] = ()  # names of its events, in the order of their numbers
     watches: ClassVar[tuple[Watch, ...]] = ()  # of several that are too large, the last counts
-    reads: ClassVar[
-        tuple[type["ElementType"], ...]
-    ] = ()  # kinds whose arrays it needs in every step
+    reads: ClassVar[tuple[type, ...]] = ()  # kinds whose arrays it needs in every step
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
@@ -179,9 +177,8 @@ class ElementType:
     def topology(self) -> Hashable:
         """Return, as a tuple, those of this element's fields (stated with is_topology, or indices)
         that must be equal in scenes whose runs are computed together, side by side."""
-        return tuple(
-            getattr(self, n) for n, field in specs(type(self)).items() if field.is_topology
-        )
+        fields = specs(type(self)).items()
+        return tuple(getattr(self, name) for name, field in fields if field.is_topology)
 
     def acts_on(self) -> tuple[int, ...]:
         """Return the indices of the hinges of the scene on whose joint coordinates (angles, or
@@ -252,9 +249,8 @@ class ElementType:
         for kind in cls.__mro__[:-1]:
             if find_spec(name := f"{kind.__module__}_kernels"):
                 return import_module(name)
-        raise NotImplementedError(
-            f"kind {cls.__name__} has no kernels: no {cls.__module__}_kernels"
-        )
+        text = f"kind {cls.__name__} has no kernels: no {cls.__module__}_kernels"
+        raise NotImplementedError(text)
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:

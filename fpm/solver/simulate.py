@@ -101,9 +101,8 @@ def simulate(
     for i, scene in enumerate(scenes):
         groups.setdefault(pack.curve_bytes(scene), []).append(i)
     width = lanes_of(dtype)
-    for indices, first in (
-        (g, first) for g in groups.values() for first in range(0, len(g), width)
-    ):
+    batches = [(g, first) for g in groups.values() for first in range(0, len(g), width)]
+    for indices, first in batches:
         lanes = indices[first : first + width]
         group = [scenes[i] for i in lanes]
         run = _integrate(group, width, dtype, instants, division, energy_tolerance)

@@ -38,9 +38,9 @@ class Body:
         the part does not have it. point: full name, as "bay1.P"."""
         if point not in self.points:
             points = ", ".join(self.points)
-            is_rigid = len(set(self.points.values())) == 1
+            is_bar = len(set(self.points.values())) > 1
             remedy = (
-                f"list {point} in its `points`" if is_rigid else f"let its `carries` hold {point}"
+                f"let its `carries` hold {point}" if is_bar else f"list {point} in its `points`"
             )
             allowed = f"a point of {self.name}: {points} (or {remedy})"
             raise SceneError("at", point, allowed)

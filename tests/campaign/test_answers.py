@@ -242,13 +242,15 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
             return [None]
 
         def add(self, points):
-            self.points = np.vstack([self.points, points])
+            self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
     monkeypatch.setattr(
         quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.points)
     )
     monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
+    monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
     bench = Bench()
     assert quantity_bounds.converge_bounds(bench, rounds) == [rounds]
     assert len(bench.points) == rounds

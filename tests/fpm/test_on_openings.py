@@ -342,6 +342,12 @@ def test_extrapolated_dampers_are_stable_up_to_the_limit_and_not_beyond():
     assert largest(K, C, 1.001 * exact) > 1.0
 
 
+@pytest.mark.slow
+def test_turns_are_counted_on_a_hinge_that_nothing_acts_on():
+    (outcome,) = fpm.simulate(bare(rate=10.0), duration=2.0, instants=3, step=1e-3)
+    assert opening(outcome) == pytest.approx([0.0, 10.0, 20.0], abs=1e-9)
+
+
 def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():
     scene = bare(rate=0.25)
     scene.drive(0, spin=(0, 0, 1.0))

@@ -50,6 +50,8 @@ def test_cables_and_masses_are_in_the_scene():
         ("EA: 20 kN", "EA: -20 kN", "cables.stay.EA: -20000"),
         ("preload: L", "rest: 1, preload: L", "either `rest` or `preload`"),
         (", curve: winch,", ",", "a length with a `curve`"),
+        ("reel: 10 cm, ", "", "cables.hoist.reel: missing; allowed: a length, with a `curve`"),
+        ("through: [A, {part: ground, at: C}, B]", "through: [A, B]", "runs through no point"),
         ("friction: 0.1", "friction: -1", "cables.hoist.friction: -1"),
         ("reel: 10 cm", "reel: 5 m", "unstrained length of cable hoist"),
         ("at: B, mass", "at: C, mass", "masses.load.at: 'C'"),

@@ -49,9 +49,8 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     """The parser of all commands, or, for a process that loads what its stage needs, of stages."""
     script = Path(sys.argv[0]).name
     program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
-    parser = argparse.ArgumentParser(
-        program, description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
+    form = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(program, description=__doc__, formatter_class=form)
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     if not is_stage:

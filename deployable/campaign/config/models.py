@@ -66,7 +66,9 @@ class Aim(ConfigSection):
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
     max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
-    """Most runs that may be spent, of all meshes, those of checks included."""
+    """Most runs that may be spent, of all meshes, with those of checks, of the ends of quantities
+    and of a choice, but not those for measured curves; in each case as many. It must allow two
+    runs for each interval and two more, a check of step and mesh, and the grid of a choice."""
     max_core_minutes: Annotated[float, Rule(gt=0, unit="min")] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""

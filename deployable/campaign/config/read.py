@@ -15,7 +15,6 @@ from fpm.errors import did_you_mean, likely, number_hint
 from fpm.structures.model import KEYS
 from fpm.structures.reading import commas
 
-
 _LABELS = ("[key]", "dict[str,any]", "str")
 """What pydantic puts into the places of errors besides names: of keys, of a choice of types."""
 

@@ -64,9 +64,8 @@ class SelectedRun:
 
         self._compile()
         try:
-            (motion,) = whole_motion(
-                [self.scene], frames=frames, attributes=[dict(self.attributes)], **self._times()
-            )
+            options = {"frames": frames, "attributes": [dict(self.attributes)]}
+            (motion,) = whole_motion([self.scene], **options, **self._times())
         except fpm.InstabilityError as error:
             raise CampaignError(f"the run fails: {error}") from None
         return motion
@@ -209,17 +208,9 @@ def _selected_run(
     folder: Folder | None = None,
 ) -> SelectedRun:  # fmt: skip
     solver = experiment.solver
-    return SelectedRun(
-        name=name,
-        scene=experiment.build(values),
-        duration=solver.duration,
-        instants=solver.instants,
-        step=step,
-        energy_tolerance=solver.energy_tolerance,
-        responses=tuple(experiment.response_list),
-        attributes=attributes,
-        folder=folder,
-    )
+    times = solver.duration, solver.instants, step, solver.energy_tolerance
+    responses = tuple(experiment.response_list)
+    return SelectedRun(name, experiment.build(values), *times, responses, attributes, folder)
 
 
 def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
@@ -234,8 +225,8 @@ def _select_structure(source: str, settings: Mapping[str, str], duration: float)
     structure = scene_type(source, source if Path(source).suffix else "")
     scene = structure.build(**parse_values(settings))
     limit = fpm.SAFETY * fpm.find_stable_step(scene).step
-    step = fpm.divide_time(duration, INSTANTS, limit).step
-    return SelectedRun(structure.name, scene, duration, INSTANTS, step)
+    times = duration, INSTANTS, fpm.divide_time(duration, INSTANTS, limit).step
+    return SelectedRun(structure.name, scene, *times)
 
 
 def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
@@ -243,9 +234,8 @@ def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
     True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
     from deployable.campaign.config.loader import parse
 
-    return {
-        name: parse(f"value: {text}", f"--set {name}")["value"] for name, text in settings.items()
-    }
+    pairs = settings.items()
+    return {n: parse(f"value: {text}", f"--set {n}")["value"] for n, text in pairs}
 
 
 def _is_campaign(path: Path) -> bool:

@@ -158,9 +158,8 @@ def refuse_links(folder: str | Path) -> None:
                 elif entry.is_dir(follow_symlinks=False):
                     places.append(entry.path)
                 elif not entry.is_file(follow_symlinks=False):
-                    raise CampaignError(
-                        f"{entry.path} is a pipe or a device; allowed: files and folders"
-                    )
+                    text = f"{entry.path} is a pipe or a device; allowed: files and folders"
+                    raise CampaignError(text)
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -64,7 +64,7 @@ number response parameter time: width
 number response parameter: width_overall
 number response time: error""",
     "quantities.nc": f"""{_QUANTITIES}
-@number: runs further_runs
+@number: runs further_runs check_runs
 text quantity: fit
 number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
 number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least

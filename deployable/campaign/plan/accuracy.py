@@ -13,9 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from deployable import intervals
-from deployable.campaign.config.sections import Experiment, Solver
+from deployable.campaign.config.sections import (
+    Experiment,
+    Solver,
+    count_check_runs,
+    count_first_runs,
+)
 from deployable.campaign.files import open_dataset
-from deployable.campaign.plan.decide import CHECKED_RUNS, RefinementState, Resources
+from deployable.campaign.plan.decide import (
+    CHECKED_RUNS,
+    COMPONENTS,
+    RefinementState,
+    Resources,
+)
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
@@ -29,17 +39,20 @@ from deployable.intervals.scalars import (
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
-_CHECK_POINTS = 8  # places at which a check makes runs, of the responses
 
 
 def start_plan(experiment: Experiment) -> Plan:
     """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
-    width: the nominal one, the corners of the box, if they are at most half of them, and points of
-    a Sobol sequence. It has errors estimated by mesh, or by step if no parameter sets the mesh."""
-    box = experiment.box
-    count = max(LANES * int(box.free.sum()) - 1, 1)
-    points = intervals.make_design("sobol", box, samples=count).points
-    return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
+    width (fewer where `max_runs` allows no more and a check): the nominal one, the corners of the
+    box, if they are at most half of them, and points of a Sobol sequence. It has errors estimated
+    by mesh, or by step if no parameter sets the mesh, by both if there is no other check."""
+    box, count = experiment.box, count_first_runs(experiment)
+    points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
+    check = ("mesh",) if _has_mesh(experiment) else ("step",)
+    accuracy, check_runs = experiment.accuracy, count_check_runs(experiment)
+    if accuracy.max_runs - accuracy.reserve - count < 3 * check_runs:  # no second check
+        check = tuple(part for part in COMPONENTS if part != "mesh" or _has_mesh(experiment))
+    return _plan(experiment, points.tolist(), (), check)
 
 
 def extend_plan(
@@ -53,7 +66,8 @@ def extend_plan(
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         quantities = _estimate_quantities(base, samples)
         shares, free = _relative_errors(plan, bounds, quantities), base.solver.step == "auto"
-        refinement = _refinement_state(plan, shares, free)
+        check_runs = bounds.attrs.get("check_runs") if plan.adaptive.check else 0
+        refinement = _refinement_state(plan, shares, free, check_runs)
         cost, decision = refinement.cost, refinement.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
@@ -178,24 +192,43 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     return new
 
 
-def _refinement_state(plan: Plan, shares: Mapping, is_step_free: bool = True) -> RefinementState:
-    """How things stand, with what the rounds up to this plan's took and the next one would."""
+def _count_new_runs(plan: Plan) -> int:
+    """Runs of a plan that are not those of the round before it."""
+    nodes, last = len(plan.unique_runs()), plan.adaptive.rounds[-1:]
+    return nodes if not last or last[0].action in ("mesh", "step") else nodes - last[0].nodes
+
+
+def allow_check_runs(plan: Plan) -> int:
+    """Return how many runs the check of a round may make for an `accuracy` to keep its limit: what
+    the rounds so far left of it, but for what is kept for a choice, and, unless this check is of
+    step and mesh, for one that is. plan: of the round."""
+    accuracy, rounds = plan.experiment.accuracy, plan.adaptive
+    if rounds.met is not None:
+        return accuracy.max_runs - accuracy.reserve - rounds.rounds[-1].runs
+    spent = (rounds.rounds[-1].runs if rounds.rounds else 0) + _count_new_runs(plan)
+    kept = 0 if "step" in rounds.check else 2 * count_check_runs(plan.experiment)
+    return accuracy.max_runs - accuracy.reserve - spent - kept
+
+
+def _refinement_state(
+    plan: Plan, shares: Mapping, is_step_free: bool = True, checked: int | None = None
+) -> RefinementState:
+    """How things stand, with what the rounds up to this plan's took and the next one would; in the
+    check of this round that was `checked` runs, if known."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
-    is_restart = last.action in ("mesh", "step")
-    new = nodes if is_restart else nodes - last.nodes
-    # Of the responses, and of each quantity both ends; one of each again, which tell the order.
-    check_runs = _CHECK_POINTS + 1 + 3 * len(plan.experiment.quantities)
+    new, check_runs = _count_new_runs(plan), count_check_runs(plan.experiment)
     # A mesh twice as fine has twice the elements and half the step; what tells orders, both
     # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for component in plan.adaptive.check:
-        runs += check_runs
+        runs += check_runs if checked is None else 0
         seconds += _whole(check_runs) * factor[component] * time
+    runs += int(checked or 0)
     reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
-    answers = CHECKED_RUNS * len(plan.experiment.quantities)
+    answers = CHECKED_RUNS * len(plan.experiment.quantities) + target.reserve
     affordable = min(
         target.max_runs - runs - reserve[0] - answers,
         (60 * target.max_core_minutes - seconds - reserve[1]) / time,
@@ -203,7 +236,7 @@ def _refinement_state(plan: Plan, shares: Mapping, is_step_free: bool = True) ->
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
     state = RefinementState(target, shares, plan.adaptive, cost, is_step_free)
-    next_runs = next_runs = add_runs(nodes, state.growth(), affordable)
+    next_runs = add_runs(nodes, state.growth(), affordable)
     return replace(state, cost=replace(cost, next_runs=next_runs))
 
 

@@ -33,7 +33,8 @@ _LEAST, _MOST = 1.25, 2.0
 _SPARE = 0.75
 """Share that is aimed at of what is left for a surrogate's error, not to miss it by little."""
 
-_PARTS = ("step", "mesh")
+COMPONENTS = ("step", "mesh")
+"""Parts of an error that a check tells."""
 
 CHECKED_RUNS = 14
 """Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
@@ -188,7 +189,7 @@ class RefinementState:
                 return Decision("stop", reason, met=True)
             reason = "the surrogate's error is small enough"
             return Decision(
-                "check", f"{reason}; step and mesh are checked where it decides", _PARTS
+                "check", f"{reason}; step and mesh are checked where it decides", COMPONENTS
             )
         if not self.reducible:
             return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
@@ -196,12 +197,12 @@ class RefinementState:
         if finer:  # comes before runs, which are all made again then
             worst = max(finer, key=lambda error: error.discretization / error.tolerance)
             action = self.needs[worst.name].action
-            check = ("mesh",) if action == "mesh" else _PARTS
+            check = ("mesh",) if action == "mesh" else COMPONENTS
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._exceeds_budget("runs"):
             return self._end(reason)
         worst = max(self.reducible, key=lambda error: error.total / error.tolerance)
-        check = _PARTS if self._is_last() else ()
+        check = COMPONENTS if self._is_last() else ()
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
@@ -282,7 +283,7 @@ class RefinementState:
     def _end(self, cause: str) -> Decision:
         if "step" not in self.state.check:
             reason = f"{cause}; step and mesh are checked where the bounds are decided"
-            return Decision("check", reason, _PARTS)
+            return Decision("check", reason, COMPONENTS)
         unmet, takes = "; ".join(map(str, self.unmet)), "; ".join(map(self._takes, self.unmet))
         return Decision("stop", f"{cause}: {unmet}. {takes}")
 

@@ -33,10 +33,10 @@ def analyse(
 
     with open_dataset(folder.samples) as samples:
         experiment = Experiment.read(samples.attrs["config"])
-        is_plain_scan = experiment.design.method == "sobol" and experiment.design.order is None
-        design = (
-            _design(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
-        )
+        if experiment.design.method == "sobol" and experiment.design.order is None:
+            design = _design(samples)  # a plain scan
+        else:
+            design = make_design(experiment.design, experiment.box)
         bounds = intervals.bounds_dataset(samples, design, model=choice.model)
         if with_errors is not None:
             bounds = with_errors(bounds)

@@ -252,18 +252,19 @@ def small_fonts() -> Iterator[None]:
     programs set text, which no PDF needs, and which take most of the time."""
     from fontTools import subset
 
-    usual = subset.Options
+    usual = subset.load_font
 
-    class SmallOptions(usual):
-        def __init__(self, **options: Any) -> None:
-            super().__init__(**options)
-            self.drop_tables += ["GDEF", "GPOS", "GSUB"]
+    def load_small(*arguments: Any, **options: Any) -> Any:
+        font = usual(*arguments, **options)
+        for table in {"GDEF", "GPOS", "GSUB"} & {*font.keys()}:
+            del font[table]
+        return font
 
-    subset.Options = SmallOptions
+    subset.load_font = load_small
     try:
         yield
     finally:
-        subset.Options = usual
+        subset.load_font = usual
 
 
 def save(figure: Any, path: Path, **options: Any) -> None:

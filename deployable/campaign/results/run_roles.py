@@ -88,6 +88,5 @@ def count_roles(samples: Any) -> Counts:
     nominal, nodes, held_out, _ = runs_by_role.values()
     held_out = held_out - nodes
     design_runs = nodes | held_out
-    return Counts(
-        len(design_runs | nominal), len(nodes), len(held_out), bool(nominal & design_runs)
-    )
+    has_nominal = bool(nominal & design_runs)
+    return Counts(len(design_runs | nominal), len(nodes), len(held_out), has_nominal)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
 from deployable.campaign.provenance import check_code
+from deployable.campaign.runs.batch import spread
 from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
@@ -253,15 +255,22 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
     for error in workflow.damage.values():
         if figures or drawing_paths.isdisjoint([error.path, *error.path.parents]):
             notify(f"{error}; it is made again")
+    last = []
     for stage in stages_of(campaign):
         paths = workflow.files_of(stage)
-        if stage.draws and not figures:
-            continue
         if stage.name == "simulate":
             is_remade |= _simulate(campaign, folder, notify)
         elif is_remade or not all(path.exists() and str(path) not in stale for path in paths):
-            _stage(stage, campaign, folder, notify)
-            is_remade = True
+            if not stage.draws:
+                _stage(stage, campaign, folder, notify)
+                is_remade = True
+            elif figures:
+                last.append((stage, campaign, folder, notify))
+    # Side by side, but where messages would be lost in other processes, or threads run, which these
+    # would not have.
+    prints = isinstance(notify, MessagePrinter) and not any(map(callable, notify.files))
+    is_alone = prints and threading.active_count() == 1
+    list(spread(_stage, last, (os.cpu_count() or 1) if is_alone else 1))
     for text in workflow.answer():
         notify(text)
     with open_dataset(folder.bounds) as data:

@@ -1,6 +1,6 @@
-"""Local search for a bound of a quantity on real runs: from the extreme run to the best point that a
-local model finds within a radius, and on from there (Conn, Gould and Toint, Trust-Region Methods,
-2000).
+"""Local search for a bound of a quantity on real runs: from the extreme run to the best point that
+a local model finds within a radius, and on from there (Conn, Gould and Toint, Trust-Region
+Methods, 2000).
 
 The model passes through the runs near by. Where some of them have no value, or are found beyond a
 jump, the search keeps to the side of the extreme run by a smooth border, which lies half way to the
@@ -8,7 +8,7 @@ runs beyond it: so it bisects towards that border and goes along it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -21,11 +21,15 @@ TOLERANCE = 1e-3
 
 _NEAR, _NEAR_EACH = 12, 6  # runs of the model: this many, and so many for each parameter
 _CLOUD, _SIZES = 256, (1.0, 0.4, 0.15, 0.05)  # trial points, and in which parts of the radius
-_ZOOMS = 3
+_ZOOMS, _HALVINGS = 3, 12
+_NOISE = 1e-8  # added to the kernel of the model
+_GAP = 0.7  # least distance of a step from runs beyond the border, over that from others
 _RADIUS, _LEAST_RADIUS = 0.5, 1e-3  # in normalized coordinates
-_FALL, _STEEP = 0.1, 3.0  # a run is beyond a jump if so far below, of the width, of what it promised
+_FALL = 0.1  # of the width: a run that is so far below the extreme one is beyond a jump,
+_STEEP = 3.0  # if that is also more than so many times what it promised
 _JUMP, _NEAR_JUMP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, how near, and runs for it
 _SHARE = 0.1  # of such a gain, by a border, where the model, smooth, promises too little
+_POLL = 0.05  # of the width, that a model may lose where a single parameter is moved
 _FAILURES = 3  # steps without a gain, after which a search ends
 
 
@@ -80,6 +84,7 @@ class Climb:
         is_fallen = -gain > max(_STEEP * hope, _FALL * width)
         if is_fallen:
             self.fallen = max(self.fallen, float(heights[run]))
+            self.radius = max(self.radius, _RADIUS)  # what it failed by may have been the jump
         if is_fallen or not np.isfinite(gain):
             self.failures, self.misses = 0, self.misses + 1
             return
@@ -94,11 +99,18 @@ class Climb:
     ) -> np.ndarray | None:
         """Point (k) half way between two runs near the extreme one that may be on two sides of a
         jump; once such runs are near each other, the lower one is beyond it, and None is left."""
+        if not self.probes and self.fallen == -np.inf:
+            self.probes = 1
+            if (point := self._poll(points, heights, is_valid, row, width)) is not None:
+                return point
         order = np.argsort(np.linalg.norm(points - points[row], axis=1), kind="stable")
         near = order[is_valid[order]][: 3 + 2 * points.shape[1]]
         gaps = np.linalg.norm(points[near][:, None] - points[near], axis=2)
         drops = heights[near][:, None] - heights[near]
         steepness = np.where((drops > _JUMP * width) & (gaps < 1.0), drops / (gaps + 1e-9), 0.0)
+        slopes = np.abs(drops) / (gaps + 1e-9)
+        usual = float(np.median(slopes[np.triu_indices(len(near), 1)])) if len(near) > 1 else 0.0
+        steepness[steepness < _STEEP * usual] = 0.0
         high, low = np.unravel_index(steepness.argmax(), steepness.shape)
         if self.probes >= _PROBES or not steepness[high, low]:
             return None
@@ -109,10 +121,28 @@ class Climb:
         self.probes += 1
         return (points[near[high]] + points[near[low]]) / 2
 
-    def _best(
+    def _poll(
+        self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int, width: float
+    ) -> np.ndarray | None:
+        """The extreme run's point (k) with one parameter moved half way or all the way to its
+        middle, where the model loses least; None where that is much, or a run is near."""
+        free = np.flatnonzero(np.ptp(points, axis=0) > 0)
+        trial = np.repeat(points[row][None], 2 * len(free), axis=0)
+        for i, j in enumerate(free):
+            trial[2 * i : 2 * i + 2, j] *= [0.0, 0.5]
+        gaps = scipy.spatial.cKDTree(points).query(trial)[0]
+        trial = trial[gaps > 0.1]
+        if not len(trial):
+            return None
+        model, _, offset = self._model(points, heights, is_valid, row)
+        losses = heights[row] - model.evaluate(trial) - offset
+        return trial[losses.argmin()] if losses.min() < _POLL * width else None
+
+    def _model(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
-    ) -> tuple[np.ndarray, float]:
-        """The best point (k) within the radius of a run, and what the model promises there."""
+    ) -> tuple[_Model, Occurrence | None, float]:
+        """The model of the runs near a run, the border beside it, if any, and by how much the model
+        is below that run."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
         count = _NEAR + _NEAR_EACH * int(free.sum())
         order = np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable")
@@ -122,21 +152,50 @@ class Climb:
         if len(rows):
             rows = np.concatenate([near, rows])
             border = Occurrence(points[rows], is_valid[rows])
-        model = _Model(points[near], heights[near], border)
+        has_root = border is not None and not np.isfinite(heights[rows]).all()  # no mere jump
+        model = _Model(points[near], heights[near], border if has_root else None)
+        return model, border, float(heights[row] - model.evaluate(origin[None])[0])
+
+    def _best(
+        self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
+    ) -> tuple[np.ndarray, float]:
+        """The best point (k) within the radius of a run, and what the model promises there."""
+        origin, free = points[row], np.ptp(points, axis=0) > 0
+        model, border, offset = self._model(points, heights, is_valid, row)
         cloud = spread_points(free, _CLOUD, seed=3) * free
         best, height, radius = origin, heights[row], self.radius
         level = 1.0 - 0.5**self.misses
         for _ in range(_ZOOMS):
             trial = np.concatenate([best + size * radius * cloud for size in _SIZES])
-            trial = np.clip(trial, np.maximum(origin - self.radius, -1), np.minimum(origin + self.radius, 1))
+            trial = np.clip(trial, *np.clip([origin - self.radius, origin + self.radius], -1, 1))
             if border is not None:
-                trial = trial[border.decision(trial) >= level]
+                trial = _inside(trial, border, level)
+                gaps = [
+                    scipy.spatial.cKDTree(border.points[kind]).query(trial)[0]
+                    for kind in (border.happens, ~border.happens)
+                ]
+                trial = trial[gaps[1] >= _GAP * gaps[0]]
             if len(trial):
-                forecast = model.evaluate(trial)
+                forecast = model.evaluate(trial) + offset
                 if forecast.max() > height:
                     best, height = trial[forecast.argmax()], float(forecast.max())
             radius *= 0.2
         return best, height
+
+
+def _inside(trial: np.ndarray, border: Occurrence, level: float) -> np.ndarray:
+    """Of points (P, k) those inside a level of a border, and points just inside it, each between
+    one of the others and the next one inside."""
+    is_inside = border.decision(trial) >= level
+    inner, low = trial[is_inside], trial[~is_inside]
+    if not len(inner) or not len(low):
+        return inner
+    high = inner[scipy.spatial.cKDTree(inner).query(low)[1]]
+    for _ in range(_HALVINGS):
+        middle = (high + low) / 2
+        mask = (border.decision(middle) >= level)[:, None]
+        high, low = np.where(mask, middle, high), np.where(mask, low, middle)
+    return np.concatenate([inner, high])
 
 
 class _Model:
@@ -148,7 +207,7 @@ class _Model:
         self.length = float(np.linalg.norm(points - points[0], axis=1).max()) or 1.0
         self.mean = float(heights.mean())
         self.rows = self._coordinates(points)
-        kernel = self._kernel(self.rows) + 1e-8 * np.eye(len(points))
+        kernel = self._kernel(self.rows) + _NOISE * np.eye(len(points))
         self.weights = scipy.linalg.solve(kernel, heights - self.mean, assume_a="pos")
 
     def _coordinates(self, points: np.ndarray) -> np.ndarray:

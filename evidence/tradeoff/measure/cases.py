@@ -45,9 +45,8 @@ class Level:
     @property
     def label(self) -> str:
         """Short name for tables and plots."""
-        return f"{self.elements} elements" + (
-            "" if self.safety == 0.9 else f", step x{self.safety}"
-        )
+        suffix = "" if self.safety == 0.9 else f", step x{self.safety}"
+        return f"{self.elements} elements{suffix}"
 
 
 @dataclass(frozen=True)

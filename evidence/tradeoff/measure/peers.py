@@ -69,16 +69,14 @@ def _fit_ours(design, problem: dict) -> dict:
     start = time.perf_counter()
     surrogate = intervals.fit(design, problem["values"])
     seconds = time.perf_counter() - start
-    return _fit_error(
-        {"seconds": seconds, "predicted": surrogate.evaluate(problem["tested"])}, problem
-    )
+    answer = {"seconds": seconds, "predicted": surrogate.evaluate(problem["tested"])}
+    return _fit_error(answer, problem)
 
 
 def _fit_error(answer: dict, problem: dict) -> dict:
     """Seconds, and rms error at the tested points as a share of each response's spread, worst."""
-    errors = (answer["predicted"] - problem["truth"]).reshape(
-        len(problem["truth"]), len(problem["scales"]), -1
-    )
+    shape = len(problem["truth"]), len(problem["scales"]), -1
+    errors = (answer["predicted"] - problem["truth"]).reshape(shape)
     error = np.sqrt((errors**2).mean(axis=(0, 2))) / problem["scales"]
     return {
         "seconds": float(answer["seconds"]),

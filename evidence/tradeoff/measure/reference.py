@@ -15,9 +15,8 @@ def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[Runs]]:
     rounds = [runs]
     for seed in range(level.rounds):
         last = rounds[-1]
-        points, _ = intervals.seek_points(
-            last.points, last.values, SEEK, candidates=8192, seed=seed + 1
-        )
+        options = {"candidates": 8192, "seed": seed + 1}
+        points, _ = intervals.seek_points(last.points, last.values, SEEK, **options)
         if not len(points):
             break
         rounds.append(last.with_runs(simulate(last.case, level.elements, level.safety, points)))

@@ -112,6 +112,5 @@ def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> "R
             events.append(outcome.events)
     batches = math.ceil(len(points) / LANES)
     last = outcomes[-1]
-    return Runs(
-        case, points, last.time, np.array(values), events, last.step, last.steps, cpu / batches
-    )
+    run = last.time, np.array(values), events, last.step, last.steps
+    return Runs(case, points, *run, cpu / batches)

@@ -14,6 +14,13 @@ ALL = -1.0
 
 
 @kernel
+def mean_force(world, timing):
+    """Return the force (N, N m; lanes) in a step for each unit of an impulse (N s, N m s) by which
+    joints act. world: with its resistance, by damping; timing (StepTime): times of the step (s)."""
+    return (1.0 / timing.kick) * load(world.resistance, 0, 0)
+
+
+@kernel
 def clear(sums):
     """Set impulses (N s, N m s), which are summed over a step, to 0 at its start. sums (rows,
     fields, lanes): those of hinges or joints; None, where nothing reads them: nothing is done."""

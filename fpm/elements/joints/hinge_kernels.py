@@ -13,24 +13,9 @@ The matrix of impulses (hinge_matrix.py) is built at the start of a step and ser
 A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
 not depend on theirs."""
 
+from fpm.elements.joints import closure, hinge_matrix
 from fpm.elements.joints import hinge_arrays as hinge
-from fpm.elements.joints.closure import (
-    ALL,
-    clear,
-    coarse,
-    count_hinge,
-    report_gaps,
-    restore_pose,
-    turn_little,
-    watch,
-)
 from fpm.elements.joints.hinge_arrays import Hinges
-from fpm.elements.joints.hinge_matrix import (
-    find_impulses,
-    prepare_bodies,
-    prepare_matrices,
-    prepare_supports,
-)
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import HALF, P, V, X
@@ -58,11 +43,11 @@ def prepare(part, world, timing):
     timing.kick; then apply impulses at the hinges that would keep them closed if the rates of their
     gaps stayed as they are over the step. part: arrays of all hinges (Hinges), whose working memory
     is filled; world (World): solver state, changed; timing (StepTime): times of the step (s)."""
-    clear(part.sums)
-    prepare_bodies(world, part, timing.kick)
-    prepare_matrices(part)
+    closure.clear(part.sums)
+    hinge_matrix.prepare_bodies(world, part, timing.kick)
+    hinge_matrix.prepare_matrices(part)
     if part.has_supports:
-        prepare_supports(part)
+        hinge_matrix.prepare_supports(part)
     aim(part, world.state)
 
 
@@ -84,10 +69,10 @@ def aim(part, state):
         store(w, h, hinge.GOAL + 3, dot(turn, get3(w, h, hinge.PA)) + load(w, h, hinge.MISS + 3))
         store(w, h, hinge.GOAL + 4, dot(turn, get3(w, h, hinge.QA)) + load(w, h, hinge.MISS + 4))
         put3(w, h, hinge.GOAL + 5, get3(w, h, hinge.MISS + 5) - point)
-    find_impulses(part)
+    hinge_matrix.find_impulses(part)
     for h in range(w.shape[0]):
         push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
-        count_hinge(part.sums, part, h, ALL)
+        closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @kernel
@@ -141,7 +126,7 @@ def nudge(state, i, r, b, step):
     what these give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
-    turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
+    closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
 
 
 @kernel
@@ -172,7 +157,7 @@ def move(part, world, timing):
             if open_[h]:
                 pair = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
-                    restore_pose(b, (2 * h, 2 * h + 1), state, pair)
+                    closure.restore_pose(b, (2 * h, 2 * h + 1), state, pair)
                 move_bodies(state, world.particles, pair, timing.step)
         for h in range(w.shape[0]):
             if open_[h]:
@@ -181,7 +166,7 @@ def move(part, world, timing):
                     for k in range(8):
                         miss = load(w, h, hinge.MISS + k) + load(w, h, hinge.GOAL + k)
                         store(w, h, hinge.MISS + k, miss)
-        find_impulses(part)
+        hinge_matrix.find_impulses(part)
         is_open = False
         for h in range(w.shape[0]):
             if open_[h]:
@@ -189,17 +174,17 @@ def move(part, world, timing):
                 open_[h] = any_negative(margin)
                 if open_[h] and n + 1 == hinge.ROUNDS:
                     open_[h] = False
-                    watch(part, *gap_squares(part, state, h))
+                    closure.watch(part, *gap_squares(part, state, h))
                 if open_[h]:
                     is_open = True
                     push_where_far(state, ends[2 * h], 2 * h, b, margin)
                     push_where_far(state, ends[2 * h + 1], 2 * h + 1, b, margin)
-                    count_hinge(part.sums, part, h, margin)
+                    closure.count_hinge(part.sums, part, h, margin)
         if not is_open:
             break
     for h in range(w.shape[0]):
         nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, timing.step)
-        count_hinge(part.sums, part, h, ALL)
+        closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @hook(Hinges)
@@ -216,13 +201,13 @@ def look_back(part, world, timing):
         half = -1.0 * get3(world.particles, pair, HALF)
         turn_frame(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
         set_goal(part, start, h, 0.5 / timing.step)
-    find_impulses(part)
+    hinge_matrix.find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):
         pair, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
         add3(start, pair, V, -2.0 * get3(b, rows, hinge.DV))
         add3(start, pair, P, -2.0 * get3(b, rows, hinge.DP))
-        restore_pose(b, rows, start, pair)
-        count_hinge(part.sums, part, h, ALL)
+        closure.restore_pose(b, rows, start, pair)
+        closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @kernel
@@ -245,7 +230,7 @@ def distance(w, h, step, size):
     that impulses must produce): 1 where it is closed, above 0 where a last small correction
     (`nudge`) suffices, below 0 in samples that need one. w: working memory of the hinges
     (hinge_scratch); step: time step (s); size: characteristic length of the scene (m)."""
-    most = coarse(step, size)
+    most = closure.coarse(step, size)
     gap, gap2 = get3(w, h, hinge.GOAL), get3(w, h, hinge.GOAL + 5)
     ep, eq = load(w, h, hinge.GOAL + 3), load(w, h, hinge.GOAL + 4)
     margin = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
@@ -253,25 +238,26 @@ def distance(w, h, step, size):
     return where_negative(tilt, tilt, margin)
 
 
-report_gaps(Hinges, gap_squares)
+closure.report_gaps(Hinges, gap_squares)
 
 
 @hook(Hinges)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each hinge together in this step, if
-    impulses are summed. part: arrays of all hinges (Hinges); world: not used; row: index of the
-    recorded instant; timing (StepTime): times of the step (s)."""
-    record_sums(part.sums, part.forces, row, timing)
+    impulses are summed. part: arrays of all hinges (Hinges); world: with its resistance; row: index
+    of the recorded instant; timing (StepTime): times of the step (s)."""
+    record_sums(part.sums, part.forces, row, timing, world)
 
 
 @kernel
-def record_sums(sums, forces, row, timing):
-    """Store the impulses of a step, divided by the time timing.kick, as forces (N) and moments (N
-    m) in rows row * h to (row + 1) * h - 1 of `forces` ((instants + 1) h, 12, lanes). sums (h, 12,
-    lanes): the impulses (N s, N m s) of h hinges (Hinges.sums; None: nothing is done); row: index
-    of the recorded instant; timing (StepTime): times of the step (s)."""
+def record_sums(sums, forces, row, timing, world):
+    """Store the mean forces (N) of a step's impulses, and moments (N m), in rows row * h to (row +
+    1) * h - 1 of `forces` ((instants + 1) h, 12, lanes). sums (h, 12, lanes): the impulses (N s, N
+    m s) of h hinges (Hinges.sums; None: nothing is done); row: index of the recorded instant;
+    timing (StepTime): times of the step (s); world: with its resistance."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):
             for k in range(hinge.SUMS):
-                store(forces, row * count + h, k, (1.0 / timing.kick) * load(sums, h, k))
+                force = closure.mean_force(world, timing) * load(sums, h, k)
+                store(forces, row * count + h, k, force)

@@ -5,19 +5,9 @@ their rates do not change over the step, less what was missing so in the step be
 the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
 by small turns on top. All joints of a sample are solved together, and go the same rounds."""
 
+from fpm.elements.joints import closure
 from fpm.elements.joints import hinge_arrays as hinge
 from fpm.elements.joints import joint_arrays as joint
-from fpm.elements.joints.closure import (
-    ALL,
-    clear,
-    coarse,
-    count_joints,
-    report_gaps,
-    restore_pose,
-    save_pose,
-    turn_little,
-    watch,
-)
 from fpm.elements.joints.hinge_matrix import world_inverse
 from fpm.elements.joints.joint_arrays import Joints
 from fpm.elements.joints.joint_matrix import build, factorise, substitute
@@ -47,7 +37,7 @@ def prepare(part, world, timing):
     """Update the momenta of all joints' bodies by the forces, summed before, over timing.kick, and
     apply impulses that would keep the joints closed if rates of gaps stayed as they are. part:
     arrays of all joints (Joints); world (World): solver state, changed; timing: StepTime (s)."""
-    clear(part.sums)
+    closure.clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
     build(part)
@@ -66,7 +56,7 @@ def kick_bodies(part, state, kick):
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         axes = frame(state, i)
-        save_pose(b, s, state, i, axes)
+        closure.save_pose(b, s, state, i, axes)
         put6(b, s, joint.INVERSE, world_inverse(axes, get3(bodies, s, joint.HIJ)))
         for k in (joint.ALL_FORCE, joint.ALL_MOMENT):
             put3(b, s, k, 0.0 * axes[1])
@@ -115,7 +105,7 @@ def push_all(part, state):
     sums. part: arrays of all joints (Joints); state: of the particles (World.state), changed."""
     for s in range(part.particle.shape[0]):
         push(part, state, s)
-    count_joints(part, ALL)
+    closure.count_joints(part, closure.ALL)
 
 
 @kernel
@@ -183,7 +173,7 @@ def move_bodies(part, state, repeat, step):
         i = part.particle[s]
         if not part.is_driven[s]:
             if repeat:
-                restore_pose(b, s, state, i)
+                closure.restore_pose(b, s, state, i)
             put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
             axes = frame(state, i)
             rate = (0.5 * step) * get3(part.bodies, s, joint.HIJ)
@@ -200,7 +190,8 @@ def nudge(part, state, s, step):
     if not part.is_driven[s]:
         shift = step * times(get3(part.bodies, s, joint.AXIS_IM), get3(b, s, joint.FORCE))
         put3(state, i, X, get3(state, i, X) + shift)
-        turn_little(state, i, step * symmetric(get6(b, s, joint.INVERSE), get3(b, s, joint.MOMENT)))
+        spin = symmetric(get6(b, s, joint.INVERSE), get3(b, s, joint.MOMENT))
+        closure.turn_little(state, i, step * spin)
 
 
 @hook(Joints)
@@ -210,7 +201,7 @@ def move(part, world, timing):
     (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
-    most = coarse(1.0, load(world.size, 0, 0))
+    most = closure.coarse(1.0, load(world.size, 0, 0))
     for n in range(hinge.ROUNDS):
         move_bodies(part, state, n > 0, timing.step)
         margin = 0.0 * load(state, 0, X) + 1.0
@@ -221,7 +212,7 @@ def move(part, world, timing):
             value = 1.0 - tilt2 * (1.0 / hinge.COARSE_TILT**2)
             margin = where_negative(value, value, margin)
             if n + 1 == hinge.ROUNDS:
-                watch(part, gap2, tilt2)
+                closure.watch(part, gap2, tilt2)
         if n == 0:
             for r in range(rows.shape[0]):
                 miss = inverse_step * load(rows, r, joint.RESIDUAL) + load(rows, r, joint.MISS)
@@ -231,10 +222,10 @@ def move(part, world, timing):
             break
         for s in range(part.particle.shape[0]):
             push_where_far(part, state, s, margin)
-        count_joints(part, margin)
+        closure.count_joints(part, margin)
     for s in range(part.particle.shape[0]):
         nudge(part, state, s, timing.step)
-    count_joints(part, ALL)
+    closure.count_joints(part, closure.ALL)
 
 
 @hook(Joints)
@@ -286,8 +277,8 @@ def close_before(part, start, step):
             add3(start, i, P, -2.0 * moment)
         add3(b, s, joint.ALL_FORCE, force)
         add3(b, s, joint.ALL_MOMENT, moment)
-        restore_pose(b, s, start, i)
-    count_joints(part, ALL)
+        closure.restore_pose(b, s, start, i)
+    closure.count_joints(part, closure.ALL)
 
 
 @hook(Joints)
@@ -335,30 +326,30 @@ def work_due(part, world, energies, row):
             store(energies, row, account, work)
 
 
-report_gaps(Joints, find_gaps)
+closure.report_gaps(Joints, find_gaps)
 
 
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    impulses are summed. part: arrays of all joints (Joints); world: not used; row: index of the
-    recorded instant; timing (StepTime): times of the step (s)."""
-    record_sums(part.sums, part, row, timing)
+    impulses are summed. part: arrays of all joints (Joints); world: with its resistance; row: index
+    of the recorded instant; timing (StepTime): times of the step (s)."""
+    record_sums(part.sums, part, row, timing, world)
 
 
 @kernel
-def record_sums(sums, part, row, timing):
-    """Store the impulses of a step, divided by the length of the kick, as forces (N) and moments (N
-    m) on both bodies of each joint in part.forces, in the scene's order of joints. sums: part.sums,
-    None where nothing reads them; part: arrays of all joints (Joints); row: index of the recorded
-    instant; timing: StepTime (s). Left out: moments about axes about which a body cannot turn."""
+def record_sums(sums, part, row, timing, world):
+    """Store the mean forces (N) of a step's impulses, and moments (N m), on both bodies of each
+    joint in part.forces, in the scene's order of joints. sums: part.sums, None where nothing reads
+    them; part: arrays of all joints (Joints); row: index of the recorded instant; timing: StepTime
+    (s); world: with its resistance. Left out: moments about axes about which a body cannot turn."""
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):
             force = 0.0 * get3(rows, 0, joint.DIRECTION)
             first, second = force, force
             for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                impulse = (1.0 / timing.kick) * load(sums, r, 0)
+                impulse = closure.mean_force(world, timing) * load(sums, r, 0)
                 force = force + impulse * get3(rows, r, joint.DIRECTION)
                 first = first + impulse * get3(rows, r, joint.TURN1)
                 second = second + impulse * get3(rows, r, joint.TURN2)

@@ -108,7 +108,7 @@ def work_after(part, world, timing):
     latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], timing)
+        moment = moment_of(part.turns, part.turn[i], timing, world)
         impulse = timing.kick * moment
         store(part.state, i, latch.MOMENT, moment)
         store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)

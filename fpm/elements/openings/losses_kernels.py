@@ -75,9 +75,10 @@ def add_loss(world, account, openings, history, i, h, moment):
 
 
 @kernel
-def force_of(bearing, i, timing):
+def force_of(bearing, i, timing, resistance):
     """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s)."""
+    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s);
+    resistance (1, 1, lanes): World.resistance."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -86,7 +87,7 @@ def force_of(bearing, i, timing):
         impulse = impulse + load(bearing.impulses, r, 0) * get3(bearing.rows, r, DIRECTION)
     # The first kick is half a step.
     kick = timing.step if timing.time > 1.5 * timing.step else 0.5 * timing.step
-    return (1.0 / kick) * sqrt(dot(impulse, impulse))
+    return (1.0 / kick) * load(resistance, 0, 0) * sqrt(dot(impulse, impulse))
 
 
 @kernel

@@ -78,8 +78,6 @@ class Opening(ElementType):
             sides=batch.stack(2 * len(hinges), kernels.SIDE, _sides),
             axes=batch.blank(len(hinges), 3),
             angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
-            # Turns of a screw are counted: it makes many, also between recorded instants.
-            is_needed=batch.is_read(cls) or any(hinge.lead for hinge in hinges),
             track=batch.blank(rows * len(hinges), 1),
             slides=batch.integers(slides) if any(slides) else None,
             moments=batch.blank(count, kernels.PART_FIELDS) if has_parts else None,

@@ -91,9 +91,8 @@ def friction(build, args):
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
-            build.refuse(
-                "sticks", args.sticks, "bristle, or neither `bristle_deflection` nor `damping`"
-            )
+            allowed = "bristle, or neither `bristle_deflection` nor `damping`"
+            build.refuse("sticks", args.sticks, allowed)
         if slides:
             build.refuse("sticks", args.sticks, "bristle, on a slide")
         build.scene.add(element(elements.RigidFriction, args))
@@ -106,21 +105,22 @@ def _deflection(scene, hinge: int) -> float:
     return SLIDE_DEFLECTION if scene.hinges[hinge].slides else DEFLECTION
 
 
+DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
+BEARING_LOAD = (
+    "force that the joint bears as a rule, at which it gives by `bristle_deflection` before it "
+    "slips; left out: it counts in margins only, and a motion has none of it"
+)
+
+
 @statement(
     "actions",
     "bearing",
     joint=JOINT,
     mu=NumberKey(text="coefficient of friction", least=0),
     radius=NumberKey(None, "at which it rubs; of hinges only", unit="m", above=0),
-    load=NumberKey(
-        None, "force that the joint bears as a rule, at which it gives by `bristle_deflection` "
-        "before it slips; left out: it counts in margins only, and a motion has none of it",
-        unit="N", above=0,
-    ),
-    bristle_deflection=key_of(
-        elements.Friction, "bristle_deflection", default=None, text="left out: as that of friction"
-    ),
-)  # fmt: skip
+    load=NumberKey(None, BEARING_LOAD, unit="N", above=0),
+    bristle_deflection=replace(DEFLECTION_KEY, text="left out: as that of friction"),
+)
 def bearing(build, args):
     """Friction by the force that a joint itself bears; a couple that it bears is not counted.
 
@@ -201,12 +201,12 @@ MOMENTS = ListKey(
     back=replace(
         MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
     ),
-    bristle_deflection=key_of(
-        elements.Friction, "bristle_deflection", default=None,
+    bristle_deflection=replace(
+        DEFLECTION_KEY,
         text="half of the way from one branch to the other; left out: as that of friction",
     ),
     **CLASS,
-)  # fmt: skip
+)
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
@@ -307,11 +307,10 @@ def release(build, args):
         build.openings[args.joint] = hold
     elif rigid and abs(hold - start) > AT_START:
         unit = unit_of(build.scene, args.joint, "rad")
-        build.refuse(
-            "hold",
-            hold,
-            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`",
+        allowed = (
+            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`"
         )
+        build.refuse("hold", hold, allowed)
     watch = None if latch else args.watch
     kind = elements.RigidRelease if rigid else elements.Release
     build.scene.add(element(kind, args, hold=hold, watch=watch, latch=latch))

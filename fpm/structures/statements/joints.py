@@ -279,6 +279,9 @@ def planar(build, args):
     return _add_slider(build, args, "planar")
 
 
+PIN_OPENINGS = _openings("pin in slot")
+
+
 @statement(
     "joints",
     "pin in slot",
@@ -286,9 +289,8 @@ def planar(build, args):
     at=POINT,
     axis=replace(AXIS, text=f"of the pin, {AXIS.text}"),
     x=DirectionKey(text="along the slot, fixed to the first part, normal to `axis`"),
-    **{key: replace(kind, text=kind.text.replace("`x`", "the slot"))
-       for key, kind in _openings("pin in slot").items()},
-)  # fmt: skip
+    **{key: replace(k, text=k.text.replace("`x`", "the slot")) for key, k in PIN_OPENINGS.items()},
+)
 def pin_in_slot(build, args):
     """A pin of the second part slides along a straight slot of the first, and turns in it.
 

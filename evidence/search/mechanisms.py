@@ -26,7 +26,7 @@ DRAWS, CHUNK = 2**18, 2**14
 """Points by which true fractions are told, and those that a model gets at once."""
 OFFSETS = {-1: (-0.005,), 1: (-0.03, 0.005)}
 """Shares of the width by which limits lie outside the true bounds: of the lower and the upper."""
-MAX_RUNS, TOLERANCE = 400, 0.05
+MAX_RUNS, TOLERANCE = 200, 0.05
 PRESETS = {
     "default": {},
     "smolyak 4": {"design": {"method": "smolyak", "order": 4}, "bounds": {"model": "spline"}},

@@ -66,7 +66,7 @@ def latches(*values):
 
 LINKS = [(c, i, f"rod_{c}{i - 1}" if i > 1 else "ground") for c in "ab" for i in (1, 2, 3)]
 
-MECHANISMS = (
+BOXES = (
     mechanism(
         "12: gap of two arms",
         rows(3, "l{i} m 0.298 0.302,")

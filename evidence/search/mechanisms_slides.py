@@ -345,7 +345,7 @@ def outside(a, b, c, d):
 ANGLE, WAY = {"angle": {"opening": "axle"}}, {"way": {"opening": "slide"}}
 ONE = "curves: {one: {times: [0, 10 s], values: [1, 1]}}\n"
 
-MECHANISMS = (
+BOXES = (
     mechanism(
         "cable slack",
         "v m/s 0.15 0.7,mass kg 0.9 1.1,EA N 900 1100",

@@ -114,7 +114,10 @@ def measure_rivals(quick: bool = False) -> list[dict[str, float]]:
 PARTS = {
     "boxes": measure_all,
     "rivals": measure_rivals,
-    "carts": partial(mechanisms.measure, "mechanisms_carts"),
+    **{
+        part: partial(mechanisms.measure, f"mechanisms_{part}")
+        for part in ("carts", "slides", "chains")
+    },
 }
 
 

@@ -36,10 +36,8 @@ REACH = 0.25
 """Distance of two runs, one with the event and one without, in normalized coordinates, up to which
 the function that separates them is at least in proportion to it."""
 
-CONFIDENCE = 1.75
-"""Factor of the errors by which volume fractions are uncertain, so that 95 % of true fractions of
-boxes of known kinds lie within (`evidence/search`)."""
-
+# By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
+_CONFIDENCE = 1.5
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
@@ -90,10 +88,10 @@ class Occurrence:
     def usual_band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
-        there are as many as runs that hold it (support vectors): 1.75 (`CONFIDENCE`) over the root
+        there are as many as runs that hold it (support vectors): 1.5 (`_CONFIDENCE`) over the root
         of their number times as much."""
         count = len(self._support_vectors[0]) if self.is_mixed else 1
-        return self.band(points) * min(1.0, CONFIDENCE / np.sqrt(max(count, 1)))
+        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(max(count, 1)))
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
@@ -272,8 +270,8 @@ class FittedOccurrence(Occurrence):
 
     def usual_band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
-        uncertain: everywhere 1.75 times (`CONFIDENCE`) the median leave-one-out error."""
-        return np.full(len(points), CONFIDENCE * self.fit.median_error)
+        uncertain: everywhere the median leave-one-out error of the fit."""
+        return np.full(len(points), self.fit.median_error)
 
     @property
     def _scale(self) -> float:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..designs import scan_points
-from .occurrence import CONFIDENCE
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
@@ -50,7 +49,7 @@ class Limit:
             return [(decision, band)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - surrogate.predict(points))
-        error = CONFIDENCE * surrogate.fit.median_error + self.run_error
+        error = surrogate.fit.median_error + self.run_error
         return [(decision, band), (margin, np.full(len(points), error))]
 
     @property

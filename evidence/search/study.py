@@ -1,22 +1,22 @@
 """The study of the search for bounds of quantities: boxes whose bounds are known."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from deployable.campaign.answers.evaluations import ModelEvaluator
-from deployable.campaign.answers.quantity_bounds import converge_bounds
+from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.intervals.box import Box as ParameterBox
 from deployable.intervals.box import corner_points
 from deployable.intervals.designs import scan_points
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most
+from evidence.search import mechanisms
 from evidence.search.boxes import BOXES, Box
 from evidence.search.rivals import CLOSE, rival_runs
 
@@ -82,14 +82,20 @@ class _BoxEvaluator(ModelEvaluator):
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
 
-def search(box: Box) -> BoxCheck:
-    """Search the bounds of a box as a campaign does."""
+def find_bounds(box: Box) -> tuple[QuantityBounds, np.ndarray]:
+    """Bounds of a box, sought as a campaign does, and the values (R) of all runs in their order."""
     model = _BoxEvaluator(box)
     (bounds,) = converge_bounds(model, ITERATIONS)
-    errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
-    attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(model.points)
+    return bounds, model.numbers[:, 0]
+
+
+def search(box: Box) -> BoxCheck:
+    """Search the bounds of a box, and compare them with the true ones."""
+    bounds, values = find_bounds(box)
+    errors = tuple(max(e.error, bounds.surrogate.bound_error) for e in bounds.estimates)
+    attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(values)
     check = BoxCheck(box.name, count, true, bounds.outer, attained, errors)
-    close = np.abs(np.subtract.outer(true, model.numbers[:, 0])) <= CLOSE * check.width  # (2, R)
+    close = np.abs(np.subtract.outer(true, values)) <= CLOSE * check.width  # (2, R)
     counts = np.where(close.any(axis=1), close.argmax(axis=1) + 1.0, count)
     is_found = (check.misses() <= CLOSE * check.width).all()
     return replace(check, search_runs=float(counts.max()) if is_found else np.inf)
@@ -105,12 +111,33 @@ def measure_rivals(quick: bool = False) -> list[dict[str, float]]:
     return [rival_runs(box, box.true_bounds()) for box in (BOXES[:1] if quick else BOXES)]
 
 
-PARTS = {"boxes": measure_all, "rivals": measure_rivals}
+PARTS = {
+    "boxes": measure_all,
+    "rivals": measure_rivals,
+    **{
+        part: partial(mechanisms.measure, f"mechanisms_{part}")
+        for part in ("carts", "slides", "chains")
+    },
+}
 
 
 def report(parts: Mapping[str, list]) -> Report:
-    """What the study claims, and all boxes as a table."""
-    boxes = parts["boxes"]
+    """What the study claims of functions and of mechanisms, and all as tables."""
+    checks = [c for name, part in parts.items() if name not in ("boxes", "rivals") for c in part]
+    reports = []
+    if "boxes" in parts:
+        rivals = [min(runs.values()) for runs in parts.get("rivals", [])]
+        reports.append(_report_boxes(parts["boxes"], rivals))
+    reports += [mechanisms.report(checks)] if checks else []
+    return Report(
+        [row for part in reports for row in part.rows],
+        {key: value for part in reports for key, value in part.extra.items()},
+        "".join(part.text for part in reports),
+    )
+
+
+def _report_boxes(boxes: list[BoxCheck], rivals: list[float]) -> Report:
+    """What is asked of functions, and all of them as a table. rivals: runs of the best one."""
     coverage = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
     is_close = [miss <= CLOSE * b.width for b in boxes for miss in b.misses()]
     worse = [
@@ -118,7 +145,6 @@ def report(parts: Mapping[str, list]) -> Report:
         for b in boxes
         for miss, run, true in zip(b.misses(), b.attained, b.true, strict=True)
     ]
-    rivals = [min(runs.values()) for runs in parts.get("rivals", [])]
     rows: list[Row] = [
         at_least("true bounds within the reported error", float(np.mean(coverage)), 0.95),
         at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.95),

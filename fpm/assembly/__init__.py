@@ -34,14 +34,12 @@ import numpy as np
 from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scale_matrix, tilts
 from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.batch import GAP_TOL
 from fpm.elements.openings.opening import opening_at
 from fpm.errors import SceneError
 
 ROUNDS = 60
 """Most rounds; where the misfit is some percent it takes five to ten."""
-
-GAP_TOL = 1e-11
-"""Largest gap that is left, as a share of the structure's size, or angle (rad)."""
 
 STEP_TOL = 1e-10
 """Largest motion of the last round, as a share of the size, or turn (rad)."""

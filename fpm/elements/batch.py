@@ -23,9 +23,9 @@ WORK = 1000.0
 of that on a driven body, which the drive takes back, is ten times as large, and the balance allows
 a hundredth of the scale."""
 
-GAP_OF_ASSEMBLY = 1e-11
-"""How far joints may be open at the start, as a share of the scene's size, where parts were forced
-together or brought into equilibrium (fpm.assembly.GAP_TOL); the first steps close them."""
+GAP_TOL = 1e-11
+"""Largest gap, as a share of the scene's size, or angle (rad) of joints that is left at the start
+where parts were forced together or brought into equilibrium; the first steps close it."""
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
@@ -157,11 +157,6 @@ class Batch:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
-    def is_read(self, kind: type) -> bool:
-        """Return whether another element type of these scenes needs the arrays of the type `kind`
-        in every step (lists it in `reads_in`)."""
-        return any(kind in reader.reads_in(self.scene) for reader in self.kinds)
-
     def work_account(self, kind: type) -> int:
         """Return the column of World.accounts for the work (J) that elements of `kind` give."""
         return self.accounts.index(kind.gives)
@@ -231,6 +226,7 @@ class Batch:
             sums=self.blank(1, layout.SUMS),
             peaks=self._peaks,
             size=(size := self.stack(1, 1, lambda s: [[size_of(s)]])),
+            resistance=self.stack(1, 1, lambda s: [[1.0]]),
             most=np.array(
                 [w.most * (size[0, 0] if w.of_size else unity) for _, w in watches]
             ).reshape(-1, self.width),
@@ -261,16 +257,20 @@ class Batch:
     def _least_scale(self, step: float, steps: int) -> np.ndarray:
         """Energy (lanes,) that rounding may hold in a scene at rest. Joints close in every step
         what rounding opened, which adds up as a random walk; of so much way forces do work. At a
-        stable step no spring has more energy of so much strain than masses have of such motion."""
+        stable step no spring has more energy of so much strain than masses have of such motion.
+        Where all particles are held or driven no motion can grow: the balance proves nothing."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):
             free = ~scene.fixed.all(axis=1)
+            if not free.any():
+                scale[lane] = np.inf
+                continue
             reach = np.abs(scene.position).max(initial=0.0)
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
             moment += sum(kind.held_round(scene) for kind in self.kinds)
-            start_gap = gap if scene.unstrained is None else max(gap, GAP_OF_ASSEMBLY)
+            start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
             scale[lane] = WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
         return scale
 

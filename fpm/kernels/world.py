@@ -27,11 +27,13 @@ class World(NamedTuple):
     curve_kink (s): of all points, as in fpm/scenes/curve.py; point_particle (p,), point_arm (p, 3,
     lanes): particles and arms (m) of named points; accounts (1, a, lanes): energy (J) given so far
     by the first `givers`, taken by the others; sums (1, 2, lanes): total energy at t = 0, size of
-    energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far;
-    most (w, lanes): limits; unconditional (w,): whether one is a failure's cause even where energy
-    does not balance; watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1,
-    lanes): of the scene (m); rows (e, 1, lanes): of each element, once a run has failed, its energy
-    (J) or watched quantity; undecided (1,): 1 where impulses are to be found (again)."""
+    energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far; most
+    (w, lanes): limits; unconditional (w,): whether one is a failure's cause even where energy does
+    not balance; watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1, lanes): of
+    the scene (m); resistance (1, 1, lanes): moments and forces over the impulses, divided by the
+    kick, by which joints act on damped particles; rows (e, 1, lanes): of each element, once a run
+    has failed, its energy (J) or watched quantity; undecided (1,): 1 where impulses are to be found
+    (again)."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
@@ -50,6 +52,7 @@ class World(NamedTuple):
     sums: np.ndarray  # (1, SUMS, lanes)
     peaks: np.ndarray  # (1, w, lanes) largest so far of what kinds watch
     size: np.ndarray  # (1, 1, lanes) of the scene (m)
+    resistance: np.ndarray  # (1, 1, lanes) 1, or by damping more
     most: np.ndarray  # (w, lanes) above which a lane fails
     unconditional: np.ndarray  # (w,) whether also where the energy does not balance
     watch_rows: np.ndarray  # (w, 2) first and end of the rows below of the kind that watches

@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.arithmetic.expressions import ExpressionError
+from fpm.arithmetic.units import NUMBER, unit
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.joints.joint_types import SUFFIXES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
-from fpm.structures.expressions import ExpressionError
 from fpm.structures.keys import COMMA, MOST, AssemblyKey, ChoiceKey, GravityKey, NumberKey, WholeKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
 from fpm.structures.reading import Node, SkippedError, check_keys, join_key, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
-from fpm.structures.units import NUMBER, unit
 
 TEXTS = ("name", "description", "mesh")
 UNIT_KEYS = ("count", "arrangement", "index", "let", "points", *GROUPS)
@@ -99,8 +99,13 @@ class FileStatements:
         self.names.sort()
         self.overall = self._overall(file)
         self.entries = list(self._entries(sheets))
+        uses = self.names.uses
+        for full in reversed(self.names.order):  # what only numbers use that nothing uses
+            number = self.names.numbers[full]
+            if "let" in number.key.split(".")[-2:-1] and number.bound and not uses[full]:
+                uses.subtract(number.bound.full.values())
         for name, p in inputs.items() if not self.problems else ():
-            if name not in self.names.uses:  # a slip of the pen
+            if not uses[name]:  # a slip of the pen
                 allowed = "nothing uses it; allowed: parameters in use"
                 self.problems.say(p.line, f"parameters.{name}: {allowed}")
 

@@ -4,6 +4,7 @@ Units of a `repeat` see their own names first, then the file's, and neighbours' 
 `previous.P`. From anywhere a unit's name is `bay3.P`, `bay.first.P` or `bay.last.P`."""
 
 import re
+from collections import Counter
 from collections.abc import Container, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -11,11 +12,11 @@ from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
 from pathlib import Path
 
+from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
+from fpm.arithmetic.units import NUMBER, Dimension, is_unit
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
-from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
 UNIT_VECTORS = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}
@@ -111,10 +112,10 @@ class Names:
     content of the files of curves that it names, by path. Attributes: numbers: each NamedNumber
     (parameters, `let`, coordinates of points, vectors as "point P") by full name; groups: by group,
     as "bars", the line of each entry by full name; types: of joints by full name, "" if unknown;
-    openings: (joint, number) by name of each opening of joints with several; uses: names referred
-    to, of numbers in full, of entries as "bars:AB"; absent: (group, name) of entries left out;
-    bad_names: given ones that nothing may have; order: full names of numbers, each after those it
-    depends on."""
+    openings: (joint, number) by name of each opening of joints with several; uses: how often names
+    are referred to, of numbers in full, of entries as "bars:AB"; absent: (group, name) of entries
+    left out; bad_names: given ones that nothing may have; order: full names of numbers, each after
+    those it depends on."""
 
     def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
         self.problems, self.files = problems, files
@@ -122,7 +123,7 @@ class Names:
         self.groups: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
         self.types: dict[str, str] = {}
         self.openings: dict[str, tuple[str, int]] = {}
-        self.uses: set[str] = set()
+        self.uses: Counter[str] = Counter()
         self.absent: set[tuple[str, str]] = set()
         self.bad_names: set[str] = set()
         self.order: list[str] = []
@@ -200,9 +201,8 @@ class Names:
     def sort(self) -> None:
         """Fill `order`, in which numbers can be computed one after the other, and find dimensions.
         Cycles and clashes of units become problems; what depends on them keeps None."""
-        needs = {
-            n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
-        }
+        numbers = self.numbers.items()
+        needs = {n: tuple(x.bound.full.values()) if x.bound else () for n, x in numbers}
         while True:
             try:
                 self.order = [*TopologicalSorter(needs).static_order()]
@@ -347,5 +347,5 @@ class Place:
             raise SkippedError(self.key) from None
         if (group, full) in self.names.absent:
             raise SkippedError(full)
-        self.names.uses.add(f"{group}:{full}")
+        self.names.uses[f"{group}:{full}"] += 1
         return full

@@ -139,7 +139,7 @@ def test_wrong_quantities_are_refused_before_any_run(definition, words):
 @pytest.mark.slow
 def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tmp_path):
     draw_ranges(opened, tmp_path)
-    assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf", "ranges.svg"}
+    assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf"}
     late = {"t_late": PANEL["quantities"]["t_late"]}
     several = {"k": {"relative": 0.05}, "mass": {"relative": 0.02}, "rest": {"relative": 0.01}}
     for count, drawn in ((2, "collections"), (3, "patches")):

@@ -8,6 +8,7 @@ from flaps import J, bare, flap
 
 import fpm
 from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
+from fpm.elements.openings.opening import FINER
 from fpm.elements.openings.table_spring import bends
 from fpm.reading.responses import parse
 
@@ -227,6 +228,24 @@ def test_a_stop_gives_back_the_rate_of_the_closed_form(ran):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.1, 0.6])
+@pytest.mark.parametrize("stiffness", [1e3, 1e6])
+def test_what_strikes_a_stop_at_the_step_of_its_own_comes_back_right(ratio, stiffness):
+    """To 1 % of its speed, wherever in a step it strikes; its parts have no slack in the bound."""
+    rate, omega = 3.0, np.sqrt(stiffness / J)
+    stop = {"side": "above", "stiffness": stiffness, "damping": 2 * ratio * np.sqrt(stiffness * J)}
+    gaps = (10 + np.linspace(0, 2, 8)) / omega * rate
+    scenes = [flap(rate=rate, stop={"angle": gap, **stop}) for gap in gaps]
+    root = np.sqrt(1 - ratio**2)
+    end = np.pi - np.arctan2(2 * ratio * root, 1 - 2 * ratio**2)  # where c s' + k s = 0
+    exact = -np.exp(-ratio * end / root) * (np.cos(end) - ratio / root * np.sin(end))
+    for outcome in fpm.simulate(scenes, duration=24 / omega, instants=5):
+        assert not outcome.failure
+        back = -np.diff(opening(outcome))[-1] / np.diff(outcome.time)[-1] / rate
+        assert back == pytest.approx(exact, abs=0.01)
+
+
 def test_an_undamped_stop_gives_all_back(ran):
     outcome = ran["bounces"]
     assert events_of(outcome)[:4] == ["hits", "leaves", "hits", "leaves"]
@@ -286,12 +305,15 @@ def test_the_stable_step_knows_all_of_them():
 
     exact = 2 * np.sqrt(J / 50)
     assert limit(Latch(0, 1.0, 50.0)) == pytest.approx(exact)
-    assert limit(Stop(0, 1.0, "above", 50.0)) == pytest.approx(exact)
+    assert limit(Stop(0, 1.0, "above", 50.0)) == pytest.approx(exact / FINER[0])
+    assert limit(Latch(0, 1.0, 50.0, one_sided=True)) == pytest.approx(exact / FINER[0])
     assert limit(Friction(0, 0.05, damping=0.0)) == pytest.approx(exact)
     assert limit(TableSpring(0, (0.0, 0.1, 1.0), (0.0, -5.0, 3.0))) == pytest.approx(exact)
     assert limit(Damper(0, 0.5)) == pytest.approx(J / 0.5)
-    for found in (limit(Latch(0, 1.0, 50.0, 3.0)), limit(Stop(0, 1.0, "below", 50.0, 3.0))):
-        exact = (-18 / J + np.sqrt((18 / J) ** 2 + 16 * 50 / J)) / (2 * 50 / J)
+    struck = Stop(0, 1.0, "below", 50.0, 3.0)
+    for element, k in ((Latch(0, 1.0, 50.0, 3.0), 50), (struck, 50 * FINER[1] ** 2)):
+        found = limit(element)
+        exact = (-18 / J + np.sqrt((18 / J) ** 2 + 16 * k / J)) / (2 * k / J)
         assert 0.98 * exact < found <= exact * (1 + 1e-12)
     assert limit(Damper(0, 0.0)) == np.inf
 
@@ -318,6 +340,12 @@ def test_extrapolated_dampers_are_stable_up_to_the_limit_and_not_beyond():
     K, C = np.diag([1.0, 2, 3]), np.diag([0.1, 0.2, 0.3])
     exact = (-1.2 + np.sqrt(1.44 + 48)) / 6
     assert largest(K, C, 1.001 * exact) > 1.0
+
+
+@pytest.mark.slow
+def test_turns_are_counted_on_a_hinge_that_nothing_acts_on():
+    (outcome,) = fpm.simulate(bare(rate=10.0), duration=2.0, instants=3, step=1e-3)
+    assert opening(outcome) == pytest.approx([0.0, 10.0, 20.0], abs=1e-9)
 
 
 def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():

@@ -10,6 +10,7 @@ from fpm.elements import Viscosity
 from fpm.elements.bars.beam import Material, Section
 from fpm.reading.responses import Response
 from fpm.reading.shocks import warn
+from fpm.solver.pack import pack
 from fpm.structures import loads
 
 STEEL, BAR, FORCE = Material(210e9, 0.3, 7800.0), Section.square(0.01), 1000.0
@@ -33,6 +34,13 @@ def run(scene):
     (outcome,) = fpm.simulate(scene, duration=4 / SPEED, instants=401, step=step, record=STRESS)
     assert outcome.failure is None
     return outcome
+
+
+def test_an_end_that_is_led_from_the_start_on_has_its_rate():
+    scene = rod(1, 0.1)
+    scene.drive(1, velocity=(3.0, 1.0, 0.0))
+    rate = pack([scene], 8, np.dtype(float), 2).part(Viscosity).history[0, 0]
+    assert rate == pytest.approx(4.0 / np.sqrt(2))
 
 
 @pytest.mark.slow

@@ -50,13 +50,15 @@ def test_cables_and_masses_are_in_the_scene():
         ("EA: 20 kN", "EA: -20 kN", "cables.stay.EA: -20000"),
         ("preload: L", "rest: 1, preload: L", "either `rest` or `preload`"),
         (", curve: winch,", ",", "a length with a `curve`"),
+        ("reel: 10 cm, ", "", "cables.hoist.reel: missing; allowed: a length, with a `curve`"),
+        ("through: [A, {part: ground, at: C}, B]", "through: [A, B]", "runs through no point"),
         ("friction: 0.1", "friction: -1", "cables.hoist.friction: -1"),
         ("reel: 10 cm", "reel: 5 m", "unstrained length of cable hoist"),
         ("at: B, mass", "at: C, mass", "masses.load.at: 'C'"),
         ("mass: 2 kg", "mass: 0", "masses.load.mass"),
         ("part: arm, at: B, mass", "part: ground, at: C, mass", "masses.load.part"),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused(old, new, problem):
     refused(TEXT, old, new, problem)
 
@@ -175,7 +177,7 @@ def test_a_cable_runs_through_the_same_points_of_every_unit():
         ("[{each: post, through: [high, low]}, post.first.high]", "[post.first.high]", "2 to 1000"),
         ("through: [high, low]}", "through: high}", "cables.around.through"),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused_of_units(old, new, problem):
     refused(RING, old, new, problem)
 

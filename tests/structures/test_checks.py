@@ -76,6 +76,8 @@ WRONG = [
      "opening_rates.r.rate: '2 Hz' is not allowed; allowed: a value in rad/s, deg/s or rpm"),
     ("record:", "assemble: yes\nrecord:", "assemble: 'yes' is not allowed; allowed: true, false"),
     ("  L: {", "  M: {value: 1}\n  L: {", "parameters.M: nothing uses it"),
+    ("mesh: n\nlet:\n", "  M: {value: 1}\nmesh: n\nlet:\n  one: 2*M\n  two: one + 1\n",
+     "parameters.M: nothing uses it"),
 ]  # fmt: skip
 
 
@@ -216,7 +218,6 @@ DEFAULTS = {
     "actions release": {"damping": 0.0},
     "loads": {"force": NOTHING, "moment": NOTHING},
     "drags": {"wind": NOTHING},
-    "cables": {"reel": 0.0},
     "struts spring": {"acts": "both ways", "damping": 0.0},
     "struts tabulated spring": {"damping": 0.0},
     "struts gas spring": {"exponent": 1.0, "damping": 0.0},

@@ -1,7 +1,5 @@
 """Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A structure at some moments of its motion, side by side."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -27,24 +25,18 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
     return np.array([int(np.abs(path_length - target).argmin()) for target in targets])
 
 
-def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
+def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
     """Draw a structure at moments of its motion, side by side, as an unsaved matplotlib figure.
 
     Parameters
     ----------
-    motion
-        Whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
-    count
-        Number of moments, evenly spread over the length of the particles' paths, up to the first
+    motion: whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
+    count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
-    width
-        Width of the figure, in inches.
-    view
-        Direction from the structure to the eye; None: `View()`."""
+    width: width of the figure, in inches."""
     from matplotlib.figure import Figure
 
-    view = view or View()
-    indices = telling_moments(motion, count)
+    view, indices = View(), telling_moments(motion, count)
     solid = solid_of_motion(motion, indices)
     limits = limits_of(solid.places, view, margin=0.02)
     x_span, y_span = limits[1] - limits[0]

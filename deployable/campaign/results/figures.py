@@ -2,10 +2,9 @@
 
 Bounds differ by dash as well as by colour, so that a grey print can be read."""
 
-from __future__ import annotations
-
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +32,8 @@ _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
 def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw each response with its bounds over time into the files `<response>.png`, `.pdf` and
-    `.svg`. bounds_path: of `bounds.nc`; shade_above: estimated error of the bounds, as a share of
+    """Draw each response with its bounds over time into the files `<response>.png` and
+    `.pdf`. bounds_path: of `bounds.nc`; shade_above: estimated error of the bounds, as a share of
     their largest difference, above which instants are hatched; folder: of the files."""
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
@@ -42,7 +41,7 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
 
 
 def draw_panels(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw all responses with their bounds, a panel each, as `responses.png`, `.pdf` and `.svg`.
+    """Draw all responses with their bounds, a panel each, as `responses.png` and `.pdf`.
     bounds_path, shade_above, folder: as of `draw_envelopes`."""
     with open_netcdf(bounds_path) as bounds:
         save(envelope(bounds, bounds["response"][:], shade_above), Path(folder) / "responses")
@@ -150,8 +149,8 @@ def _unit(bounds: Any, i: int) -> str:
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw what each parameter contributes to the responses as `sensitivities.png`, `.pdf` and
-    `.svg`. path: of `sensitivities.nc`; folder: of the files."""
+    """Draw what each parameter contributes to the responses as `sensitivities.png` and
+    `.pdf`. path: of `sensitivities.nc`; folder: of the files."""
     with open_netcdf(path) as data:
         save(shares(data), Path(folder) / "sensitivities")
 
@@ -247,14 +246,39 @@ def without_formulas(figure: Any) -> None:
         text.set_parse_math(False)
 
 
+@contextmanager
+def small_fonts() -> Iterator[None]:
+    """Context manager in which fonts that matplotlib embeds come without the tables by which other
+    programs set text, which no PDF needs, and which take most of the time."""
+    from fontTools import subset
+
+    usual = subset.load_font
+
+    def load_small(*arguments: Any, **options: Any) -> Any:
+        font = usual(*arguments, **options)
+        for table in {"GDEF", "GPOS", "GSUB"} & {*font.keys()}:
+            del font[table]
+        return font
+
+    subset.load_font = load_small
+    try:
+        yield
+    finally:
+        subset.load_font = usual
+
+
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save a matplotlib figure as PNG, PDF and SVG with seals (checksum, origin) and without dates,
-    so that equal data give equal files. path: without suffix; options: for `savefig`."""
+    """Save a matplotlib figure as PNG and PDF with seals (checksum, origin) and without dates, so
+    that equal data give equal files. path: without suffix; options: for `savefig`."""
     from matplotlib import rc_context
 
     without_formulas(figure)
     for kind in PICTURES:
-        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(STYLE):
+        with (
+            result_file(path.with_name(f"{path.name}.{kind}")) as temporary,
+            rc_context(STYLE),
+            small_fonts(),
+        ):
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
             figure.savefig(temporary, dpi=200, metadata=DATELESS[kind], **fast, **options)
         figure.set_layout_engine(None)  # found by now, and the same for the next kind

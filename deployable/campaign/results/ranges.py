@@ -23,7 +23,7 @@ _GREY = "0.75"
 
 
 def draw_ranges(folder: Folder, target: str | Path) -> None:
-    """Draw all quantities over the box of parameters as `ranges.png`, `.pdf` and `.svg`. folder:
+    """Draw all quantities over the box of parameters as `ranges.png` and `.pdf`. folder:
     the campaign's results, which are read; target: folder of the files."""
     with open_netcdf(folder.quantities) as data:
         figure = ranges(data, runs_of(folder))

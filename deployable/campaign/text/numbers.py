@@ -1,7 +1,5 @@
 """Numbers as people write them: the same in the summary, on the page and in figures."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any

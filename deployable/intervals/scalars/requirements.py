@@ -1,8 +1,6 @@
 """Where in the box requirements are met, limits that numbers must keep; and the choice of some
 parameters that meets them best, by the worst case over the intervals about it."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ an upper confidence bound, as in Bayesian optimisation (Jones, Schonlau and Welc
 by leave-one-out validation in place of a posterior deviation. Next to jumps and limit-state
 surfaces these errors stay large until runs enclose the place, so that the search goes on there."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

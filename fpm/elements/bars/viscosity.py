@@ -20,6 +20,7 @@ import numpy as np
 
 from fpm.elements.bars.beam import Beams
 from fpm.elements.kind import Deformations, ElementType
+from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.damping import Damping
 from fpm.errors import SceneError
 
@@ -75,7 +76,7 @@ class Viscosity(ElementType):
             first, second = nodes.T
             chord = scene.position[second] - scene.position[first]
             length = np.linalg.norm(chord, axis=1)
-            velocities = np.where(scene.fixed[:, :3], 0.0, scene.velocity)
+            velocities = moving_at_start(scene).velocity
             rate = np.sum(chord * (velocities[second] - velocities[first]), axis=1) / length
             return np.column_stack([rate, np.zeros(len(rate)), length])
 

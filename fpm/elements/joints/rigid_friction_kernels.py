@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.joints.closure import mean_force
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
     HOLD_FIELDS,
@@ -108,7 +109,7 @@ def decide(part, world, timing):
     for i in range(part.hinge.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
-        reserve = load(part.numbers, i, 0) - absolute(find_holding_moment(part, i, timing))
+        reserve = load(part.numbers, i, 0) - absolute(find_holding_moment(part, world, i, timing))
         speed = where_negative(hold, 1.0, sign * load(part.turns.state, t, RATE))
         is_first = changes - (CHANGES - 0.5)
         slips = where_negative(hold, reserve, 1.0)
@@ -119,10 +120,11 @@ def decide(part, world, timing):
 
 
 @kernel
-def find_holding_moment(part, i, timing):
+def find_holding_moment(part, world, i, timing):
     """Return the moment (N m) that holds element i in this step, as the joints were last solved; 0
-    where it slips. part: all rigid frictions (RigidFrictions); timing: StepTime (s)."""
-    return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
+    where it slips. part: all rigid frictions (RigidFrictions); world: solver state; timing:
+    StepTime."""
+    return mean_force(world, timing) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
@@ -146,12 +148,12 @@ def change(part, world, timing, i, slips, turns, sticks):
     rigid frictions (RigidFrictions); world (World): solver state; timing (StepTime): times (s)."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
-    sign = where_negative(find_holding_moment(part, i, timing), -1.0, 1.0)
+    sign = where_negative(find_holding_moment(part, world, i, timing), -1.0, 1.0)
     fraction, path = stop_of(part, i, timing)
     brake = where_negative(slips, slip_moment(part, i, sign * most, timing), last)
     brake = where_negative(turns, (1.0 - 2.0 * fraction) * old * most, brake)
     brake = where_negative(sticks, 0.0, brake)
-    push(part.openings, world.state, h, timing.kick * (brake - last))
+    push(part.openings, world.state, h, (brake - last) / mean_force(world, timing))
     store(part.state, i, BRAKE, brake)
     store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
     hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
@@ -171,7 +173,7 @@ def work_after(part, world, timing):
     now, to part.account in world.accounts (`work_before` adds the rest). part: all rigid frictions
     (RigidFrictions); world (World): solver state; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
-        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
+        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing, world)
         late_moment = moment - load(part.state, i, LAST_BRAKE)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)

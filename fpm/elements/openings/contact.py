@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import stiffness
-from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import Connector, on_hinge
+from fpm.elements.kind import Energy, Gate
+from fpm.elements.openings.opening import Connector, on_hinge, struck_stiffness
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,12 @@ class Contact(Connector):
     noun = "contact"
     resists_as = "S"
     cost = 70.0
+
+    def stiffness_in(self, scene):
+        return struck_stiffness(self)
+
+    def gate(self):
+        return Gate(0.0, -1.0)
 
     @classmethod
     def blocked_motions(cls, scene, inverse):

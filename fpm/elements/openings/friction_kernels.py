@@ -67,17 +67,17 @@ def bend_at(points, start, i, most, psi):
 
 
 @kernel
-def bend_by_force(bearing, state, i, timing):
+def bend_by_force(bearing, state, i, timing, resistance):
     """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
     and a step ago. bearing: forces of joints (JointForce); state (f, 8, lanes): Frictions.state, in
-    which MOST, OLD_MOST and FORCE_BEND are updated; timing (StepTime): times of the step (s). Where
-    friction relieves its own joint by more than itself (beyond the angle of self-locking), taking
-    the force of the step before would grow from step to step; the secant of the last two steps
-    finds the force that agrees with its own friction."""
+    which MOST, OLD_MOST and FORCE_BEND are updated; timing (StepTime): times of the step (s);
+    resistance: World.resistance. Where friction relieves its own joint by more than itself (beyond
+    the angle of self-locking), taking the force of the step before would grow from step to step;
+    the secant of the last two steps finds the force that agrees with its own friction."""
     last = load(state, i, MOST)
     most = last
     if timing.time > 0.0:
-        result = load(bearing.share, i, 0) * force_of(bearing, i, timing)
+        result = load(bearing.share, i, 0) * force_of(bearing, i, timing, resistance)
         change = last - load(state, i, OLD_MOST)
         answer = result - load(state, i, FORCE_BEND)
         steep = (answer + STEEP * change) * change  # < 0: the answer is steep, and the other way
@@ -91,16 +91,17 @@ def bend_by_force(bearing, state, i, timing):
 
 
 @kernel
-def slip_deflections(bearing, part, i, psi, psi_before, timing):
+def slip_deflections(bearing, part, i, psi, psi_before, timing, resistance):
     """Return two bristle deflections (rad, lanes) at which friction element i slips: now and a step
     ago. Each is the element's own, plus what its table adds at that joint coordinate, psi now and
     psi_before a step ago (rad), plus what the joint's force adds. bearing: forces of joints
-    (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s)."""
+    (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s);
+    resistance: World.resistance."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)
     if bearing is not None:
-        by_force = bend_by_force(bearing, part.state, i, timing)
+        by_force = bend_by_force(bearing, part.state, i, timing, resistance)
         most, last = most + by_force[0], last + by_force[1]
     return most, last
 
@@ -136,7 +137,9 @@ def forces(part, world, timing):
         h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
         psi, psi_before = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
-        most, old_most = slip_deflections(part.bearing, part, i, psi, psi_before, timing)
+        most, old_most = slip_deflections(
+            part.bearing, part, i, psi, psi_before, timing, world.resistance
+        )
         rate = follow_rate(part.openings, part.rates, i, h, timing)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)

@@ -15,8 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import damping, number, stiffness, topology, word
-from fpm.elements.kind import Energy, Series
-from fpm.elements.openings.opening import JOINT_LOSS, ONSET, Connector, by_unit, on_hinge
+from fpm.elements.kind import Energy, Gate, Series
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    ONSET,
+    Connector,
+    by_unit,
+    on_hinge,
+    struck_stiffness,
+)
 from fpm.errors import SceneError
 
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
@@ -56,6 +63,10 @@ class AnyLatch(Connector):
     def label(self, scene):
         return self.name or super().label(scene)
 
+    def gate(self):
+        largest_rate = self.max_capture_rate if np.isfinite(self.max_capture_rate) else 0.0
+        return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
+
     @classmethod
     def read_records(cls, part, scene, lane):
         """Return the recorded series of one sample's latches after a run, by variable name, all (t,
@@ -94,6 +105,9 @@ class Latch(AnyLatch):
     name: str = topology("")
 
     stores = Energy("latch", "latch_energy", "energy of the latches")
+
+    def stiffness_in(self, scene):
+        return struck_stiffness(self) if self.one_sided else self.stiffness
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times

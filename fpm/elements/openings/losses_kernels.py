@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.cables.cable_kernels import TINY
 from fpm.elements.joints.hinge_arrays import SIDE_FORCE2
 from fpm.elements.joints.joint_arrays import DIRECTION
 from fpm.elements.openings.opening_kernels import NEW, OLD
@@ -74,9 +75,10 @@ def add_loss(world, account, openings, history, i, h, moment):
 
 
 @kernel
-def force_of(bearing, i, timing):
+def force_of(bearing, i, timing, resistance):
     """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s)."""
+    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s);
+    resistance (1, 1, lanes): World.resistance."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -85,17 +87,17 @@ def force_of(bearing, i, timing):
         impulse = impulse + load(bearing.impulses, r, 0) * get3(bearing.rows, r, DIRECTION)
     # The first kick is half a step.
     kick = timing.step if timing.time > 1.5 * timing.step else 0.5 * timing.step
-    return (1.0 / kick) * sqrt(dot(impulse, impulse))
+    return (1.0 / kick) * load(resistance, 0, 0) * sqrt(dot(impulse, impulse))
 
 
 @kernel
 def onset(new, old):
     """Return the factor, 0.5 to 1.5, on the force of a damper that starts (or ends) within this
-    step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
-    An impulse is that of half a step before and after now; the force acts for half a step and s/(s
-    + b) of one, s and b being the sizes of new and old."""
-    product = new * old
-    return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
+    step, as the overlap passes 0 or begins there; 1 in other steps. new, old: overlap now and a
+    step ago (rad, m). An impulse is that of half a step before and after now; the force acts for
+    half a step and s/(s + b) of one, s and b being the sizes of new and old."""
+    share = absolute(new) / (absolute(new - old) + TINY)
+    return where_negative(-1.0 * new * old, 1.0, 0.5 + share)
 
 
 @kernel

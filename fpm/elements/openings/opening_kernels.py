@@ -29,18 +29,17 @@ class Openings(NamedTuple):
     """Arrays of all h openings (joint coordinates), for kernels. Hinge i has the sides 2 i and 2 i
     + 1, one on each of its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes):
     axis, reference direction (of slides a point), normal to both, in the particle's axes; axes (h,
-    3, lanes): global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m);
-    is_needed: whether it is updated in every step; track ((instants + 1) h, 1, lanes): recorded
-    openings; slides (h,): 1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m),
-    work (J) of each component (springs, dampers, ...: PARTS); part_track ((instants + 1) h parts,
-    2, lanes): recorded moment and work of each; parts: number of components; part: the component of
-    the element type that takes these arrays. slides, moments, part_track: None if not used."""
+    3, lanes): global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); track
+    ((instants + 1) h, 1, lanes): recorded openings; slides (h,): 1 for a slide. moments (h parts,
+    3, lanes): moment now, a step ago (N m), work (J) of each component (springs, dampers, ...:
+    PARTS); part_track ((instants + 1) h parts, 2, lanes): recorded moment and work of each; parts:
+    number of components; part: the component of the element type that takes these arrays. slides,
+    moments, part_track: None if not used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
     axes: np.ndarray  # (h, 3, lanes) axis now, in global components
     angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
-    is_needed: bool  # whether they are needed in every step
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
     slides: np.ndarray | None = None  # (h,) 1 where the opening is a length
     moments: np.ndarray | None = None  # (h parts, PART_FIELDS, lanes) of each part, if told apart
@@ -60,12 +59,11 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Compute all openings (joint coordinates), into part.angles, and axes, if other element types
-    read them in every step (part.is_needed); where moments are recorded by component (springs,
-    dampers, ...), make each that of a step ago and set it to 0. part: arrays of all openings
-    (Openings); world (World): solver state, whose positions and axes are read; timing: not used."""
-    if part.is_needed:
-        update(part, world.state)
+    """Compute all openings (joint coordinates), into part.angles, and axes; in every step, as full
+    turns are counted; where moments are recorded by component (springs, dampers, ...), make each
+    that of a step ago and set it to 0. part: arrays of all openings (Openings); world (World):
+    solver state, whose positions and axes are read; timing: not used."""
+    update(part, world.state)
     begin_parts(part.moments)
 
 
@@ -180,8 +178,6 @@ def record(part, world, row):
     row `row` h on, and, if kept, moment (N m, of slides N) and work (J) of all h * part.parts
     components (springs, dampers, ...) of hinges likewise in part.part_track. part: arrays of all
     openings (Openings); world: solver state; row: index of the instant."""
-    if not part.is_needed:
-        update(part, world.state)
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NEW))

@@ -9,8 +9,14 @@ so that a stop never pulls."""
 from dataclasses import dataclass
 
 from fpm.elements.fields import damping, number, stiffness, word
-from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import JOINT_LOSS, ONSET, Connector, on_hinge
+from fpm.elements.kind import Energy, Gate
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    ONSET,
+    Connector,
+    on_hinge,
+    struck_stiffness,
+)
 
 
 @dataclass(frozen=True)
@@ -35,6 +41,12 @@ class Stop(Connector):
     @classmethod
     def names(cls, scene):
         return [f"{stop.title(scene)} {stop.side}" for stop in cls.find(scene)]
+
+    def stiffness_in(self, scene):
+        return struck_stiffness(self)
+
+    def gate(self):
+        return Gate(self.angle, {"above": 1.0, "below": -1.0}[self.side])
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times

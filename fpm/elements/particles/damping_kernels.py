@@ -48,10 +48,12 @@ def take(part, world, path):
 @hook(DampingState)
 def restrain(part, world, timing):
     """Multiply momenta and forces of part.joint_particles, particles that joints or supports move
-    (not those held in all ways or moved by drives), so that their step damps them. part: arrays of
+    (not those held in all ways or moved by drives), so that their step damps them; impulses of
+    joints, which come later, are not multiplied: world.resistance is 1 + c. part: arrays of
     damping (DampingState); world: solver state, changed; timing: times of this step (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
+    store(world.resistance, 0, 0, 1.0 / force)
     for n in range(part.joint_particles.shape[0]):
         i = part.joint_particles[n]
         for k in (V, P):

@@ -13,6 +13,7 @@ import numpy as np
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.fields import number, word
 from fpm.elements.kind import Deformations
+from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.damping import Damping
 from fpm.elements.particles.load import ArmElement
 
@@ -60,15 +61,31 @@ class Drag(ArmElement):
             np.array([getattr(drag, name) for drag in drags]) for name in ("factor", "arm", "wind")
         )
         turns = scene.frame[p] @ np.cross(np.eye(3), arms[:, None]).swapaxes(1, 2)
-        spins = scene.spin[p][:, None] @ scene.frame[p]
-        velocities = scene.velocity[p] + (turns @ spins.swapaxes(1, 2))[:, :, 0]
-        slopes = 2 * factors * np.linalg.norm(velocities - winds, axis=1)
+        slopes = 2 * factors * np.linalg.norm(_velocities_at_start(scene) - winds, axis=1)
         if not slopes.any():
             return None
         values = np.dstack([np.tile(np.eye(3), (count, 1, 1)), turns, np.zeros((count, 3, 6))])
         dofs = np.repeat(6 * p, 3)[:, None] + np.tile(np.arange(6), 2)
         element = np.repeat(np.arange(count), 3)
         return Deformations(dofs, values.reshape(-1, 12), np.repeat(slopes, 3), element)
+
+    @classmethod
+    def array(cls, name, batch):
+        """Return the array for a field `name` of the kernels' tuple Drags, as ElementType.array;
+        "state" has the velocity (m/s) of each place at t = 0. batch: the scenes side by side."""
+        array = super().array(name, batch)
+        if name == "state":
+            first = cls.kernels().VELOCITY
+            array[:, first : first + 3] = batch.stack(len(array), 3, _velocities_at_start)
+        return array
+
+
+def _velocities_at_start(scene) -> np.ndarray:
+    """Velocities (d, 3) m/s, global, of the places of all drags at t = 0."""
+    motion, drags = moving_at_start(scene), Drag.find(scene)
+    p = [drag.particle for drag in drags]
+    arms = np.einsum("dij,dj->di", scene.frame[p], [drag.arm for drag in drags])
+    return motion.velocity[p] + np.cross(motion.spin[p], arms)
 
 
 def stations(

@@ -6,9 +6,9 @@ import numpy as np
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store
-from fpm.kernels.layout import IJ, F, M, P, V, X
+from fpm.kernels.layout import F, M, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import add3, cross, dot, get3, put3, times, to_global, to_local
+from fpm.kernels.vectors import add3, cross, dot, get3, put3, to_global
 
 NUMBERS = "arm", "axis", "wind", "factor", "component"
 ARM, AXIS, WIND, FACTOR, COMPONENT = 0, 3, 6, 9, 10
@@ -42,16 +42,14 @@ def forces(part, world, timing):
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         axes = frame(state, i)
+        half = get3(history, n, VELOCITY)
+        velocity = half
         arm = to_global(axes, get3(numbers, n, ARM))
         place = get3(state, i, X) + arm
         path = place - get3(history, n, PLACE)
         if timing.time > 0.0:
             half = (1.0 / timing.step) * path
-            velocity = 1.5 * half - 0.5 * get3(history, n, VELOCITY)
-        else:
-            rates = times(get3(world.particles, i, IJ), to_local(axes, get3(state, i, P)))
-            half = get3(state, i, V) + cross(to_global(axes, rates), arm)
-            velocity = half
+            velocity = 1.5 * half - 0.5 * velocity
         axis = to_global(axes, get3(numbers, n, AXIS))
         component = load(numbers, n, COMPONENT)
         velocity = velocity - get3(numbers, n, WIND)

@@ -6,13 +6,13 @@ from itertools import compress
 
 import numpy as np
 
+from fpm.arithmetic.expressions import Expression, ExpressionError
 from fpm.elements import Drag, Load
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.expressions import Expression, ExpressionError
 from fpm.structures.keys import (
     ChoiceKey,
     CurveExpressionKey,
@@ -174,7 +174,9 @@ def drag(build, args):
     EA=NumberKey(unit="N", above=0, text="tension for a strain of one"),
     rest=NumberKey(None, "its length without tension; this or `preload`", unit="m", above=0),
     preload=NumberKey(None, "its tension at the start; this or `rest`", unit="N", least=0),
-    reel=NumberKey(0.0, "length that a winch at the first point takes in, times `curve`", unit="m"),
+    reel=NumberKey(
+        None, "length that a winch at the first point takes in, times `curve`", unit="m"
+    ),
     curve=ReferenceKey(None, "of the winch", group="curves"),
     friction=NumberKey(
         None, "coefficient of friction at the points between its ends; left out: they turn", least=0
@@ -210,11 +212,15 @@ def cable(build, args):
         build.refuse("reel", args.reel, "a length with a `curve`")
     if args.drum is not None and args.curve is not None:
         build.refuse("drum", build.scene.hinges[args.drum].name, "none, with a `reel` and `curve`")
+    if args.reel is None and args.curve is not None:
+        build.refuse("reel", None, "a length, with a `curve`")
+    if args.friction is not None and len(points) == 2:
+        build.refuse("friction", args.friction, "none on a cable that runs through no point")
     if (args.drum is None) == bool(args.radius):
         build.refuse("radius", args.radius, "a length other than 0 with a `drum`, none without")
     if args.drum is None and args.shortest is not None:
         build.refuse("shortest", args.shortest, "none without a `drum`")
-    numbers = args.EA, args.rest, args.preload, args.reel, _index(args.curve), args.friction
+    numbers = args.EA, args.rest, args.preload, args.reel or 0.0, _index(args.curve), args.friction
     drum = {"drum": _index(args.drum), "radius": args.radius or 0.0, "least": args.shortest}
     return build.scene.add_cable(args.name, points, *numbers, **drum)
 
@@ -267,9 +273,8 @@ def _lead(build, args, particle: int, arm) -> None:
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
     place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
-    constraints = [
-        j for j in scene.kinds.get(Joint, []) if j.type == "held" and j.particles[0] == particle
-    ]
+    joints = (joint for joint in scene.kinds.get(Joint, []) if joint.type == "held")
+    constraints = [joint for joint in joints if joint.particles[0] == particle]
     is_same = [np.allclose(joint.beams[0].arm, arm.arm) for joint in constraints]
     axes_held = "".join(compress((j.support_axes for j in constraints), is_same))
     if not np.any(arm.arm):

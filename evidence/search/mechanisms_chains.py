@@ -10,7 +10,7 @@ DESIGN = {"method": "screening", "samples": 400}
 
 
 def rows(count: int, line: str) -> str:
-    """Lines of a structure, or parameters, one for each number i from 1 with h = i - 1 and j = i + 1."""
+    """Lines, or parameters, one for each number i from 1, with h = i - 1 and j = i + 1."""
     return "".join(line.format(i=i, h=i - 1, j=i + 1) for i in range(1, count + 1))
 
 
@@ -28,7 +28,9 @@ def tips(*values):
 def stack(*values):
     """Side step of a stack of eccentric rings: each acts only together with its angle."""
     e, a = np.array(values[:8]), np.array(values[8:])
-    return (e * np.sin(a)).sum(axis=0), np.hypot(0.2 + (e * np.cos(a)).sum(axis=0), (e * np.sin(a)).sum(axis=0))
+    return (e * np.sin(a)).sum(axis=0), np.hypot(
+        0.2 + (e * np.cos(a)).sum(axis=0), (e * np.sin(a)).sum(axis=0)
+    )
 
 
 def sums(*values):
@@ -67,7 +69,8 @@ LINKS = [(c, i, f"rod_{c}{i - 1}" if i > 1 else "ground") for c in "ab" for i in
 BOXES = (
     mechanism(
         "12: gap of two arms",
-        rows(3, "l{i} m 0.298 0.302,") + rows(3, "r{i} m 0.298 0.302,")
+        rows(3, "l{i} m 0.298 0.302,")
+        + rows(3, "r{i} m 0.298 0.302,")
         + "p1 rad 0.295 0.305,p2 rad -0.005 0.005,p3 rad -0.005 0.005,"
         "q1 rad 0.295 0.305,q2 rad -0.005 0.005,q3 rad -0.005 0.005",
         """
@@ -82,16 +85,24 @@ points:
   b2: b1 + r2*[-cos(qa), sin(qa), 0]
   b3: b2 + r3*[-cos(qb), sin(qb), 0]
 bodies:
-""" + "".join(
+"""
+        + "".join(
             f"  rod_{c}{i}: {{type: rod, from: {c}{i - 1}, to: {c}{i}, mass: 1, diameter: 2 cm}}\n"
             for c, i, _ in LINKS
-        ) + "joints:\n" + "".join(
-            f"  on_{c}{i}: {{type: revolute, parts: [{part}, rod_{c}{i}], at: {c}{i - 1}, axis: z}}\n"
+        )
+        + "joints:\n"
+        + "".join(
+            f"  on_{c}{i}: {{type: revolute, at: {c}{i - 1}, axis: z, "
+            f"parts: [{part}, rod_{c}{i}]}}\n"
             for c, i, part in LINKS
-        ) + "record: {a: {part: rod_a3, at: a3}, b: {part: rod_b3, at: b3}}",
-        tips, {"way": {"distance": ["a", "b"]}, "top": {"position": "a", "component": "y"}},
+        )
+        + "record: {a: {part: rod_a3, at: a3}, b: {part: rod_b3, at: b3}}",
+        tips,
+        {"way": {"distance": ["a", "b"]}, "top": {"position": "a", "component": "y"}},
         {"gap": {"final": "way"}, "height": {"final": "top"}},
-        duration=0.01, instants=11, design=DESIGN,
+        duration=0.01,
+        instants=11,
+        design=DESIGN,
     ),
     mechanism(
         "16: stack of eccentric rings",
@@ -103,9 +114,12 @@ bodies: {stack: {mass: 1, centre: o, points: [p8], box: [10 cm, 10 cm, 10 cm]}}
 joints: {foot: {type: revolute, parts: [ground, stack], at: o, axis: z}}
 record: {o: {part: ground, at: o}, top: {part: stack, at: p8}}
 """,
-        stack, {"y": {"position": "top", "component": "y"}, "way": {"distance": ["o", "top"]}},
+        stack,
+        {"y": {"position": "top", "component": "y"}, "way": {"distance": ["o", "top"]}},
         {"side": {"final": "y"}, "height": {"final": "way"}},
-        duration=0.01, instants=11, design=DESIGN,
+        duration=0.01,
+        instants=11,
+        design=DESIGN,
     ),
     mechanism(
         "20: sums of masses and springs",
@@ -114,31 +128,64 @@ record: {o: {part: ground, at: o}, top: {part: stack, at: p8}}
         + "actions:\n"
         + rows(10, "  s{i}: {{type: spring, joint: slide, stiffness: k{i}, rest: 0}}\n")
         + "record: {block: {part: block, at: o}}",
-        sums, WAY | {"speed": {"velocity": "block", "component": "norm"}},
+        sums,
+        WAY | {"speed": {"velocity": "block", "component": "norm"}},
         {"t_zero": {"crossing": "way", "level": 0}, "fastest": {"largest": "speed"}},
-        start="0.1 m", duration=1.0, instants=401, design=DESIGN,
+        start="0.1 m",
+        duration=1.0,
+        instants=401,
+        design=DESIGN,
     ),
     mechanism(
         "30: train of masses and springs",
         rows(15, "w{i} kg 0.8 1.2,") + rows(15, "k{i} N/m 80 120,").rstrip(","),
-        "points:\n" + rows(15, "  p{i}: [{i}*(0.1 m), 0, 0]\n")
-        + "bodies:\n" + rows(15, "  b{i}: {{mass: w{i}, centre: p{i}, box: [5 cm, 5 cm, 5 cm], points: [p{i}, p{j}]}}\n").replace(", p16", "")
-        + "joints:\n" + rows(15, "  j{i}: {{type: prismatic, parts: [b{h}, b{i}], at: p{i}, axis: x, opening: 0}}\n").replace("b0,", "ground,")
-        + "actions:\n" + rows(15, "  s{i}: {{type: spring, joint: j{i}, stiffness: k{i}, rest: 0}}\n")
-        + "initial_velocities: {blow: {part: b15, about: p15, velocity: [1 m/s, 0, 0]}}\nrecord: {end: {part: b15, at: p15}}",
-        train, {"pull": {"joint_moment": "j1", "part": "spring"}, "x": {"position": "end", "component": "x"}},
+        "points:\n"
+        + rows(15, "  p{i}: [{i}*(0.1 m), 0, 0]\n")
+        + "bodies:\n"
+        + rows(
+            15,
+            "  b{i}: {{mass: w{i}, centre: p{i}, box: [5 cm, 5 cm, 5 cm], points: [p{i}, p{j}]}}\n",
+        ).replace(", p16", "")
+        + "joints:\n"
+        + rows(
+            15, "  j{i}: {{type: prismatic, parts: [b{h}, b{i}], at: p{i}, axis: x, opening: 0}}\n"
+        ).replace("b0,", "ground,")
+        + "actions:\n"
+        + rows(15, "  s{i}: {{type: spring, joint: j{i}, stiffness: k{i}, rest: 0}}\n")
+        + "initial_velocities: {blow: {part: b15, about: p15, velocity: [1 m/s, 0, 0]}}\n"
+        "record: {end: {part: b15, at: p15}}",
+        train,
+        {
+            "pull": {"joint_moment": "j1", "part": "spring"},
+            "x": {"position": "end", "component": "x"},
+        },
         {"force": {"smallest": "pull"}, "way": {"value": "x", "at": 1.0}},
-        duration=2.5, instants=1001, design=DESIGN,
+        duration=2.5,
+        instants=1001,
+        design=DESIGN,
     ),
     mechanism(
         "40: twenty latches",
         rows(20, "I{i} kg_m2 0.9 1.1,") + rows(20, "k{i} N_m/rad 0.9 1.1,").rstrip(","),
-        "points:\n" + rows(20, "  p{i}: [{i}*(0.1 m), 0, 0]\n")
-        + "bodies:\n" + rows(20, "  b{i}: {{mass: 1, centre: p{i}, inertia: [I{i}, I{i}, I{i}]}}\n")
-        + "joints:\n" + rows(20, "  j{i}: {{type: revolute, parts: [ground, b{i}], at: p{i}, axis: z, opening: 0}}\n")
-        + "actions:\n" + rows(20, "  s{i}: {{type: torsion spring, joint: j{i}, stiffness: k{i}, rest: 2 rad}}\n  pin{i}: {{type: latch, joint: j{i}, angle: 1 rad}}\n"),
-        latches, {"angle": {"opening": "j1"}},
+        "points:\n"
+        + rows(20, "  p{i}: [{i}*(0.1 m), 0, 0]\n")
+        + "bodies:\n"
+        + rows(20, "  b{i}: {{mass: 1, centre: p{i}, inertia: [I{i}, I{i}, I{i}]}}\n")
+        + "joints:\n"
+        + rows(
+            20, "  j{i}: {{type: revolute, parts: [ground, b{i}], at: p{i}, axis: z, opening: 0}}\n"
+        )
+        + "actions:\n"
+        + rows(
+            20,
+            "  s{i}: {{type: torsion spring, joint: j{i}, stiffness: k{i}, rest: 2 rad}}\n"
+            "  pin{i}: {{type: latch, joint: j{i}, angle: 1 rad}}\n",
+        ),
+        latches,
+        {"angle": {"opening": "j1"}},
         {f"t_{n}": {"event": "latches", "number": n} for n in (1, 10, 20)},
-        duration=1.5, instants=301, design=DESIGN,
+        duration=1.5,
+        instants=301,
+        design=DESIGN,
     ),
 )

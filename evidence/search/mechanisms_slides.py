@@ -5,7 +5,7 @@ Masses on slides and bodies on hinges, so that each run has a closed form or one
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -136,7 +136,7 @@ def cubic_crossing(
 
 
 def hang(v, m, EA):
-    """What hangs on a cable and is kicked upwards, until the cable goes slack and is tight again."""
+    """What hangs on a cable and is kicked upwards: when the cable goes slack, and is tight again."""
     k = EA + m * G
     w, weight, amplitude, level = np.sqrt(k / m), m * G, v * np.sqrt(k * m), 1.0
     ends, phase = (np.arcsin(np.clip((weight - x) / amplitude, -1, 1)) / w for x in (0, level))
@@ -170,10 +170,8 @@ def creep(w, M, a):
         flat = rise == 0
         ends = [np.where(flat, -rest / slope, (-slope + way * root) / rise) for way in (1, -1)]
         inside = [(y >= 0) & (y <= np.diff(HUMP)) for y in ends]
-        ways = [
-            np.where(ok & (side[:, None] * (y + p - x[:, None]) > 1e-6), side[:, None] * (y + p - x[:, None]), np.inf)
-            for y, ok in zip(ends, inside, strict=True)
-        ]  # fmt: skip
+        ways = [side[:, None] * (y + p - x[:, None]) for y in ends]
+        ways = [np.where(ok & (d > 1e-6), d, np.inf) for d, ok in zip(ways, inside, strict=True)]
         x = np.where(moves, x + side * np.min(ways, axis=(0, 2)), x)
         largest = np.maximum(largest, x)
         pull = a * np.interp(x, HUMP, TABLE)
@@ -349,11 +347,12 @@ BOXES = (
     mechanism(
         "cable slack",
         "v m/s 0.15 0.7,mass kg 0.9 1.1,EA N 900 1100",
-        "points: {o: [0, 0, 0], top: [1 m, 0, 0]}"
+        "let: {g: 9.81 m/s2}\npoints: {o: [0, 0, 0], top: [1 m, 0, 0]}"
         + SLIDE
         + """
 opening_rates: {kick: {joint: slide, rate: v}}
-cables: {rope: {through: [{part: ground, at: top}, {part: block, at: o}], EA: EA, preload: mass*(9.81 m/s2)}}
+cables:
+  rope: {through: [{part: ground, at: top}, {part: block, at: o}], EA: EA, preload: mass*g}
 gravity: [-9.81, 0, 0]
 """,
         hang,
@@ -375,8 +374,8 @@ gravity: [-9.81, 0, 0]
 opening_rates: {kick: {joint: axle, rate: w}}
 actions:
   dry: {type: friction, joint: axle, moment: M, sticks: exactly}
-  hump: {type: tabulated spring, joint: axle, angles: [-2 rad, 0, 0.6 rad, 1 rad, 1.6 rad, 2.4 rad, 4 rad],
-    moments: [2*a, 0, -a, 0, a, 0, -2*a]}
+  hump: {type: tabulated spring, joint: axle, moments: [2*a, 0, -a, 0, a, 0, -2*a],
+    angles: [-2 rad, 0, 0.6 rad, 1 rad, 1.6 rad, 2.4 rad, 4 rad]}
 """,
         creep,
         ANGLE,
@@ -446,7 +445,9 @@ joints:
   slide: {type: prismatic, parts: [ground, a], at: o, axis: x, opening: 0}
   other: {type: prismatic, parts: [ground, b], at: far, axis: x, opening: 0}
 opening_rates: {kick: {joint: slide, rate: v}}
-struts: {contact: {type: spring, between: [{part: a, at: o}, {part: b, at: far}], stiffness: 2000, rest: 0.2 m, acts: push}}
+struts:
+  contact: {type: spring, between: [{part: a, at: o}, {part: b, at: far}], stiffness: 2000,
+    rest: 0.2 m, acts: push}
 actions: {back: {type: spring, joint: other, stiffness: kb, rest: 0}}
 record: {a: {part: a, at: o}}
 """,
@@ -597,45 +598,65 @@ gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
         instants=801,
     ),
     mechanism(
-        "ball of three", "u m/s -1 1,v m/s -1 1,w m/s -1 1",
+        "ball of three",
+        "u m/s -1 1,v m/s -1 1,w m/s -1 1",
         """
 bodies: {block: {mass: 1, centre: o, box: [5 cm, 5 cm, 5 cm]}}
 initial_velocities: {throw: {part: block, about: o, velocity: [u, v, w]}}
 record: {block: {part: block, at: o}}
 """,
-        speed, {"speed": {"velocity": "block", "component": "norm"}}, {"end": {"final": "speed"}},
-        duration=0.1, instants=11,
+        speed,
+        {"speed": {"velocity": "block", "component": "norm"}},
+        {"end": {"final": "speed"}},
+        duration=0.1,
+        instants=11,
     ),
     mechanism(
-        "corner of four", "x m -0.5 0,v m/s 0 1,F N 0 1,H N 0 0.6",
-        SLIDE.replace("mass: mass", "mass: 1") + """
+        "corner of four",
+        "x m -0.5 0,v m/s 0 1,F N 0 1,H N 0 0.6",
+        SLIDE.replace("mass: mass", "mass: 1")
+        + """
 opening_rates: {kick: {joint: slide, rate: v}}
 loads:
   push: {part: block, at: o, force: [F, 0, 0]}
   more: {part: block, at: o, force: [H, 0, 0]}
 actions: {pin: {type: latch, joint: slide, position: 1.3 m, side: below}}
 """,
-        corner, WAY, {"t_latch": {"event": "latches"}, "stays": {"final": "way"}},
-        start="x", duration=1.0, instants=401,
+        corner,
+        WAY,
+        {"t_latch": {"event": "latches"}, "stays": {"final": "way"}},
+        start="x",
+        duration=1.0,
+        instants=401,
     ),
     mechanism(
         "band of five",
         "u rad/s 0.4 0.7,v rad/s 0.4 0.7,w rad/s 0.4 0.7,M N_m 0.6 1,p rad 1 1.2",
-        ROTOR.replace("Iz", "1") + """
+        ROTOR.replace("Iz", "1")
+        + """
 opening_rates: {kick: {joint: axle, rate: u + v + w}}
 actions:
   dry: {type: friction, joint: axle, moment: M, sticks: exactly}
   pin: {type: latch, joint: axle, angle: p, side: below, max_capture_rate: 1 rad/s}
 """,
-        band, ANGLE, {"t_latch": {"event": "latches"}, "stays": {"final": "angle"}},
-        duration=4.0, instants=801,
+        band,
+        ANGLE,
+        {"t_latch": {"event": "latches"}, "stays": {"final": "angle"}},
+        duration=4.0,
+        instants=801,
     ),
     mechanism(
-        "outside of a ball", "a m/s -1 1,b m/s -1 1,c m/s -1 1,d m/s -1 1",
-        SLIDE.replace("mass: mass", "mass: 1") + """
+        "outside of a ball",
+        "a m/s -1 1,b m/s -1 1,c m/s -1 1,d m/s -1 1",
+        SLIDE.replace("mass: mass", "mass: 1")
+        + """
 opening_rates: {kick: {joint: slide, rate: sqrt(a*a + b*b + c*c + d*d)}}
 actions: {pin: {type: latch, joint: slide, position: 0.9 m, side: below}}
 """,
-        outside, WAY, {"t_latch": {"event": "latches"}}, duration=1.0, instants=101,
+        outside,
+        WAY,
+        {"t_latch": {"event": "latches"}},
+        duration=1.0,
+        instants=101,
     ),
 )

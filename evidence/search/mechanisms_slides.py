@@ -136,7 +136,7 @@ def cubic_crossing(
 
 
 def hang(v, m, EA):
-    """What hangs on a cable and is kicked upwards: when the cable goes slack, and is tight again."""
+    """What hangs on a cable and is kicked up: when the cable goes slack, and is tight again."""
     k = EA + m * G
     w, weight, amplitude, level = np.sqrt(k / m), m * G, v * np.sqrt(k * m), 1.0
     ends, phase = (np.arcsin(np.clip((weight - x) / amplitude, -1, 1)) / w for x in (0, level))

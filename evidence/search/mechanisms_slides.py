@@ -83,9 +83,12 @@ def crossing(
 
 def swing(t, x, v, w, d):
     """Damped oscillation from x with the rate v: frequency w, decay rate d, both (P, 1)."""
-    root = np.sqrt((w**2 - d**2).astype(complex))
-    root = np.where(abs(root) < 1e-6, 1e-6, root)
-    return (np.exp(-d * t) * (x * np.cos(root * t) + (v + d * x) / root * np.sin(root * t))).real
+    root = np.maximum(np.sqrt(abs(w**2 - d**2)), 1e-6)
+    cosine, sine, slow = np.cos(root * t), np.sin(root * t), (d > w)[:, 0]
+    if slow.any():
+        turn = (root * t)[slow]
+        cosine[slow], sine[slow] = np.cosh(turn), np.sinh(turn)
+    return np.exp(-d * t) * (x * cosine + (v + d * x) / root * sine)
 
 
 def summit(function: Callable[[np.ndarray], np.ndarray], times: np.ndarray) -> np.ndarray:
@@ -365,6 +368,10 @@ gravity: [-9.81, 0, 0]
         },
         duration=0.215,
         instants=431,
+        edges={  # a dip that just reaches the level, after a quarter of the period
+            "slack": (np.nan, np.pi / 2 / np.sqrt((900 + 1.1 * G) / 1.1)),
+            "tight": (np.pi / 2 / np.sqrt((1100 + 0.9 * G) / 0.9), np.nan),
+        },
     ),
     mechanism(
         "friction and hump",
@@ -413,6 +420,7 @@ gravity: [(9.81 m/s2)*cos(b)*cos(i), (9.81 m/s2)*sin(b)*cos(i), (9.81 m/s2)*sin(
         {"t_over": {"crossing": "angle", "level": 2.9}, "fastest": {"largest": "rate"}},
         duration=2.0,
         instants=801,
+        edges={"t_over": (np.nan, 0.778633)},  # from rest at b = 1.45, by quadrature
     ),
     mechanism(
         "play of a drive",
@@ -536,6 +544,7 @@ actions:
         },
         duration=6.0,
         instants=1201,
+        edges={"t_over": (np.nan, np.pi / np.sqrt(8 / 0.7 * (1 - 0.779703**2)))},  # a summit of 2 %
     ),
     mechanism(
         "second crossing",
@@ -552,6 +561,7 @@ actions:
         start="x",
         duration=6.0,
         instants=1201,
+        edges={"t_up": (np.nan, 3.459788)},  # t = 4 pi / sqrt(8 / 0.6 - (log(1.1 / 0.3) / t)**2)
     ),
     mechanism(
         "ratio",
@@ -596,6 +606,7 @@ gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
         start="x",
         duration=2.0,
         instants=801,
+        edges={"t_in": (np.nan, 0.701177)},  # by SQP: the latest summit at the level
     ),
     mechanism(
         "ball of three",

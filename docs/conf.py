@@ -1,7 +1,6 @@
 """The documentation as a site: `sphinx-build -W docs site`, then open site/index.html.
 
-Pages are the Markdown files of this folder. Nothing in the site is loaded from a network.
-"""
+Pages are the Markdown files of this folder. Nothing in the site is loaded from a network."""
 
 import sys
 from pathlib import Path

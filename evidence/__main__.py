@@ -1,10 +1,7 @@
 """Run a study: ``python -m evidence NAME [--output results/NAME]``; `attack` attacks the program.
 
 The exit status tells whether the study ran, not whether all rows passed: a row that fails stays in
-summary.json and table.md as a failing row. ``--strict`` makes failing rows an exit status of 1.
-"""
-
-from __future__ import annotations
+summary.json and table.md as a failing row. ``--strict`` makes failing rows an exit status of 1."""
 
 import argparse
 import importlib

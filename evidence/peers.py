@@ -1,7 +1,5 @@
 """Peers in interpreters of their own, since their pins clash."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import sys

@@ -42,8 +42,7 @@ def panels(
 class Chart:
     """A plot of a few curves; axis labels carry the units.
 
-    Computed lines are solid, with markers if they have few points; references are dashed.
-    """
+    Computed lines are solid, with markers if they have few points; references are dashed."""
 
     def __init__(
         self, title: str, x_label: str, y_label: str, logarithmic: bool = False, equal: bool = False
@@ -75,8 +74,7 @@ class Chart:
 def draw_utilization(axes: Axes, rows: Sequence[Row], labels: Sequence[str]) -> None:
     """How much of its allowance each row takes, at the height of its label.
 
-    Dots passed, large crosses failed; small crosses at the left are clear refusals.
-    """
+    Dots passed, large crosses failed; small crosses at the left are clear refusals."""
     places = {label: i for i, label in enumerate(dict.fromkeys(labels))}
     for row, label in zip(rows, labels, strict=True):
         if isinstance(row.value, str):

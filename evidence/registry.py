@@ -1,9 +1,6 @@
 """The studies: what each is about, which code it judges, and which files it leaves.
 
-Read by the workflow as well, so that this module imports nothing heavy.
-"""
-
-from __future__ import annotations
+Read by the workflow as well, so that this module imports nothing heavy."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -23,8 +20,7 @@ class Study:
     text: a line for those who wait; uses: folders and files, beside the solver, whose code decides
     what is measured; plots: figures that it always leaves; parts: measured by a process of their
     own each, side by side (without them, one process does all); exclusive: it times things, so that
-    nothing should run beside it; quick: it has a quick form.
-    """
+    nothing should run beside it; quick: it has a quick form."""
 
     name: str
     text: str
@@ -110,7 +106,8 @@ STUDIES = {
         Study(
             "search",
             "Searching bounds of quantities that are known",
-            uses=("deployable/intervals", "deployable/campaign/answers/quantity_bounds.py"),
+            uses=("deployable",),
+            parts=("boxes", "rivals", "carts", "slides", "chains"),
             quick=True,
         ),
         Study(

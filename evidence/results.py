@@ -22,8 +22,7 @@ class Report:
     """What follows from what a study measured.
 
     extra: further entries of summary.json; text: further Markdown below the rows; figures: by the
-    names of their files.
-    """
+    names of their files."""
 
     rows: list[Row]
     extra: Mapping[str, Any] = field(default_factory=dict)

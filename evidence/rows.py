@@ -1,7 +1,5 @@
 """The row in which every study tells a finding, and the ways to judge one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
@@ -14,8 +12,7 @@ class Row:
     reference: the right value, or the target; `sense` says how the value is held against it, as
     "within" `tolerance` (in the value's unit), "at most" or "at least". passed: None where there is
     nothing to judge. source: where the reference is from; note: what a reader should know; group:
-    the problem, case or table of the row; skipped: why nothing was measured, with the remedy.
-    """
+    the problem, case or table of the row; skipped: why nothing was measured, with the remedy."""
 
     name: str
     value: float | str | None
@@ -38,8 +35,7 @@ class Row:
     def utilization(self) -> float:
         """How much of what is allowed the value takes, 1 at the limit; NaN where that is no number.
 
-        Rows of "at least" have none: there is no end to what is better.
-        """
+        Rows of "at least" have none: there is no end to what is better."""
         if not all(isinstance(x, int | float) for x in (self.value, self.reference)):
             return math.nan
         if self.sense == "within" and self.tolerance:
@@ -62,14 +58,12 @@ def info(name: str, value: float | str, unit: str = "", note: str = "") -> Row:
 
 
 def close_to(
-    name: str, value: float, reference: float, tolerance: float, source: str = "", note: str = "",
-    unit: str = "",
-) -> Row:  # fmt: skip
+    name: str, value: float, reference: float, tolerance: float, source: str = "", note: str = ""
+) -> Row:
     """A value that may miss its reference by `tolerance`; one that is no number fails."""
     passed = bool(abs(value - reference) <= tolerance)
-    return Row(
-        name, float(value), unit, "within", float(reference), float(tolerance), passed, source, note
-    )
+    numbers = float(reference), float(tolerance)
+    return Row(name, float(value), "", "within", *numbers, passed, source, note)
 
 
 def at_most(

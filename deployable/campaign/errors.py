@@ -1,7 +1,5 @@
 """Errors that a user is meant to read."""
 
-from __future__ import annotations
-
 import errno
 import shutil
 from pathlib import Path
@@ -61,9 +59,8 @@ def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
             f"a file in {folder} would be larger than files may be ({limit}); {_SAFE}: raise the "
             "limit and give the same command again"
         )
-    free = shutil.disk_usage(
-        next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    ).free
+    place = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    free = shutil.disk_usage(place).free
     if number in _NO_ROOM or (library and free < _LITTLE):
         quota = ", but for a quota" if number == errno.EDQUOT else ""
         return CampaignError(

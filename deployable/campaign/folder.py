@@ -1,7 +1,5 @@
 """Where the files of a campaign are: one folder, and one like it for each round."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +7,7 @@ from typing import Any
 CAMPAIGN = "campaign.yaml"
 """Name of the campaign in a folder of one's own."""
 
-PICTURES = ("png", "pdf", "svg")
+PICTURES = ("png", "pdf")
 
 MOST_PANELS = 8
 """Panels of one figure, as many as fit on a page."""
@@ -76,11 +74,11 @@ class Folder:
         """Path of the campaign's own folder: this one, or, of a round, that above `rounds`."""
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
-    def round(self, number: int) -> Folder:
+    def round(self, number: int) -> "Folder":
         """The folder of one round of this campaign's `accuracy`; number: of the round, from 0."""
         return Folder(self / f"rounds/{number}")
 
-    def previous(self) -> Folder | None:
+    def previous(self) -> "Folder | None":
         """The folder of the previous round, None for the first; only for a round's folder."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None

@@ -1,8 +1,6 @@
 """How a process ends. In a shell Ctrl-C ends it at once, with one sentence: what it has made is
 whole, and the next run removes what it had begun."""
 
-from __future__ import annotations
-
 import atexit
 import os
 import signal

@@ -3,8 +3,6 @@
 netCDF files have it as the attribute `provenance`; seals of all results have it with the moment, so
 that the same results are the same but for their seals."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import platform

@@ -1,7 +1,5 @@
 """The box of interval parameters, its map to the unit cube [-1, 1]^k, and points in it."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +16,8 @@ MOST_FULL = 8
 
 _MOST_CORNERS = 256  # of a box of more parameters
 
+_ROUNDING = 1e-12  # of coordinates that searches and designs compute: 1 may be 1 + 2e-16
+
 
 @dataclass(frozen=True)
 class Box:
@@ -26,10 +26,8 @@ class Box:
 
     Attributes
     ----------
-    names
-        Names of the k parameters, each once.
-    lower, upper
-        Bounds (k) in the units of the parameters, lower <= upper."""
+    names: names of the k parameters, each once.
+    lower, upper: bounds (k) in the units of the parameters, lower <= upper."""
 
     names: tuple[str, ...]
     lower: np.ndarray
@@ -76,10 +74,10 @@ class Box:
     def from_unit(self, points: np.ndarray) -> np.ndarray:
         """Parameter values (..., k) of normalized coordinates `points` (..., k): -1 gives exactly
         `lower`, 1 exactly `upper`, and equal coordinates give equal values to the last bit, as runs
-        are recognised by their values; beyond [-1, 1] the map goes on."""
+        are recognised by their values; beyond [-1, 1], by more than rounding, the map goes on."""
         points = np.asarray(points, dtype=float)
         values = self.lower * ((1.0 - points) / 2.0) + self.upper * ((1.0 + points) / 2.0)
-        in_cube = (np.abs(points) <= 1.0) & self.free
+        in_cube = (np.abs(points) <= 1.0 + _ROUNDING) & self.free
         values = np.where(in_cube, np.clip(values, self.lower, self.upper), values)
         return np.where(self.free, values, self.lower)
 
@@ -161,12 +159,16 @@ def _nearest(points: np.ndarray, runs: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return nearest[:, 0].astype(int), nearest[:, 1]
 
 
-def match_points(points: np.ndarray, runs: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+TOLERANCE = 1e-8
+"""Largest difference of a normalized coordinate between equal points."""
+
+
+def match_points(points: np.ndarray, runs: np.ndarray) -> np.ndarray:
     """Find the run at each design point (N, k): returns indices (N) into the runs, or raises
-    IntervalError if a point has none. runs (R, k): points of the runs, in any order; tolerance:
-    largest difference of a coordinate. All coordinates are normalized, -1 to 1."""
+    IntervalError if a point has none. runs (R, k): points of the runs, in any order. All
+    coordinates are normalized, -1 to 1."""
     index, distance = _nearest(points, runs)
-    missing = np.flatnonzero(distance > tolerance)
+    missing = np.flatnonzero(distance > TOLERANCE)
     if len(missing):
         first = np.round(points[missing[0]], 6).tolist()
         raise IntervalError(
@@ -177,8 +179,7 @@ def match_points(points: np.ndarray, runs: np.ndarray, tolerance: float = 1e-8) 
     return index
 
 
-def find_other_runs(runs: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+def find_other_runs(runs: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Find the runs that are at none of the design's points, which may test a fit to that design:
-    increasing indices into `runs` (R, k), normalized points of the runs; points (N, k): those of
-    the design; tolerance: largest difference of a coordinate between equal points."""
-    return np.flatnonzero(_nearest(runs, points)[1] > tolerance)
+    increasing indices into `runs` (R, k), normalized points; points (N, k): the design's."""
+    return np.flatnonzero(_nearest(runs, points)[1] > TOLERANCE)

@@ -13,8 +13,6 @@ what is not excluded, where the next polynomials are less wrong (history matchin
 the misfit, are found by sequential linear programming with a trust region and second-order
 corrections (Fletcher and Sainz de la Maza 1989)."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -120,16 +118,11 @@ def fit_curves(
 
     Parameters
     ----------
-    test
-        Its instants are those at which the errors count.
-    points, curves
-        Coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
-    times
-        Recorded instants (R) in s, at least four.
-    hull
-        Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
-    run_errors
-        Errors (n, T) of the runs themselves, such as those of their time step."""
+    test: its instants are those at which the errors count.
+    points, curves: coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
+    times: recorded instants (R) in s, at least four.
+    hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
+    run_errors: errors (n, T) of the runs themselves, such as those of their time step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     x = (points - center) / half
     rows = np.flatnonzero((np.abs(x) <= 1.0 + 2 * _WIDER).all(axis=1))
@@ -210,9 +203,8 @@ class _Problem:
         self.fits, self.k, self.places, self.size = fits, k, [], k
         for fit in fits:
             count = fit.test.starts + fit.test.limits.shape[1]
-            self.places.append(
-                np.concatenate([fit.test.axes, self.size + np.arange(count)]).astype(int)
-            )
+            places = np.concatenate([fit.test.axes, self.size + np.arange(count)])
+            self.places.append(places.astype(int))
             self.size += count
         self.bands = np.concatenate([fit.test.bands.ravel() for fit in fits])
         self.errors = np.concatenate([fit.errors.ravel() for fit in fits])
@@ -229,10 +221,7 @@ class _Problem:
             jacobian[:, places[p:]] = columns[:, p:] * (high - low) / 2
             residuals.append(part)
             rows.append(jacobian)
-        return (
-            np.concatenate(residuals) / self.bands,
-            np.concatenate(rows) / self.bands[:, None],
-        )
+        return (np.concatenate(residuals) / self.bands, np.concatenate(rows) / self.bands[:, None])
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
         """By how many bands each residual (M) deviates, less or more the surrogate's error."""
@@ -291,9 +280,8 @@ class _Problem:
         matrix = np.block([[slopes, column], [-slopes, column]])
         bound = np.concatenate([limit - residuals[rows], limit + residuals[rows]])
         bounds = [*(sides / scales).T, (0.0, None)]
-        result = scipy.optimize.linprog(
-            np.append(cost * scales, penalty), matrix, bound, bounds=bounds, method="highs-ds"
-        )
+        costs = np.append(cost * scales, penalty)
+        result = scipy.optimize.linprog(costs, matrix, bound, bounds=bounds, method="highs-ds")
         if result.x is None:
             return np.zeros(self.size), inf
         return result.x[:-1] * scales, float(result.fun)
@@ -456,9 +444,8 @@ class _Waves:
             hull[:, self.sensors] = self.hull[:, self.sensors]
             volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
             self.hull = hull
-            is_precise = error <= _PRECISE or (
-                error <= 4 * _PRECISE and volumes[0] > _STATIONARY * volumes[1]
-            )
+            is_steady = volumes[0] > _STATIONARY * volumes[1]
+            is_precise = error <= (4 * _PRECISE if is_steady else _PRECISE)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
             if is_precise or is_met or min(map(len, self.points)) >= most:
                 break
@@ -532,25 +519,17 @@ def calibrate(
 
     Parameters
     ----------
-    tests
-        At least one.
-    times
-        Recorded instants (R) of runs in s, which span the instants of all tests and delays.
-    evaluate
-        Function of the number of a test and coordinates (N, p), -1 to 1 in its box and starts, that
-        returns the curves (N, n, R) of runs there.
-    finer
-        Function of the number of a test and coordinates (p) that returns the curves (n, R) of a run
-        there with half the step.
-    hull
-        Part of the box (2, k) in which to look, -1 to 1.
-    data
-        Runs of each test that were made before; none if it is empty.
-    waves, most
-        Largest numbers of waves of runs, and of runs of each test; twice both where no point
-        explains.
-    notify
-        Called with messages."""
+    tests: at least one.
+    times: recorded instants (R) of runs in s, which span the instants of all tests and delays.
+    evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in its box and
+        starts, that returns the curves (N, n, R) of runs there.
+    finer: function of the number of a test and coordinates (p) that returns the curves (n, R) of a
+        run there with half the step.
+    hull: part of the box (2, k) in which to look, -1 to 1.
+    data: runs of each test that were made before; none if it is empty.
+    waves, most: largest numbers of waves of runs, and of runs of each test; twice both where no
+        point explains.
+    notify: called with messages."""
     state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves, most)

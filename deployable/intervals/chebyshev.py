@@ -5,8 +5,6 @@ are given per direction; a direction of order 0 does not enter.
 
 Source: Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 2-4."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

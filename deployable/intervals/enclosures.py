@@ -6,8 +6,6 @@ the vertices are its values there. Halving patches makes the enclosure sharp at 
 and a patch that cannot beat the best value known is dropped (Garloff 1985; Smith 2009). Where the
 extreme value sits in a corner, as for monotone responses, one patch is enough."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import comb
 
@@ -127,9 +125,8 @@ def _subdivide(dense, inner, tolerance, degrees):
     centre, half = np.zeros((total, k)), np.ones((total, k))
     budget = max(_WORK // int(np.prod(degrees + 1)), 2) * max(total, 16)
     vertices = np.ix_(*[[0, -1] if n else [0] for n in degrees])
-    signs = np.stack(
-        [g.ravel() for g in np.meshgrid(*[[-1, 1] if n else [0] for n in degrees], indexing="ij")]
-    ).T
+    grids = np.meshgrid(*[[-1, 1] if n else [0] for n in degrees], indexing="ij")
+    signs = np.stack([grid.ravel() for grid in grids]).T
     while len(owner):
         corner = patches[vertices].reshape(len(signs), -1)
         vertex = corner.argmax(axis=0)

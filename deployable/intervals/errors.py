@@ -1,7 +1,5 @@
 """The one error that this package raises for a wrong input."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any

@@ -12,8 +12,6 @@ differ in phase agree wherever they cross, so that an instant by itself can look
 a window of half a period or more cannot. Neither a comparison of two orders nor a count of samples
 outside the bounds is used: near collisions both saw nothing of errors of a tenth of the width."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

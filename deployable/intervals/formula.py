@@ -1,7 +1,5 @@
 """Functions of unit coordinates as tables of numbers, which other programs can evaluate."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,10 +24,10 @@ class Formula:
     scales: np.ndarray
     weights: np.ndarray
     kernel: str
-    root: Formula | None = None
+    root: "Formula | None" = None
     root_scale: float = 1.0
 
-    def shortfall(self, level: float) -> Formula:
+    def shortfall(self, level: float) -> "Formula":
         """Return the formula of `level` minus this function: above 0 where it is below that."""
         constant = np.zeros((1, self.indices.shape[1]), dtype=int)
         return replace(
@@ -40,7 +38,7 @@ class Formula:
         )
 
 
-def polynomial(surrogate: Surrogate) -> Formula:
+def polynomial(surrogate: Surrogate) -> "Formula":
     """Write a polynomial surrogate of one number, coefficients (M, 1), as a `Formula` (a table)."""
     k = surrogate.dimension
     points, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
@@ -49,7 +47,7 @@ def polynomial(surrogate: Surrogate) -> Formula:
 
 def cubes(
     points: np.ndarray, scales: np.ndarray, weights: np.ndarray, linear: np.ndarray
-) -> Formula:
+) -> "Formula":
     """Write a cubic spline as a table that other programs can evaluate: a linear function plus, for
     each of N points, its weight times the cubed distance from it. points (N, k), weights (N);
     scales (k): factors by which the differences in each direction are multiplied before the

@@ -8,8 +8,6 @@ Newton's iteration finds its one maximum. Every cell ends in one of these ways, 
 is missed: the result is as exact as the eigenvalues of the colleague matrix (Trefethen 2013,
 chapter 18) but needs no division by the leading coefficient and costs far less."""
 
-from __future__ import annotations
-
 from math import factorial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Models of the responses over the box, from which bounds are taken."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

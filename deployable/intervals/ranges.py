@@ -2,8 +2,6 @@
 
 `find_surrogate_range` is that of a polynomial, `to_range` that of anything else."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ m = d/r - 1 with d, r >= 0 grows without end where r vanishes, and polynomials f
 share h = r/(r + d) = 1/(2 + m), from 0 to 1, does not: its denominator vanishes nowhere. It falls
 with m: its bounds are those of m, each of the other side; its error is one at either."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which runs come next: where bounds are decided, and where they may be wider."""
 
-from __future__ import annotations
-
 import heapq
 from dataclasses import dataclass
 
@@ -77,25 +75,16 @@ def _nearest(points: np.ndarray, candidates: np.ndarray) -> np.ndarray:
 
 
 def seek_points(
-    points: np.ndarray,
-    values: np.ndarray,
-    count: int,
-    *,
-    candidates: int = 16384,
-    seed: int = 0,
+    points: np.ndarray, values: np.ndarray, count: int, *, candidates: int = 16384, seed: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the next points of an adaptive design: where a spline exceeds the bounds most.
 
     Parameters
     ----------
-    points, values
-        Points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
-    count
-        Largest number of points to be returned.
-    candidates
-        Number of points at which the spline is evaluated.
-    seed
-        Random seed of the candidates; should differ from iteration to iteration.
+    points, values: points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
+    count: largest number of points to be returned.
+    candidates: number of points at which the spline is evaluated.
+    seed: random seed of the candidates; should differ from iteration to iteration.
 
     Returns
     -------

@@ -64,13 +64,10 @@ def sensitivity_dataset(
 
     Parameters
     ----------
-    samples
-        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+    samples: runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
         (run, parameter).
-    design
-        Points among the runs, and the polynomials that are fitted to these runs.
-    responses
-        Names of the responses that are wanted; None: all.
+    design: points among the runs, and the polynomials that are fitted to these runs.
+    responses: names of the responses that are wanted; None: all.
 
     Returns
     -------
@@ -88,9 +85,8 @@ def sensitivity_dataset(
     surrogate = fit(design, data.values[match_points(design.points, data.points)])
     error = _error(data, design, surrogate)
     influence = measure_sensitivity(surrogate)
-    width, first, total = (
-        np.moveaxis(array, 0, 1) for array in (influence.width, influence.first, influence.total)
-    )
+    arrays = influence.width, influence.first, influence.total
+    width, first, total = (np.moveaxis(array, 0, 1) for array in arrays)
     wide, shares = np.zeros((2, *width.shape[:2]))
     for i, variance in enumerate(influence.variance):
         area = np.trapezoid(np.where(width[i] > error[i], width[i], 0.0), data.time)
@@ -123,20 +119,14 @@ def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     return widen(data.time, residuals.max(axis=0))
 
 
-def surrogate_dataset(
-    samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
-) -> xr.Dataset:
+def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
     """Compute the Chebyshev coefficients of every response at every instant, as a dataset.
 
     Parameters
     ----------
-    samples
-        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+    samples: runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
         (run, parameter).
-    design
-        Points among the runs, and the polynomials that are fitted to these runs.
-    responses
-        Names of the responses that are wanted; None: all.
+    design: points among the runs, and the polynomials that are fitted to these runs.
 
     Returns
     -------
@@ -146,9 +136,9 @@ def surrogate_dataset(
         coefficients."""
     import xarray as xr
 
-    data, indices = read_samples(samples, responses), design.multi_indices
+    data, indices = read_samples(samples), design.multi_indices
     variables: dict[str, tuple] = {
-        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"}),
+        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"})
     }
     if len(indices):
         rows = match_points(design.points, data.points)

@@ -6,8 +6,6 @@ dominant whatever the spacing (Green and Silverman, Nonparametric Regression, 19
 Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the linear functions, on
 which it is positive definite (Wendland 2005, chapter 8)."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy
 
@@ -28,9 +26,8 @@ def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
     first = np.sort(first)
     keep = np.ones(len(first), dtype=bool)
-    pairs = scipy.spatial.cKDTree(points[first]).query_pairs(
-        factor * (MIN_SPACING_ON_LINE if on_line else MIN_SPACING), output_type="ndarray"
-    )
+    radius = factor * (MIN_SPACING_ON_LINE if on_line else MIN_SPACING)
+    pairs = scipy.spatial.cKDTree(points[first]).query_pairs(radius, output_type="ndarray")
     for i, j in pairs[np.lexsort(pairs.T[::-1])]:
         keep[j] &= not keep[i]
     return first[keep]
@@ -115,15 +112,13 @@ class Polyharmonic:
         of the runs, then of the m linear functions."""
         coords = self._rotate(values)
         if len(coords) > self._extra:
-            coords[self._extra :] = scipy.linalg.cho_solve(
-                (self._root, True), coords[self._extra :]
-            )
+            rest = coords[self._extra :]
+            coords[self._extra :] = scipy.linalg.cho_solve((self._root, True), rest)
         coords[: self._extra] = 0.0
         weights = self._rotate(coords, inverse=True)
         rest = self._rotate(values - self._cubes @ weights)[: self._extra]
-        return np.concatenate(
-            [weights, scipy.linalg.solve_triangular(self._triangle[: self._extra], rest)]
-        )
+        trend = scipy.linalg.solve_triangular(self._triangle[: self._extra], rest)
+        return np.concatenate([weights, trend])
 
     def left_out(self, weights: np.ndarray) -> np.ndarray:
         """Leave-one-out errors (N, T) at the runs of T splines, from their weights (N + m, T);

@@ -4,8 +4,6 @@ A search that stops before it has converged, or begins at one point of several t
 good, ends where rounding decides: its bounds differ between processors by a thousand times the
 rounding. Each search here goes on until the next step can gain nothing above rounding."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .designs import spread_points

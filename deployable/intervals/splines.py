@@ -7,8 +7,6 @@ included. Where the response is smooth, its error falls slower than a polynomial
 it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (Cambridge 2005),
 chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_equations.py."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

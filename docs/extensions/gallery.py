@@ -1,7 +1,6 @@
 """The gallery: every structure of the library, moving, made by the export when the site is built.
 
-`-D gallery_moves=0` draws stills instead, which simulates nothing.
-"""
+`-D gallery_moves=0` draws stills instead, which simulates nothing."""
 
 import re
 import sys

@@ -1,8 +1,6 @@
 """Links of the glossary's terms: each at its first use in the text of a page, to its row of
 docs/terms.md, with its meaning as the title."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

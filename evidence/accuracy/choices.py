@@ -4,10 +4,7 @@ The paper's linkage is run with many meshes, steps, factors on the rotational in
 of the mass, and compared with a reference of 80 elements a link, whose step is more than twenty
 times shorter than that of 12. Errors are told apart by phase of the motion: before the first
 closure, between the closures, after the second; past an impact the curves of a finer mesh still
-differ, and by how much two equally good runs differ is measured by changing the step a little.
-"""
-
-from __future__ import annotations
+differ, and by how much two equally good runs differ is measured by changing the step a little."""
 
 import time
 from dataclasses import dataclass
@@ -58,8 +55,7 @@ class Result:
 def weights(kind: str, elements: int) -> np.ndarray:
     """Shares (n+1,) of an element's mass: trapezium rule, or Gregory's of second or third order.
 
-    Second order with the end shift n / (12 (n - 1)), which keeps the link's inertia exact.
-    """
+    Second order with the end shift n / (12 (n - 1)), which keeps the link's inertia exact."""
     shares = end_weights(elements, 2 if kind == "gregory-3" else 0)
     if kind == "gregory-2":
         shift = elements / (12 * (elements - 1))

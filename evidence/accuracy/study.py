@@ -1,7 +1,5 @@
 """The study of speed against accuracy: its rows, the table of all choices, its plot."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 

@@ -4,5 +4,4 @@
 
 kills processes, fills the disk, damages and swaps files, mutates configs, says structures in other
 words, and changes the code to see whether the tests notice.
-`ledger` counts; docs/trust.md tells what came out, and what is promised.
-"""
+`ledger` counts; docs/trust.md tells what came out, and what is promised."""

@@ -1,7 +1,5 @@
 """All attacks for a time, and what they came to."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import random
@@ -75,9 +73,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--code", nargs="+", default=("*",), help="files that mutants change")
     parser.add_argument("--output", type=Path, default=Path("results", "attack"))
     options = parser.parse_args(arguments)
-    ledger, hunt = attack(
-        tuple(options.only), options.minutes, options.seed, options.output, tuple(options.code)
-    )
+    values = options.minutes, options.seed, options.output, tuple(options.code)
+    ledger, hunt = attack(tuple(options.only), *values)
     summary = {
         "minutes": options.minutes,
         "seed": options.seed,

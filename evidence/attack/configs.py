@@ -1,7 +1,5 @@
 """Configs changed at random: refused in words and at once, or run without a traceback."""
 
-from __future__ import annotations
-
 import copy
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Files damaged, cut off and swapped: told by name and made again, never used."""
 
-from __future__ import annotations
-
 import random
 import shutil
 from collections.abc import Callable
@@ -99,8 +97,7 @@ def attack_files(
 def _finish_run(victim: Victim, folder: Path, path: Path, is_whole: bool) -> str:
     """What a whole run makes of a damaged folder, at once or after single stages.
 
-    Whoever reads the file first has to name it.
-    """
+    Whoever reads the file first has to name it."""
     stages, is_refused = Folder(folder), False
     sections = check_config(victim.raw)
     workflow = Workflow(sections, folder.parent)

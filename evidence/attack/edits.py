@@ -1,10 +1,7 @@
 """Edits of single places of the program or of a structure's own files, after which a campaign that
 was run before is run again: it must be the campaign that is run from scratch.
 
-Edits are those of `mutants`, in functions that the campaign calls, and in a copy of the program.
-"""
-
-from __future__ import annotations
+Edits are those of `mutants`, in functions that the campaign calls, and in a copy of the program."""
 
 import ast
 import json
@@ -98,8 +95,7 @@ class Edits:
     ) -> tuple[list[dict[str, Any]], list]:
         """What the campaigns give in some folders, and the functions that were called or compiled.
 
-        cache: the folder for what is compiled; options: what else is asked of the process.
-        """
+        cache: the folder for what is compiled; options: what else is asked of the process."""
         scene = {"file": str(self.structure / "linkage.py")}
         raws = [
             {**raw, "campaign": name, "scene": scene}
@@ -177,8 +173,7 @@ class Edits:
         campaign was run so many times, and that runs it once more; `holds` its config, checked.
 
         `says` is what that gives: "new", as from scratch, the error that refuses it, or "old".
-        `stale` is what a fresh process does not make anew after that.
-        """
+        `stale` is what a fresh process does not make anew after that."""
         whole, folders = {"prefix": "kept-whole", "whole": True}, ["session"] * (runs + 1)
         for name in ("session", "numba-session"):
             shutil.rmtree(self.place / name, ignore_errors=True)
@@ -213,8 +208,7 @@ class Edits:
         these names were edited.
 
         From scratch means that nothing is compiled, too, if one of them is. What is compiled then
-        serves the other one as well, but never in the place of what has been compiled before.
-        """
+        serves the other one as well, but never in the place of what has been compiled before."""
         shutil.rmtree(self.place / "scratch", ignore_errors=True)
         if not any(name.startswith(KERNELS) for name in names):
             return self._run(folder, "scratch", cache=cache, **options)[0] or [NO_ANSWER] * 2

@@ -1,7 +1,6 @@
 """Runs campaigns of `edits` with the program as it is, in a process of its own each time.
 
-It knows nothing of the program until then; what others wrote is imported once.
-"""
+It knows nothing of the program until then; what others wrote is imported once."""
 
 import gc
 import hashlib

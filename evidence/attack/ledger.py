@@ -1,7 +1,5 @@
 """What attacks lead to, counted: nothing may be wrong, stuck, a traceback or a hang."""
 
-from __future__ import annotations
-
 import signal
 import traceback
 from collections import Counter
@@ -43,8 +41,7 @@ class Ledger:
     def attempt(self, attack: str, detail: str, limit: float, act: Callable[[], str]) -> None:
         """Count what an attack leads to: what `act` says, or its exception, or the time limit (s).
 
-        In the main thread only.
-        """
+        In the main thread only."""
         try:
             with time_limit(limit):
                 outcome = act()

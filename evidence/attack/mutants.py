@@ -1,7 +1,5 @@
 """Single changes of the code, and whether the tests notice them."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import os
@@ -53,8 +51,7 @@ class Hunt:
     def try_mutant(self, place: Path) -> None:
         """Change one place of the code in a copy of the checkout, and run the tests there.
 
-        place: the folder of the copy, made once and kept.
-        """
+        place: the folder of the copy, made once and kept."""
         if self._place != place:
             make_copy(place)
             self._place = place
@@ -66,8 +63,7 @@ class Hunt:
     def find_detector(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
         """What notices another text of a file in a copy: the first test that fails, or the time.
 
-        Only files of tests count that pass as the code is.
-        """
+        Only files of tests count that pass as the code is."""
         content = path.read_bytes()
         for mark, files in stages(tests):
             self._try_original(place, mark, files)
@@ -166,9 +162,8 @@ def failed_of(place: Path, mark: str, tests: list[str], first: bool = False) -> 
     if process.returncode in (0, NO_TESTS):
         return []
     failures = [x for x in process.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
-    return [line.split(" - ")[0] for line in failures] or [
-        f"{' '.join(tests)}: {process.stdout[-300:]}"
-    ]
+    text = f"{' '.join(tests)}: {process.stdout[-300:]}"
+    return [line.split(" - ")[0] for line in failures] or [text]
 
 
 NO_TESTS = 5

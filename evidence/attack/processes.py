@@ -1,7 +1,5 @@
 """Processes killed and disks full: nothing half written is published, and all goes on."""
 
-from __future__ import annotations
-
 import os
 import random
 import resource

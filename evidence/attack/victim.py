@@ -1,7 +1,5 @@
 """The campaign that is attacked: a small one, run once, and what it must always give."""
 
-from __future__ import annotations
-
 import copy
 import shutil
 from collections.abc import Callable

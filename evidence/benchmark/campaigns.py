@@ -1,7 +1,6 @@
 """Where the wall time of a campaign goes, from Snakemake's own record of its jobs.
 
-Each is run in a folder of its own, after a small one that compiles and warms the disk.
-"""
+Each is run in a folder of its own, after a small one that compiles and warms the disk."""
 
 import json
 import os
@@ -121,8 +120,7 @@ def time_campaign(
 ) -> tuple[list[Row], float]:
     """Rows of the paper's campaign, or of a scan, once what it needs is warm; wall seconds first.
 
-    And the share of the cores' time that they integrate.
-    """
+    And the share of the cores' time that they integrate."""
     with warm(samples, keep, cores) as (folder, config):
         dry = snakemake(folder, config, cores, "--dry-run")
         origin, cpu_start = time.time(), cpu_of_children()

@@ -72,8 +72,7 @@ def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
     """Two batches one after the other against two at once, in threads; wall time.
 
     The same with multiply-adds in registers, which no program can do better, tells what the machine
-    has to give at that time.
-    """
+    has to give at that time."""
     name, unit = "two cores against one", "x"
     if len(os.sched_getaffinity(0)) < 2:
         return [skip_row(name, "needs a machine with two cores", unit)]

@@ -1,7 +1,5 @@
 """The time loop as plain Python, with other operations on lanes than the compiled ones."""
 
-from __future__ import annotations
-
 import sys
 import types
 from collections.abc import Callable, Mapping
@@ -31,8 +29,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     """Make fpm run its kernels as Python, with `operations` in the place of those of their names.
 
     in_part(name, function): what each kernel that the loop calls is replaced by. RuntimeError
-    if numba compiles.
-    """
+    if numba compiles."""
     import numba
 
     from fpm.kernels import compiled_loop, hooks, lanes, references, sources, vectors

@@ -48,15 +48,13 @@ def describe() -> dict:
 def counts(elements: int = 12, steps: int = 50) -> dict:
     """Vector operations of a step of the linkage (operations.py), counted in another process."""
     argument = (str(elements), str(steps))
-    return json.loads(
-        python("-m", "evidence.benchmark.operations", *argument, NUMBA_DISABLE_JIT="1")
-    )
+    words = "-m", "evidence.benchmark.operations", *argument
+    return json.loads(python(*words, NUMBA_DISABLE_JIT="1"))
 
 
 def times(steps: int, repeats: int, elements: int, rounds: int = 100_000) -> tuple[float, ...]:
     """Nanoseconds of a multiply-add among independent ones and after another (throughput, latency),
-    of a round of the mixture, and of a step of eight linkages, without setting up; in turns.
-    """
+    of a round of the mixture, and of a step of eight linkages, without setting up; in turns."""
     scenes = linkages(8, elements)
     step, fewer = stable(scenes), steps // 10
     independent, dependent, mixture = functions()
@@ -88,9 +86,8 @@ def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
     count = beam_count(linkages(1, elements)[0])
     a_cycle = min(AGAINST_FLOOR, key=lambda n: abs(n - latency / throughput / LATENCY))
     shares = tally["multiplications"].items()
-    parts = ", ".join(
-        f"{name} {100 * n / multiplies:.0f} %" for name, n in shares if n > 0.005 * multiplies
-    )
+    percentages = [(name, 100 * n / multiplies) for name, n in shares]
+    parts = ", ".join(f"{name} {x:.0f} %" for name, x in percentages if x > 0.5)
     detail = ", ".join(f"{value:.0f} {name}" for name, value in ops.items())
     return [
         info("vector multiply-add, throughput", throughput, "ns",

@@ -7,14 +7,12 @@ IN_A_ROUND = 12
 
 MIXTURE = {"fma": 240, "multiply": 160, "add": 100, "divide": 3, "root": 2}
 """Operations of a round of `mixture`, in the proportions of a step of the linkage (operations.py):
-processors that add where they multiply, or that divide slowly, take longer for it.
-"""
+processors that add where they multiply, or that divide slowly, take longer for it."""
 
 
 def functions():
     """Compiled loops over n rounds: of 12 independent multiply-adds, of one that depends on the
-    last, and of a mixture of operations of which enough are independent.
-    """
+    last, and of a mixture of operations of which enough are independent."""
     from numba import njit
 
     from fpm.kernels.lanes import load, sqrt, store

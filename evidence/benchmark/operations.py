@@ -3,8 +3,7 @@
     NUMBA_DISABLE_JIT=1 python -m evidence.benchmark.operations [elements a link [steps]]
 
 prints them as JSON, per step. A product that is added to something counts as one fused operation,
-as the compiler makes it; of two products that are added, one is fused.
-"""
+as the compiler makes it; of two products that are added, one is fused."""
 
 import json
 import sys

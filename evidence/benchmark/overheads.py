@@ -50,9 +50,8 @@ def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int
     time_axis, lines = np.linspace(0, 1, instants), np.arange(1, responses + 1)
     x = design.points[:, :1, None]
     values = np.sin(lines * (1 + x) * time_axis[:, None]) + np.abs(x - 0.3 * time_axis[:, None])
-    seconds = best(
-        {"both": lambda: find_surrogate_range(fit(design, values))}, repeats, time.perf_counter
-    )
+    work = {"both": lambda: find_surrogate_range(fit(design, values))}
+    seconds = best(work, repeats, time.perf_counter)
     name = f"surrogate and bounds, {instants} instants x {responses} responses, order {order}"
     return [at_most(name, seconds["both"], 1.0, unit="s")]
 

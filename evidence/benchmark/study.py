@@ -1,7 +1,5 @@
 """The benchmark: its parts, the machine, and a plot of what a sample and each element kind cost."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from evidence import plots

@@ -1,7 +1,5 @@
 """What the calibration's scans say: its checks, and how sharp the fit is."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -27,9 +25,8 @@ def near_to(name, value, reference, share, source, note="") -> Row:
 @cache
 def rigid_closings(stiffness: float) -> np.ndarray:
     """Closing times (s) of the rigid linkage with this K_F (N/rad) in the time of the paper."""
-    run = RigidBennett(spring_stiffness=stiffness).simulate(
-        default("start"), np.linspace(0.0, DURATION, 11), tolerance=1e-7
-    )
+    model, times = RigidBennett(spring_stiffness=stiffness), np.linspace(0.0, DURATION, 11)
+    run = model.simulate(default("start"), times, tolerance=1e-7)
     return run["closings"]
 
 

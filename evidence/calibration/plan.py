@@ -1,7 +1,5 @@
 """The readings of the paper that are tried, and over which values of K_F."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -43,9 +41,8 @@ def meshes() -> Plan:
 
 def starts() -> Plan:
     """Other starts, those of the paper's angle μ_B among them."""
-    readings = [
-        (Reading(f"start {s:g}°", (("start", s),)), GRID) for s in STARTS if s != default("start")
-    ]
+    starts = [start for start in STARTS if start != default("start")]
+    readings = [(Reading(f"start {s:g}°", (("start", s),)), GRID) for s in starts]
     for label, angle in (("half", MU_B), ("whole", MU_B / 2)):
         start = round(start_of_half_angle(angle), 6)
         reading = Reading(f"start at μ_B as {label} angle at B", (("start", start),))
@@ -64,8 +61,7 @@ def supports() -> Plan:
 def start_of_half_angle(degrees: float) -> float:
     """Start (degrees) at which half the angle between two bars' axes at B is `degrees`.
 
-    The reading of mu_B = 22.5° as the angle from which the paper starts.
-    """
+    The reading of mu_B = 22.5° as the angle from which the paper starts."""
     from scipy.optimize import brentq
 
     geometry = bennett_geometry(default("L"), SIDE, default("roll"), default("mu"))

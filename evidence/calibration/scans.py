@@ -2,10 +2,7 @@
 
 The paper's campaign (side a ± 1 %, four Chebyshev roots, exact range of the cubic at each instant,
 1 s) is repeated over K_F, and under every other open reading: start, supports, mesh, step.
-docs/calibration.md says what came out.
-"""
-
-from __future__ import annotations
+docs/calibration.md says what came out."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -47,8 +44,7 @@ class Numbers:
 
     largest and times: response -> largest difference of the bounds and its time (s); first_width:
     the same before any sample's first closure; closures: one tuple of times (s) for each of the
-    samples; step (s).
-    """
+    samples; step (s)."""
 
     K_F: float
     largest: dict[str, float]

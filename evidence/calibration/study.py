@@ -1,7 +1,5 @@
 """The study that fits K_F: its parts, its records, its tables and plots."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial

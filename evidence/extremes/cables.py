@@ -1,14 +1,16 @@
 """Extremes of cables: stiff and soft, slack and barely tight, light bodies, points that meet.
 
 Each case runs at the default step; if it is refused, the message must name a remedy, which is
-tried: shares of the stable step down to 2 %. Then it is judged by a closed form.
-"""
+tried: shares of the stable step down to 2 %. Then it is judged by a closed form."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 import fpm
+from evidence.extremes import attempts
+from evidence.extremes.attempts import must_refuse
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.rows import Row, at_most, refusal
 
@@ -32,19 +34,12 @@ def hanging_mass(EA: float, mass: float = 1.0, start: float = 0.9, **options) ->
     return scene
 
 
-def attempt(name: str, scene: fpm.Scene, duration: float):
-    """(rows of failures, name with what helped, outcome or None)."""
-    rows, limit = [], fpm.find_stable_step(scene).step
-    for share in SHARES:
-        (outcome,) = fpm.simulate(
-            scene, duration=duration, instants=201, step=share * limit, energy_tolerance=TOLERANCE
-        )
-        if outcome.failure is None:
-            label = name if share == SHARES[0] else f"{name}, at {share:g} of the limit"
-            return rows, label, outcome
-        if not rows:
-            rows.append(refusal(name, outcome.failure))
-    return rows, name, None
+def attempt(rows: list[Row], name: str, scene: fpm.Scene, duration: float):
+    """Name with what helped, and outcome or None, of a run at shares of the stable step."""
+    limit = fpm.find_stable_step(scene).step
+    steps = [(f", at {share:g} of the limit", share * limit) for share in SHARES]
+    options = {"instants": 201, "energy_tolerance": TOLERANCE}
+    return attempts.attempt(rows, name, scene, duration, steps, **options)
 
 
 def check_bounces() -> list[Row]:
@@ -56,8 +51,7 @@ def check_bounces() -> list[Row]:
         fall, rate = np.sqrt(0.2 / G), np.sqrt(EA / mass)
         contact = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
         period = 2 * fall + contact
-        failures, name, outcome = attempt(name, hanging_mass(EA, mass), 1.5 * period + fall)
-        rows += failures
+        name, outcome = attempt(rows, name, hanging_mass(EA, mass), 1.5 * period + fall)
         if outcome is None:
             continue
         tight = outcome.events[outcome.events[:, 2] == 0, 0]
@@ -149,12 +143,7 @@ def refusals() -> list[Row]:
     rows = []
     for options in ({"rest": 0.0}, {"rest": float("nan")}, {"preload": -1.0}, {"preload": np.inf}):
         name = ", ".join(f"{k} = {v:g}" for k, v in options.items())
-        try:
-            hanging_mass(1e4, **options)
-        except fpm.SceneError as error:
-            rows.append(refusal(f"cable, {name}", error))
-        else:
-            rows.append(Row(f"cable, {name}", "built", passed=False, source="fpm.SceneError"))
+        rows.append(must_refuse(f"cable, {name}", partial(hanging_mass, 1e4, **options)))
     scene = fpm.Scene("meeting", gravity=(0, 0, -1e-3))
     places = [(0.0, 0, 0), (0.9999, 0, 0), (1, 0, 0)]
     points = [int(p) for p in scene.add_particles(places, 1.0, 1.0)]

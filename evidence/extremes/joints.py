@@ -1,8 +1,7 @@
 """Extremes of joints solved together: light on heavy, stiff on soft, long, redundant, flat.
 
 Rods of rigid bodies or bars hang and swing in a plane; each case is judged by the closed form of
-its rods. What is refused is tried again with smaller steps, as its message says.
-"""
+its rods. What is refused is tried again with smaller steps, as its message says."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 import fpm
-from evidence.rows import Row, at_most, refusal
+from evidence.extremes import attempts
+from evidence.rows import Row, at_most
 
 G = 9.81
 WIDE = 0.5  # rad
@@ -52,9 +52,8 @@ def add_rod(scene: fpm.Scene, rod: Rod, start, end) -> tuple[int, int]:
     start, end = np.asarray(start, float), np.asarray(end, float)
     if rod.E is not None:
         material = fpm.Material(rod.E, 0.3, rod.mass / (rod.length * SIDE**2))
-        link = scene.add_link(
-            start, end, (0, 1, 0), fpm.Section.square(SIDE), material, rod.elements
-        )
+        section = fpm.Section.square(SIDE)
+        link = scene.add_link(start, end, (0, 1, 0), section, material, rod.elements)
         return int(link.particles[0]), int(link.particles[-1])
     x = (end - start) / np.linalg.norm(end - start)
     frame = np.column_stack([x, np.cross((0, 1, 0), x), (0, 1, 0)])
@@ -67,8 +66,7 @@ def slowest(rods: Sequence[Rod]) -> tuple[float, np.ndarray]:
     """Angular frequency (rad/s) and shape (n,) of the slowest small swing of rods that hang.
 
     With the angles of all rods to the vertical: masses by the velocities of the centres, and the
-    weights' potential energy.
-    """
+    weights' potential energy."""
     from scipy.linalg import eigh
 
     lengths, masses = np.array([rod[:2] for rod in rods]).T
@@ -101,7 +99,7 @@ def swings(name: str, rods: Sequence[Rod]) -> list[Row]:
     """The end of a chain against the cosine of its slowest swing, for a quarter of it."""
     scene, rate = chain(rods)
     duration = np.pi / 2 / rate
-    rows, label, outcome = attempt(name, scene, duration)
+    label, outcome = attempt(rows := [], name, scene, duration)
     if outcome is None:
         return rows
     x = outcome.points["end"][0][:, 0]
@@ -113,20 +111,12 @@ def swings(name: str, rods: Sequence[Rod]) -> list[Row]:
     return rows
 
 
-def attempt(name: str, scene: fpm.Scene, duration: float):
-    """(rows of refusals, name with what helped, outcome or None)."""
-    rows: list[Row] = []
+def attempt(rows: list[Row], name: str, scene: fpm.Scene, duration: float):
+    """Name with what helped, and outcome or None, of a run in more and more steps."""
     limit = 0.9 * fpm.find_stable_step(scene).step
-    for steps in STEPS:
-        (outcome,) = fpm.simulate(
-            scene, duration=duration, instants=101, step=min(limit, duration / steps),
-            energy_tolerance=0.005,
-        )  # fmt: skip
-        if outcome.failure is None:
-            return rows, name if not rows else f"{name}, in {outcome.steps} steps", outcome
-        if not rows:
-            rows.append(refusal(name, outcome.failure))
-    return rows, name, None
+    steps = [(", in {steps} steps", min(limit, duration / count)) for count in STEPS]
+    options = {"instants": 101, "energy_tolerance": 0.005}
+    return attempts.attempt(rows, name, scene, duration, steps, **options)
 
 
 def widest(outcome: fpm.Outcome) -> float:
@@ -139,8 +129,7 @@ def widest(outcome: fpm.Outcome) -> float:
 def light_and_heavy() -> list[Row]:
     """Two rods, one up to a million times heavier; light rods pull at heavy bars and back.
 
-    What double precision cannot resolve is refused when a run begins (fpm.solver.start).
-    """
+    What double precision cannot resolve is refused when a run begins (fpm.solver.start)."""
     rows = []
     for top, bottom in ((1, 1), (1, 1e-3), (1, 1e-6), (1e-3, 1), (1e-6, 1)):
         name = f"rod of {bottom:g} kg below one of {top:g} kg"
@@ -154,25 +143,22 @@ def light_and_heavy() -> list[Row]:
 def stiff_and_soft() -> list[Row]:
     """Two bars as stiff as nothing is, one of these and a soft one, and two that bend as they fall.
 
-    The last ones have no closed form; they are held against four times as many elements.
-    """
+    The last ones have no closed form; they are held against four times as many elements."""
     rows = []
     for top, bottom in ((1e10, 1e10), (1e13, 1e13), (1e13, 1e8), (1e8, 1e13)):
         name = f"bars of E = {top:g} and {bottom:g} Pa"
         rows += swings(name, [Rod(1, 0.1, top), Rod(1, 0.1, bottom)])
     for E in (1e4, 1e5, 1e6):
         name, duration = f"two bars of E = {E:g} Pa", 0.5
-        attempts = [
-            attempt(name, chain([Rod(1, 0.1, E, elements)] * 2, WIDE)[0], duration)
-            for elements in (8, 32)
-        ]
-        rows += attempts[0][0]
-        if None in (outcomes := [outcome for _, _, outcome in attempts]):
+        scenes = [chain([Rod(1, 0.1, E, elements)] * 2, WIDE)[0] for elements in (8, 32)]
+        label, coarse = attempt(rows, name, scenes[0], duration)
+        _, fine = attempt([], name, scenes[1], duration)
+        if coarse is None or fine is None:
             continue
-        x, finer = (outcome.points["end"][0] for outcome in outcomes)
+        x, finer = (outcome.points["end"][0] for outcome in (coarse, fine))
         error = float(np.abs(x - finer).max() / np.ptp(finer, axis=0).max())
-        note = f"gap {widest(outcomes[0]):.1g} m"
-        rows.append(at_most(f"{attempts[0][1]}: motion", error, SOFT, "32 elements for 8", note))
+        note = f"gap {widest(coarse):.1g} m"
+        rows.append(at_most(f"{label}: motion", error, SOFT, "32 elements for 8", note))
     return rows
 
 
@@ -221,7 +207,7 @@ def pendulum(rate2: float, angle: float, time: np.ndarray) -> np.ndarray:
 def fall(name: str, cranks: int, angle: float, offset: float = 0.0, allowed: float = RIGHT):
     """A parallelogram swings as a pendulum; what contradicts itself is refused."""
     duration = 1.0
-    rows, label, outcome = attempt(name, parallelogram(cranks, angle, offset), duration)
+    label, outcome = attempt(rows := [], name, parallelogram(cranks, angle, offset), duration)
     if outcome is None:
         return rows
     exact = pendulum(rate2(cranks), angle, outcome.time)
@@ -249,8 +235,7 @@ def redundant() -> list[Row]:
 def flat() -> list[Row]:
     """Cranks that start near the position in which all pins lie on a line, and that go through it.
 
-    There the linkage could go on as a crossed one; its motion decides.
-    """
+    There the linkage could go on as a crossed one; its motion decides."""
     rows = []
     for short in (1e-2, 1e-4, 1e-6, 0.0):
         rows += fall(f"two cranks {short:g} rad below flat", 2, np.pi / 2 - short)
@@ -270,8 +255,7 @@ def far_slides() -> list[Row]:
         scene.add_joint("rail", "prismatic", (ground, body), (1, 0, 0), direction)
         scene.add_point("body", body)
         duration = float(np.sqrt(2 * distance / (0.8 * G)))
-        failures, label, outcome = attempt(f"slides by {distance:g} m", scene, duration)
-        rows += failures
+        label, outcome = attempt(rows, f"slides by {distance:g} m", scene, duration)
         if outcome is None:
             continue
         errors = outcome.points["body"][0] - 0.4 * G * outcome.time[:, None] ** 2 * direction

@@ -3,22 +3,13 @@
 A run of the default mesh and step is compared with a reference. If it is refused, that counts as
 passed (the message must name a remedy), and the remedy is tried: the step is halved and the mesh
 refined until the run goes through, and then it is compared like any other; or until the refusal is
-one that no mesh or step helps against.
-"""
+one that no mesh or step helps against."""
 
 import numpy as np
 
 import fpm
+from evidence.linkage import runs
 from evidence.linkage.rigid import RigidBennett
-from evidence.linkage.runs import (
-    closing_time,
-    complete,
-    curves,
-    distance,
-    first_closing,
-    imbalance,
-    simulate,
-)
 from evidence.rows import Row, at_most, refusal
 
 DEFAULT = (12, 0.9)
@@ -29,8 +20,7 @@ LINE_ACCURACY = (0.002, 0.05)
 """Accuracy of BD and of B's velocity, as shares of their ranges: links that stay nearly straight.
 
 The velocity carries waves of all lengths, which the release of the springs starts, finer than any
-mesh; BD is their integral over time.
-"""
+mesh; BD is their integral over time."""
 
 CURVE_ACCURACY = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
@@ -40,15 +30,14 @@ WHIP = (0.05, 0.15)
 
 RATTLE = (0.15, 0.2)
 """The same after thin links have shut and sprung open several times: every impact multiplies what
-the runs differ by, and finer meshes only put that off (docs/extremes.md).
-"""
+the runs differ by, and finer meshes only put that off (docs/extremes.md)."""
 
 
 def attempt(duration: float, mesh: tuple[int, float], parameters: dict, **options):
     """(outcome, None), or (None, the error that refuses the run)."""
     elements, safety = mesh
     try:
-        outcome = simulate(duration, safety=safety, elements=elements, **parameters, **options)
+        outcome = runs.simulate(duration, safety=safety, elements=elements, **parameters, **options)
     except fpm.SceneError as error:
         return None, error
     return (None, outcome.failure) if outcome.failure else (outcome, None)
@@ -58,7 +47,7 @@ def rigid(parameters: dict, times: np.ndarray) -> tuple[dict[str, np.ndarray], f
     """Curves of the rigid linkage and the time of its first closure."""
     names = {"L": "length", "a": "side", "rho": "density", "K_F": "spring_stiffness",
              "K_C": "contact_stiffness"}  # fmt: skip
-    p = complete(parameters)
+    p = runs.complete(parameters)
     model = RigidBennett(**{names[k]: p[k] for k in names})
     result = model.simulate(p["start"], times)
     closing = result["closings"][0] if len(result["closings"]) else np.inf
@@ -68,8 +57,8 @@ def rigid(parameters: dict, times: np.ndarray) -> tuple[dict[str, np.ndarray], f
 def compare(name, outcome, expected, end, accuracy, source) -> list[Row]:
     """Judge BD and B's velocity of one outcome against curves up to a time (s)."""
     window = outcome.time <= end
-    errors = distance(curves(outcome), expected, window)
-    note = f"energy {imbalance(outcome):.1g}, {outcome.steps} steps"
+    errors = runs.distance(runs.curves(outcome), expected, window)
+    note = f"energy {runs.imbalance(outcome):.1g}, {outcome.steps} steps"
     return [
         at_most(f"{name}: {curve}", error, allowed, source, note)
         for curve, error, allowed in zip(("BD", "velocity of B"), errors, accuracy, strict=True)
@@ -107,13 +96,12 @@ def judge(
     the first closure, as shares of their ranges; accuracy: how large they may be.
 
     reference: "rigid" (the equation of motion of one degree of freedom) or "finer" (twice the
-    elements, half the share of the step). is_whole_run: judge the whole run, impact and all.
-    """
-    duration = duration or (1.25 if is_whole_run else 1.0) * closing_time(**parameters)
+    elements, half the share of the step). is_whole_run: judge the whole run, impact and all."""
+    duration = duration or (1.25 if is_whole_run else 1.0) * runs.closing_time(**parameters)
     rows, name, mesh, outcome = persist(name, duration, parameters)
     if outcome is None:
         return rows
-    closing = first_closing(outcome)
+    closing = runs.first_closing(outcome)
     if reference == "rigid":
         expected, expected_closing = rigid(parameters, outcome.time)
         source = "rigid linkage, evidence/linkage/rigid.py"
@@ -121,7 +109,7 @@ def judge(
         finer, error = attempt(duration, (2 * mesh[0], mesh[1] / 2), parameters)
         if finer is None:
             return [*rows, Row(name, "no reference", passed=False, note=str(error))]
-        expected, expected_closing = curves(finer), first_closing(finer)
+        expected, expected_closing = runs.curves(finer), runs.first_closing(finer)
         source = f"{2 * mesh[0]} elements, half the share of the limit"
     end = duration if is_whole_run else 0.98 * min(closing, expected_closing)
     return rows + compare(name, outcome, expected, end, accuracy, source)

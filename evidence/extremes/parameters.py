@@ -1,9 +1,11 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
-import fpm
+from functools import partial
+
+from evidence.extremes.attempts import must_refuse
 from evidence.extremes.judge import CURVE_ACCURACY, RATTLE, WHIP, judge
 from evidence.linkage.runs import build
-from evidence.rows import Row, refusal
+from evidence.rows import Row
 
 
 def materials() -> list[Row]:
@@ -60,17 +62,10 @@ def stiffnesses() -> list[Row]:
 
 def refusals() -> list[Row]:
     """Values that make no structure: refused when the scene is built."""
-    rows = []
-    for parameters in (
+    wrong = (
         {"nu": -1.0}, {"nu": 0.51}, {"E": 0.0}, {"E": -1e9}, {"rho": 0.0}, {"a": 0.0},
         {"K_C": -1.0}, {"K_F": float("nan")}, {"E": float("inf")}, {"elements": 1},
         {"start": 121.0}, {"inertia": 0.5}, {"inertia": 1e3}, {"a": 0.6}, {"damping": -1.0},
-    ):  # fmt: skip
-        name = ", ".join(f"{k} = {v:g}" for k, v in parameters.items())
-        try:
-            build(**parameters)
-        except fpm.SceneError as error:
-            rows.append(refusal(name, error))
-        else:
-            rows.append(Row(name, "built", passed=False, source="fpm.SceneError"))
-    return rows
+    )  # fmt: skip
+    names = [", ".join(f"{k} = {v:g}" for k, v in parameters.items()) for parameters in wrong]
+    return [must_refuse(n, partial(build, **p)) for n, p in zip(names, wrong, strict=True)]

@@ -1,8 +1,7 @@
 """Extremes of what holds openings exactly: light and heavy bodies, impacts, steps far too long.
 
 Two rods in a chain on a pin, of which the second turns. Nothing is elastic, so that a step is what
-is asked for: the turn in one is told.
-"""
+is asked for: the turn in one is told."""
 
 import numpy as np
 
@@ -29,8 +28,7 @@ def chain(
 ) -> fpm.Scene:
     """Rods of 1 m and masses (kg) along x. The second turns against the first at a rate (rad/s),
     up to a latch (rad), or until friction of a moment (N m) has stopped it; the first is held until
-    a time (s). A third rod is on a motor along a curve (s, rad).
-    """
+    a time (s). A third rod is on a motor along a curve (s, rad)."""
     scene = fpm.Scene("chain")
     m1, m2 = masses
     places = [(0, 0, 0), (0.5, 0, 0), (1.5, 0, 0), (0.5, 0, 5)]
@@ -157,6 +155,5 @@ def contradictions() -> list[Row]:
 
 def study() -> list[Row]:
     """All rows."""
-    return [
-        row for part in (impact_rows, shares, friction, motors, contradictions) for row in part()
-    ]
+    parts = impact_rows, shares, friction, motors, contradictions
+    return [row for part in parts for row in part()]

@@ -25,8 +25,7 @@ CLOSURE = 120.0
 
 WAVES = (0.002, 0.1)
 """Accuracy of BD and of B's velocity where the linkage moves by micrometres, and waves in its links
-as much.
-"""
+as much."""
 
 
 def rest(name: str, parameters: dict, tolerance: float = 1e-9) -> Row:
@@ -202,8 +201,5 @@ def intervals() -> list[Row]:
     box = box_of(K_F=(5.0, 5.0), a=(0.035, 0.035))
     bounds, count = bounds_of_bd(box, 3)
     (curve,) = curves_of_bd(box.names, [[5.0, 0.035]])
-    worst, name = (
-        deviation(bounds, curve, curve),
-        "intervals of zero width: bounds of BD (m)",
-    )
+    worst, name = (deviation(bounds, curve, curve), "intervals of zero width: bounds of BD (m)")
     return [*rows, at_most(name, worst, 1e-12, "the run itself", f"{count} run")]

@@ -61,8 +61,7 @@ def contacts(fast: bool) -> Iterator[Case]:
     """Shut contacts: their limit is that of springs of the same stiffness that hold both ways.
 
     A contact itself opens when a growing motion lifts it off, which hides the growth. Its step is
-    that of a spring FINER² times as stiff, for its impacts.
-    """
+    that of a spring FINER² times as stiff, for its impacts."""
     for stiffness in (1e5, 1e8) if fast else (1e4, 1e5, 1e6, 1e7, 1e8):
         for elements in (2, 4, 8) if fast else (2, 4, 8, 16):
             common = {"start": 120.0, "elements": elements}

@@ -1,7 +1,5 @@
 """The study of extremes: every row is accurate as stated, a clear refusal, or a failing row."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

@@ -1,8 +1,7 @@
 """The true stability limit of a scene, found by bisection on whether a run breaks down.
 
 Above the limit the fastest mode grows by exp(2 arccosh(step / limit)) a step, so from rounding it
-passes any bound within some hundred steps even at 1.001 times the limit: growth of 9 % a step.
-"""
+passes any bound within some hundred steps even at 1.001 times the limit: growth of 9 % a step."""
 
 import numpy as np
 
@@ -13,8 +12,7 @@ def disturb(scene: fpm.Scene, speed: float, seed: int = 0) -> fpm.Scene:
     """Give every free particle a small random velocity (m/s) and spin, so that all modes take part.
 
     The spin is that which makes the rotational energy of a particle as large as the other. Changes
-    the scene in place and returns it.
-    """
+    the scene in place and returns it."""
     random = np.random.default_rng(seed)
     n = len(scene.mass)
     gyration = np.sqrt(scene.inertia.mean(axis=1) / scene.mass)[:, None]
@@ -34,8 +32,7 @@ def breaks_down(scene: fpm.Scene, step: float, steps: int = 3000) -> bool:
 def true_limit(scene: fpm.Scene, tolerance: float = 1e-3, steps: int = 3000) -> float:
     """Largest step (s) at which the scene runs, to a relative `tolerance`, from below.
 
-    Doubles or halves from the estimate until the limit is bracketed, then bisects.
-    """
+    Doubles or halves from the estimate until the limit is bracketed, then bisects."""
     low = high = fpm.find_stable_step(scene).step
     while breaks_down(scene, low, steps):
         low, high = low / 2, low

@@ -26,10 +26,7 @@ B is a coordinate of the whole motion without a singularity, and Napier's rules 
 
 with the unit axes hB = (0, cos beta, sin beta) and hA = (cos gamma, 0, sin gamma), hence
 sin beta sin gamma = c at all times.  The motion ends in a bundle of four parallel bars (axes along
-z) at cos(psiB / 2) = cos(lam) cos(mu), cos(psiA / 2) = -sin(lam) sin(mu), where BD = AC = a.
-"""
-
-from __future__ import annotations
+z) at cos(psiB / 2) = cos(lam) cos(mu), cos(psiA / 2) = -sin(lam) sin(mu), where BD = AC = a."""
 
 import math
 from dataclasses import dataclass
@@ -64,8 +61,7 @@ class Hinge:
     ``arm`` goes from the link's end to the midpoint of the hinge line (the virtual beam) in m,
     ``axis`` is the unit hinge direction, ``reference`` a unit vector normal to it, from the hinge
     line into the end face.  The opening psi is the turn of body 2 against body 1 about the axis;
-    at psi = 0 (end faces shut) the two references coincide, at psi > 0 the hinge is open.
-    """
+    at psi = 0 (end faces shut) the two references coincide, at psi > 0 the hinge is open."""
 
     name: str
     body1: str
@@ -86,8 +82,7 @@ class Pose:
 
     ``origin`` (..., 4, 3) m and ``rotation`` (..., 4, 3, 3) follow LINKS, the rotation's columns
     being the link frame's axes; ``point`` (..., 4, 3) m (midpoints of the hinge lines), ``axis``
-    (..., 4, 3) and ``opening`` (..., 4) rad follow HINGES.
-    """
+    (..., 4, 3) and ``opening`` (..., 4) rad follow HINGES."""
 
     origin: np.ndarray
     rotation: np.ndarray
@@ -100,8 +95,7 @@ class Pose:
 class BennettGeometry:
     """Frame given by bar length and section side (m), section roll and half corner angle (rad).
 
-    Use :func:`bennett_geometry` to build one from degrees with all checks.
-    """
+    Use :func:`bennett_geometry` to build one from degrees with all checks."""
 
     length: float
     side: float
@@ -193,9 +187,8 @@ class BennettGeometry:
     @cached_property
     def _angle_b0(self) -> float:
         """Angle PB0 of the spherical triangle at B when the frame is deployed, rad."""
-        return math.atan2(
-            math.cos(self.epsilon_a), math.sin(self.epsilon_a) * math.cos(self.epsilon_b)
-        )
+        sine, cosine = math.sin(self.epsilon_a), math.cos(self.epsilon_a)
+        return math.atan2(cosine, sine * math.cos(self.epsilon_b))
 
     def opening_a(self, opening_b):
         """Opening at A and C (rad) for the opening at B and D (rad, scalar or array)."""
@@ -213,8 +206,7 @@ class BennettGeometry:
     def axis_angles(self, opening_b) -> tuple[np.ndarray, np.ndarray]:
         """Angles (beta, gamma) in rad of the hinge axes at B and A in their mirror planes.
 
-        hB = (0, cos beta, sin beta) and hA = (cos gamma, 0, sin gamma).
-        """
+        hB = (0, cos beta, sin beta) and hA = (cos gamma, 0, sin gamma)."""
         angle_b = self._angle_b0 + 0.5 * np.asarray(opening_b, dtype=float)
         c = self.axis_product
         s = math.sqrt(1.0 - c * c)
@@ -225,8 +217,7 @@ class BennettGeometry:
     def pose(self, opening_b) -> Pose:
         """Place all four links for the opening at B (rad, scalar or array; 0 is deployed).
 
-        Points A and C lie on the plane z = 0; add any common translation or rotation you like.
-        """
+        Points A and C lie on the plane z = 0; add any common translation or rotation you like."""
         psi = np.asarray(opening_b, dtype=float)
         beta, _ = self.axis_angles(psi)
         zero = np.zeros_like(psi)
@@ -260,19 +251,11 @@ class BennettGeometry:
 
     def hinges(self) -> tuple[Hinge, ...]:
         """The four hinges, in the order of HINGES, in the frames of their links."""
-        hinge_a = (
-            self.hinge_length_a,
-            self.arm_a,
-            self.axis_a,
-            # From the hinge line (outer edge) into the face: towards the end of the bar's axis.
-            _turn_into_face(self.axis_a, self.arm_a),
-        )
-        hinge_b = (
-            self.hinge_length_b,
-            self.arm_b,
-            self.axis_b,
-            _turn_into_face(self.axis_b, self.arm_b),
-        )
+        # References from the hinge line (outer edge) into the face: towards the end of the axis.
+        reference_a = _turn_into_face(self.axis_a, self.arm_a)
+        reference_b = _turn_into_face(self.axis_b, self.arm_b)
+        hinge_a = self.hinge_length_a, self.arm_a, self.axis_a, reference_a
+        hinge_b = self.hinge_length_b, self.arm_b, self.axis_b, reference_b
         hinges = []
         for name in HINGES:
             at_start = name in "AC"
@@ -280,21 +263,8 @@ class BennettGeometry:
             body1, body2 = _HINGE_BODIES[name]
             # Body 1 is AB or CD, body 2 a mirror image.  The axis lies in the mirror plane, so the
             # same arrow has the image's components.
-            hinges.append(
-                Hinge(
-                    name=name,
-                    body1=body1,
-                    body2=body2,
-                    at_start=at_start,
-                    length=length,
-                    arm1=arm,
-                    arm2=_EXCHANGE_YZ @ arm,
-                    axis1=axis,
-                    axis2=_EXCHANGE_YZ @ axis,
-                    reference1=reference,
-                    reference2=_EXCHANGE_YZ @ reference,
-                )
-            )
+            pairs = (x for v in (arm, axis, reference) for x in (v, _EXCHANGE_YZ @ v))
+            hinges.append(Hinge(name, body1, body2, at_start, length, *pairs))
         return tuple(hinges)
 
 
@@ -331,8 +301,7 @@ def bennett_geometry(
     is enough.  When both are given they must agree to the digit that the paper prints; when
     neither is, the corners are square (mu = 45 degrees).
 
-    Raises SceneError naming the numbers that disagree or are out of range.
-    """
+    Raises SceneError naming the numbers that disagree or are out of range."""
     for key, value in (("L", length), ("a", side)):
         if not (math.isfinite(value) and value > 0.0):
             raise SceneError(key, value, "a positive length in m")

@@ -10,10 +10,7 @@ hA = (cos gamma, 0, sin gamma), a rigid bar keeps hA . hB = sin beta sin gamma, 
 and x = 0 for the hinge point at B, y = 0 for that at A place the bar in the plane.  Derivatives
 with respect to beta are analytic.  The other three bars are images of the first one, so the
 kinetic energy is four times its own, and Lagrange's equation M q'' + M' q'^2 / 2 + V' = 0 is
-integrated with q = beta.
-"""
-
-from __future__ import annotations
+integrated with q = beta."""
 
 import math
 from dataclasses import dataclass
@@ -33,8 +30,7 @@ class RigidBennett:
     supports; the centre of mass stays where it starts).  Each bar has the mass rho a^2 L spread
     evenly along its axis between its ends and the section inertia rho a^4 / 12 per length about
     each side, as a beam has; the mitre cuts move neither.  What follows from these (centre, hinge
-    points and axes, ...) is in a link frame that is the world's in the deployed state.
-    """
+    points and axes, ...) is in a link frame that is the world's in the deployed state."""
 
     length: float = 0.45
     side: float = 0.035
@@ -91,8 +87,7 @@ class RigidBennett:
         """Value, first and second derivative in beta, stacked (3, ...), of what moves with AB.
 
         Keys: rotation (3, 3, 3), centre, A, B (3, 3) in m, axis_a, axis_b (3, 3), opening_a,
-        opening_b (3,) in rad.
-        """
+        opening_b (3,) in rad."""
         constant = float(self.axis_a @ self.axis_b)
         sb, cb = math.sin(beta), math.cos(beta)
         # gamma: sin(gamma) = c / sin(beta), on the branch above 90 degrees.
@@ -157,12 +152,9 @@ class RigidBennett:
     def inertia(self, motion: dict[str, np.ndarray]) -> tuple[float, float]:
         """Generalised inertia M (kg m2) of all four bars and its derivative in beta."""
         rotation, centre = motion["rotation"], motion["centre"]
-        value = self.mass * centre[1] @ centre[1] + np.sum(
-            (rotation[1] @ self.second_moment) * rotation[1]
-        )
-        slope = 2.0 * self.mass * centre[1] @ centre[2] + 2.0 * np.sum(
-            (rotation[1] @ self.second_moment) * rotation[2]
-        )
+        first = rotation[1] @ self.second_moment
+        value = self.mass * centre[1] @ centre[1] + np.sum(first * rotation[1])
+        slope = 2.0 * self.mass * centre[1] @ centre[2] + 2.0 * np.sum(first * rotation[2])
         return 4.0 * float(value), 4.0 * float(slope)
 
     def potential(self, motion: dict[str, np.ndarray]) -> tuple[float, float, float]:
@@ -196,8 +188,7 @@ class RigidBennett:
 
         ``times`` (T,) s ascending from 0.  Returns arrays (T,): time, BD, AC (m), height of B over
         A (m), velocity_Bz (m/s), opening_a, opening_b (rad), kinetic, spring, contact, energy
-        (J); and ``closings``, ``openings`` (s): instants at which the end faces meet and part.
-        """
+        (J); and ``closings``, ``openings`` (s): instants at which the end faces meet and part."""
         from scipy.integrate import solve_ivp
 
         times = np.asarray(times, dtype=float)
@@ -212,9 +203,8 @@ class RigidBennett:
         closings, openings = [], []
         # The contact makes the moment's slope jump: one solution per phase between the jumps.
         while time < times[-1]:
-            is_closed = state[0] < self.beta_deployed or (
-                state[0] == self.beta_deployed and state[1] < 0.0
-            )
+            gap, rate = state[0] - self.beta_deployed, state[1]
+            is_closed = gap < 0.0 or (gap == 0.0 and rate < 0.0)
             contact.direction = 1.0 if is_closed else -1.0
             solution = solve_ivp(
                 self.state_rate, (time, times[-1]), state, method="DOP853", rtol=tolerance,
@@ -261,8 +251,7 @@ def _angle(vector: np.ndarray, side: np.ndarray, zero: np.ndarray) -> np.ndarray
     """Angle about an axis from ``zero`` to ``vector``, with its first two derivatives.
 
     ``vector`` and ``side``, the vector product of axis and ``zero``, hold value and derivatives
-    (3, 3); ``vector`` is normal to the axis.
-    """
+    (3, 3); ``vector`` is normal to the axis."""
     cosine = vector @ zero
     sine = np.array(
         [

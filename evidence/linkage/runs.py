@@ -38,8 +38,7 @@ def complete(parameters: dict) -> dict:
 def closing_time(**parameters) -> float:
     """Time (s) of the first closure by dimensional analysis, fitted to the paper's linkage.
 
-    Springs of K_F a rad move masses rho a² L over lengths L: t ~ sqrt(rho a L³ / K_F).
-    """
+    Springs of K_F a rad move masses rho a² L over lengths L: t ~ sqrt(rho a L³ / K_F)."""
     p = complete(parameters)
     return 0.453 * float(np.sqrt(p["rho"] * p["a"] * p["L"] ** 3 / p["K_F"]))
 
@@ -82,8 +81,7 @@ def distance(
     """Largest error of BD and root mean square error of vBz over instants, as shares of the range.
 
     The velocity carries waves of all lengths, which the release of the springs at rest starts; they
-    are finer than any mesh, so its largest error is a matter of chance.
-    """
+    are finer than any mesh, so its largest error is a matter of chance."""
     error = {k: result[k][window] - expected[k][window] for k in result}
     span = {k: np.ptp(expected[k][window]) or 1.0 for k in result}
     return (

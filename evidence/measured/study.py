@@ -1,8 +1,6 @@
 """The study of measured curves: synthetic tests of a swinging arm, whose hidden values and lacks
 are known, by scipy's solver; and a real arm, whose curves lie beside the project."""
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile
@@ -26,10 +24,7 @@ BAND = 0.002  # rad
 LACKS = ("air", "dry friction", "gear ratio", "cold", "backlash")
 """What the models of refuted tests do not have."""
 
-INTERVALS = {
-    "distance": {"lower": 0.14, "upper": 0.156},
-    "viscous": {"lower": 0.0, "upper": 6e-4},
-}
+INTERVALS = {"distance": {"lower": 0.14, "upper": 0.156}, "viscous": {"lower": 0.0, "upper": 6e-4}}
 
 
 def config_of(name: str, intervals: Mapping, duration: float, measured: Mapping) -> dict:
@@ -77,9 +72,8 @@ def swing(seed: int, lack: str = "") -> tuple[np.ndarray, dict[str, float]]:
         return [rate, moment / inertia]
 
     times = np.arange(0.02, 3.0, 0.005)
-    solution = solve_ivp(
-        rates, (0, 3), start, dense_output=True, rtol=1e-9, atol=1e-11, max_step=0.01
-    )
+    options = {"rtol": 1e-9, "atol": 1e-11, "max_step": 0.01}
+    solution = solve_ivp(rates, (0, 3), start, dense_output=True, **options)
     angles, speeds = solution.sol(times - delay)
     if lack == "gear ratio":
         angles = 0.97 * angles

@@ -7,8 +7,6 @@ times the distance² of its centre, as of no rigid body. Only the products and s
 equations count: here the second arm is heavier and its centre nearer, and the first arm lighter,
 for the same equations. Their dry friction is cf arctan(100 w), so that it is pi/2 cf here."""
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile
@@ -63,7 +61,7 @@ gravity: [0, 0, -9.81]
 """
 
 
-def simulate_arms(curves: Path = CURVES, duration: float = 1.0) -> np.ndarray:
+def simulate_arms(curves: Path, duration: float) -> np.ndarray:
     """Angles (3, T): time (s), shoulder and elbow (rad), from rest at hanging, with the torques in
     the file `curves`."""
     with tempfile.TemporaryDirectory() as folder:
@@ -74,7 +72,7 @@ def simulate_arms(curves: Path = CURVES, duration: float = 1.0) -> np.ndarray:
     return np.array([outcome.time, outcome.openings["shoulder"], outcome.openings["elbow"]])
 
 
-def largest_differences(curves: Path = CURVES, duration: float = 1.0) -> dict[str, float]:
+def largest_differences(curves: Path, duration: float) -> dict[str, float]:
     """Largest differences (rad) of the simulated angles from those in the file `curves`."""
     file, (times, *angles) = CurvesFile.read(curves), simulate_arms(curves, duration)
     rows = file.times <= duration

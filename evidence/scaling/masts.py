@@ -23,8 +23,7 @@ class Size:
 
     units: 0 for the linkage; elements and joints of it; step (s); steps of the run; cost (s) of a
     step; build_time (s) of one scene with its stable step; balance: largest imbalance over the
-    largest kinetic energy; gap (m), tilt (rad): widest of any joint.
-    """
+    largest kinetic energy; gap (m), tilt (rad): widest of any joint."""
 
     units: int
     elements: int

@@ -1,7 +1,5 @@
 """The study of scaling: masts of 1 to 100 units beside the linkage; joints alone and coupled."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 

@@ -4,8 +4,6 @@ Events that happen in a part of the box, with margins and without, races, jumps,
 maxima, resonances and smooth functions, of one to eight parameters.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -55,8 +55,7 @@ def _mark(record: dict) -> str:
 def _draw_errors(axis: Axes, records: list[dict], kind: str, i: int, colours: dict) -> None:
     """The errors of one response, and the fronts.
 
-    Levels are rivals only where all are judged by the same reference.
-    """
+    Levels are rivals only where all are judged by the same reference."""
     points: dict[str, list] = {}
     for record in records:
         error = record[kind][i]["all"]["hausdorff_integrated"]

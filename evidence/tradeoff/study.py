@@ -1,7 +1,5 @@
 """The study "error against cost": its parts, rows, tables and plots."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

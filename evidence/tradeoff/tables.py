@@ -1,7 +1,5 @@
 """Every number of a case as tables: all designs of all levels, then single runs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from evidence.results import table

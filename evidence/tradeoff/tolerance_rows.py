@@ -1,7 +1,5 @@
 """Rows and tables of one key for accuracy: what was asked for, what was true, and what it cost."""
 
-from __future__ import annotations
-
 from evidence.results import table
 from evidence.rows import Row, at_least, at_most, skip_row
 

@@ -2,10 +2,7 @@
 
 A problem is a function of a Bench. It builds small scenes through the public interface of ``fpm``,
 runs them with ``bench.simulate`` and hands its findings to ``bench.check`` (a value against a
-reference) and ``bench.figure`` (for the plots).
-"""
-
-from __future__ import annotations
+reference) and ``bench.figure`` (for the plots)."""
 
 import time
 from collections.abc import Iterator
@@ -23,8 +20,7 @@ class Bench:
     """Runs the scenes of one problem and collects its rows and figures, and what they cost.
 
     quick: the problem may leave out its finest meshes and longest runs (the tests do).
-    element_steps; cpu (s): of all runs so far.
-    """
+    element_steps; cpu (s): of all runs so far."""
 
     def __init__(self, problem: str, quick: bool = False):
         self.problem, self.quick = problem, quick
@@ -63,8 +59,7 @@ class Bench:
         """Write a row: `value` against `reference`; error allowed: `tolerance` times `scale`.
 
         scale: None means the reference itself (measure "relative"), or else 1 of the value's unit;
-        measure says what the scale is.
-        """
+        measure says what the scale is."""
         if scale is None:
             scale = abs(reference) if measure == "relative" else 1.0
         note = "" if measure == "absolute" else f"tolerance {tolerance:g}, {measure}"

@@ -35,9 +35,8 @@ def rigid_linkage(bench: Bench) -> None:
     """Stiff links move as rigid ones: kinematics at any opening, motion up to the first closure."""
     times = np.linspace(0.0, 0.4, 401)
     angles = ANGLES[:1] if bench.quick else ANGLES
-    outcomes = bench.simulate(
-        [linkage(pair) for pair in angles], duration=times[-1], instants=times.size
-    )
+    scenes = [linkage(pair) for pair in angles]
+    outcomes = bench.simulate(scenes, duration=times[-1], instants=times.size)
     figure = bench.figure("Rigid Bennett linkage", "time (s)", "BD (m)")
     for pair, outcome in zip(angles, outcomes, strict=True):
         name = f"λ = {pair[0]:g}°, μ = {pair[1]:g}°"
@@ -75,9 +74,8 @@ def flexibility(bench: Bench) -> None:
     moduli = np.array([1e10, 1e11, 1e12])
     errors = []
     for modulus in moduli:
-        (outcome,) = bench.simulate(
-            linkage(ANGLES[0], modulus=modulus), duration=times[-1], instants=times.size
-        )
+        scene = linkage(ANGLES[0], modulus=modulus)
+        (outcome,) = bench.simulate(scene, duration=times[-1], instants=times.size)
         result = curves(outcome)
         errors.append(
             [np.abs(result[k] - rigid[k]).max() / np.ptp(rigid[k]) for k in ("BD", "velocity_Bz")]

@@ -232,15 +232,13 @@ def stick(bench: Bench) -> None:
             (outcome,) = bench.simulate(scene, duration=2.0, instants=201, step=step)
             starts = np.array([phase.start for phase in motion])
             active = [motion[np.searchsorted(starts, t + 1e-9) - 1] for t in outcome.time]
-            exact = [
-                phase.tensions(rope, t)[0] for phase, t in zip(active, outcome.time, strict=True)
-            ]
+            instants = zip(active, outcome.time, strict=True)
+            exact = [phase.tensions(rope, t)[0] for phase, t in instants]
             name = f"{points} eyelets, step {1e3 * step:g} ms"
             worst = np.abs(outcome.tensions["rope"] - exact).max() / max(exact)
             source = f"{len(motion)} phases from event to event"
-            bench.check_small(
-                f"{name}: tension at its end", worst, tolerance, source, "the largest"
-            )
+            text = f"{name}: tension at its end"
+            bench.check_small(text, worst, tolerance, source, "the largest")
             loss = rope.mass * G * LET_GO[1] - motion[-1].energy(rope, 2.0)
             dissipation = outcome.energies["cable_friction"][-1]
             bench.check(f"{name}: friction took (J)", dissipation, loss, tolerance, source)
@@ -253,9 +251,8 @@ def stick(bench: Bench) -> None:
             slack = [phase.start for phase in motion[1:] if phase.slips is None]
             times = outcome.times("slackens", ["cable rope"])
             delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
-            bench.check(
-                f"{name}: slack at, error (s)", delay, 0.0, tolerance, source, measure="absolute"
-            )
+            text = f"{name}: slack at, error (s)"
+            bench.check(text, delay, 0.0, tolerance, source, measure="absolute")
         figure.curve(outcome.time, outcome.tensions["rope"], f"{points} eyelets")
 
 
@@ -308,8 +305,7 @@ def drum(bench: Bench) -> None:
         height, speed, turn, rate = state
         strain = max(-height / (rest - radius * turn) - 1, 0.0)
         pull = EA * strain
-        return (speed, pull / mass - G, rate,
-                (torque - radius * pull * (1 + strain / 2)) / spin)  # fmt: skip
+        return (speed, pull / mass - G, rate, (torque - radius * pull * (1 + strain / 2)) / spin)
 
     for step in (2e-3, 1e-3, 5e-4):
         (outcome,) = bench.simulate(hoist(torque, EA), duration=0.4, instants=41, step=step)

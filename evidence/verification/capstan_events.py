@@ -6,8 +6,7 @@ between two eyelets that stick share their unstrained length, with Eytelwein's r
 between them. The motion is integrated (DOP853) up to the next event: an eyelet begins to slip,
 or its slip comes to rest, or the cable turns slack or tight. Which slip then is found by trying all
 3^p patterns on a moment later: one has slips that agree with their friction, and tensions within
-their bounds elsewhere.
-"""
+their bounds elsewhere."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

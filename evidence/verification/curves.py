@@ -1,7 +1,5 @@
 """Curves of time by expressions: a slider led by a smooth step, and a load by a sine."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.verification.bench import Bench, observed_orders
@@ -51,9 +49,8 @@ def half_sine(bench: Bench) -> None:
     """A free mass under half a sine: its path is that integrated twice."""
     errors = []
     for step in STEPS:
-        (outcome,) = bench.simulate(
-            loads(BALL_UNDER_LOAD).build(), duration=1.6, instants=101, step=step
-        )
+        scene = loads(BALL_UNDER_LOAD).build()
+        (outcome,) = bench.simulate(scene, duration=1.6, instants=101, step=step)
         t, rest = np.minimum(outcome.time, 1.0), np.maximum(outcome.time - 1.0, 0.0)
         speed = 1.5 / np.pi * (1 - np.cos(np.pi * t))
         exact = 1.5 / np.pi * (t - np.sin(np.pi * t) / np.pi) + rest * speed

@@ -39,8 +39,7 @@ def scissor(units, k=1.0, gyration=0.0):
 def crossing(time, values, level):
     """The first time (s) at which values (t,) pass a level, and their rate there.
 
-    A cubic through the four instants around it.
-    """
+    A cubic through the four instants around it."""
     index = int(np.argmax((values[1:] - level) * (values[0] - level) <= 0)) + 1
     window = slice(max(index - 2, 0), max(index - 2, 0) + 4)
     cubic = np.polynomial.Polynomial.fit(time[window], values[window] - level, 3)
@@ -82,7 +81,4 @@ def interval_of_a_latch(bench: Bench) -> None:
         bench.check(f"{end} end of the time (s)", float(row[end]), exact, 1e-6, "closed form")
 
 
-PROBLEMS = {
-    "scissor mast": scissor_mast,
-    "interval of a latch's time": interval_of_a_latch,
-}
+PROBLEMS = {"scissor mast": scissor_mast, "interval of a latch's time": interval_of_a_latch}

@@ -1,7 +1,5 @@
 """Drag of air by the square of the speed against closed forms and another solver."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -71,9 +69,8 @@ def pendulum(bench: Bench) -> None:
         weight = 0.1 * GRAVITY * 0.5 * np.cos(y[0])
         return [y[1], (weight - MOMENT * y[1] * abs(y[1])) / INERTIA]
 
-    exact = solve_ivp(
-        slopes, (0, 4), [0, 0], "DOP853", outcomes[0].time, rtol=1e-11, atol=1e-12, max_step=0.02
-    ).y[0]
+    options = {"rtol": 1e-11, "atol": 1e-12, "max_step": 0.02}
+    exact = solve_ivp(slopes, (0, 4), [0, 0], "DOP853", outcomes[0].time, **options).y[0]
     swings = [outcome.openings["pin"] for outcome in outcomes]
     errors = [np.abs(swing - exact).max() for swing in swings]
     source = "J θ'' = m g L/2 cos θ - ρ Cd b L⁴/8 θ'|θ'|, DOP853"

@@ -25,9 +25,8 @@ def spin_up(bench: Bench) -> None:
     # EA = 2.8e7, EI = 1.4e4, rho A = 1.2, rho I = 6e-4
     section = fpm.Section(A=1.0, Iy=5e-4, Iz=5e-4, J=1e-3)
     scene = fpm.Scene("spin-up")
-    bar = scene.add_link(
-        (0, 0, 0), (length, 0, 0), (0, 0, 1), section, fpm.Material(2.8e7, 0.3, 1.2), elements
-    )
+    material = fpm.Material(2.8e7, 0.3, 1.2)
+    bar = scene.add_link((0, 0, 0), (length, 0, 0), (0, 0, 1), section, material, elements)
     times = np.linspace(0, 15.0, 1501)
     root = int(bar.particles[0])
     scene.drive(root, spin=(0, 0, 1.0), curve=scene.add_curve(times, spin_angle(times)[1]))
@@ -66,17 +65,12 @@ def linear_spin_up(length, EI, line_mass, modes=6):
 
     Deflections v in the rotating frame, to second order in the energies: centrifugal stiffening
     ρA ω²/2 (L² − x²) v'²/2 against the softening ρA ω² v²/2, driven by −ρA x dω/dt. Source: Kane,
-    Ryan, Banerjee, J. Guidance 10 (1987) 139 (the same terms).
-    """
+    Ryan, Banerjee, J. Guidance 10 (1987) 139 (the same terms)."""
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq
 
-    roots = [
-        brentq(
-            lambda b: np.cos(b) * np.cosh(b) + 1, np.pi * (k - 0.5) - 0.4, np.pi * (k - 0.5) + 0.4
-        )
-        for k in range(1, modes + 1)
-    ]
+    middles = np.pi * (np.arange(modes) + 0.5)
+    roots = [brentq(lambda b: np.cos(b) * np.cosh(b) + 1, m - 0.4, m + 0.4) for m in middles]
     s, weights = np.polynomial.legendre.leggauss(200)
     s, weights = (s + 1) / 2, weights / 2
     shapes, slopes, tips = [], [], []
@@ -114,8 +108,7 @@ def elbow_scene(elements: int) -> fpm.Scene:
     """Right-angle cantilever: leg along x clamped at the origin, leg along y, pushed along z.
 
     EA = 1e6, EI = GJ = 1e3, rho A = 1, rho I = 10, each leg 10 long; the rotational inertia is no
-    section's, so stiffness and masses come from two sections.
-    """
+    section's, so stiffness and masses come from two sections."""
     length = 10.0
     elastic, heavy = fpm.Section(1.0, 1e-3, 1e-3, 2e-3), fpm.Section(1.0, 10.0, 10.0, 20.0)
     material = fpm.Material(1e6, 0.0, 1.0)
@@ -189,9 +182,8 @@ def flying_beam(bench: Bench) -> None:
     linear, angular, centre = momenta(outcome)
     push_time = np.minimum(time, stop)[:, None]
     expected = force * push_time
-    middle = (lower + upper) / 2 + force / mass.sum() * (
-        push_time**2 / 2 + push_time * (time[:, None] - push_time)
-    )
+    area = push_time**2 / 2 + push_time * (time[:, None] - push_time)
+    middle = (lower + upper) / 2 + force / mass.sum() * area
     source = "impulse and motion of the centre of mass"
     smooth = np.abs(time - stop) > 1e-9  # a mean of two half steps stands at the jump itself
     worst = np.abs(linear - expected)[smooth].max() / np.abs(expected).max()
@@ -201,9 +193,8 @@ def flying_beam(bench: Bench) -> None:
     free = smooth & (time > stop)
     bench.check_small("angular momentum once free", drift(angular[free]), 1e-10, source, "it")
     ends = [outcome.points[f"{p}"][0][-1] for p in (particles[0], particles[-1])]
-    for name, end, published in zip(
-        ("pushed end", "other end"), ends, ((5.623, 4.767), (15.413, 4.259)), strict=True
-    ):
+    names, places = ("pushed end", "other end"), ((5.623, 4.767), (15.413, 4.259))
+    for name, end, published in zip(names, ends, places, strict=True):
         for axis, value, reference in zip("xy", end, published, strict=False):
             bench.check(f"{name} at 5 s, {axis} (m)", value, reference, 0.02, FLYING_SOURCE,
                         length, "share of L")  # fmt: skip
@@ -227,9 +218,8 @@ def free_bodies(bench: Bench) -> None:
         step = 0.9 * fpm.find_stable_step(scene).step
         steps = 100_000 if bench.quick else 1_000_000
         output_steps = steps // (instants - 1)
-        (outcome,) = bench.simulate(
-            scene, duration=step * output_steps * (instants - 1), instants=instants, step=step
-        )
+        duration = step * output_steps * (instants - 1)
+        (outcome,) = bench.simulate(scene, duration=duration, instants=instants, step=step)
         linear, angular, centre = momenta(outcome)
         source = f"free body, {outcome.steps:.0e} steps"
         bench.check_small(f"{name}: linear momentum", drift(linear), 1e-11, source, "it")
@@ -267,9 +257,8 @@ def free_pair(section, material) -> fpm.Scene:
     """Two bars hinged at a corner, with a torsion spring, tumbling."""
     scene = fpm.Scene("free pair")
     first = scene.add_link((0, 0, 0), (0.5, 0, 0), (0, 0, 1), section, material, 2, "one").particles
-    second = scene.add_link(
-        (0, 0, 0), (0, 0.5, 0), (0, 0, 1), section, material, 2, "two"
-    ).particles
+    bar = scene.add_link((0, 0, 0), (0, 0.5, 0), (0, 0, 1), section, material, 2, "two")
+    second = bar.particles
     hinge = scene.add_hinge("O", (first[0], second[0]), (0, 0, 0.01), (0, 0, 1), opening=np.pi / 2)
     scene.add_torsion_spring(hinge, 5.0, rest=1.2)
     flight = np.array([0.01, 0, 0.02])

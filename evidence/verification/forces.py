@@ -53,9 +53,8 @@ def clamped_bar(bench: Bench) -> None:
     side, height, length = 0.03, 0.02, 0.6
     section, material = fpm.Section.rectangle(side, height), fpm.Material(7e10, 0.33, 2700.0)
     scene = fpm.Scene("cantilever")
-    bar = scene.add_link(
-        (0, 0, 0), (length, 0, 0), (0, 0, 1), section, material, 4 if bench.quick else 8, "bar"
-    )
+    ends, elements = ((0, 0, 0), (length, 0, 0)), 4 if bench.quick else 8
+    bar = scene.add_link(*ends, (0, 0, 1), section, material, elements, "bar")
     scene.fix(bar.particles[0])
     force, torque = np.array([500.0, 4.0, -6.0]), 3.0
     scene.add_load(int(bar.particles[-1]), force, (torque, 0, 0))
@@ -84,9 +83,8 @@ def clamped_bar(bench: Bench) -> None:
     ):
         stiff = np.sqrt(force[0] / (material.E * second))
         exact = load * np.sinh(stiff * (length - middle)) / (stiff * np.cosh(stiff * length))
-        bench.check(
-            f"bending {name} in the middle (N m)", value, exact, 2e-3, "beam-column: Timoshenko"
-        )
+        text = f"bending {name} in the middle (N m)"
+        bench.check(text, value, exact, 2e-3, "beam-column: Timoshenko")
     bench.check("torsion (N m)", moments[0], torque, 1e-3, "statics")
     y, z = side / 2, height / 2
     corner = force[0] / section.A + abs(clamp[1]) * z / section.Iy + abs(clamp[2]) * y / section.Iz

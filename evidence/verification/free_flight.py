@@ -1,7 +1,5 @@
 """A free hub with two hinged panels on springs, against Kane's equations in 12 digits."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.verification.bench import Bench, observed_orders

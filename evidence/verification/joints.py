@@ -24,9 +24,8 @@ def swinging_body(angle: float, gravity: float = 0.0, rate: float = 0.0) -> fpm.
         ARM * direction, MASS, INERTIA, velocity=rate * ARM * np.cross(AXIS, direction),
         spin=rate * AXIS,
     )[0]  # fmt: skip
-    scene.add_hinge(
-        "O", (ground, body), (0, 0, 0), AXIS, references=((0, 0, -1), direction), opening=angle
-    )
+    references = (0, 0, -1), direction
+    scene.add_hinge("O", (ground, body), (0, 0, 0), AXIS, references, opening=angle)
     scene.add_point("centre", body)
     return scene
 
@@ -56,9 +55,8 @@ def pendulum(bench: Bench) -> None:
         figure.curve(outcome.time[:1200], np.degrees(swing[:1200]), name)
 
     length, angle = 1.0, np.radians(60.0)
-    scene = scene_type("pendulum").build(
-        L=length, E=2e11, g=g, angle=60.0, elements=2 if bench.quick else 4
-    )
+    values = {"L": length, "E": 2e11, "g": g, "angle": 60.0}
+    scene = scene_type("pendulum").build(**values, elements=2 if bench.quick else 4)
     section = fpm.Section.square(0.05)
     inertia = length**2 / 3 + section.Iy / section.A
     exact = 4 * np.sqrt(inertia / (g * length / 2)) * ellipk(np.sin(angle / 2) ** 2)
@@ -139,9 +137,8 @@ def led_pendulum(bench: Bench) -> None:
     ramps = np.linspace(0.0, 2.0, 5), np.array([0.0, 1.0, -0.5, 0.7, 0.0])
     outcome = _check_pendulum(bench, "to and fro", 0.6, (2.0, 0.0, 0.5), ramps, source)
     force = outcome.columns["reaction_force", "lead z"]
-    power = np.interp(outcome.time, *ramps) * (
-        2 * outcome.columns["reaction_force", "lead x"] + 0.5 * force
-    )
+    pull = 2 * outcome.columns["reaction_force", "lead x"] + 0.5 * force
+    power = np.interp(outcome.time, *ramps) * pull
     bench.check("work of the drive (J)", np.trapezoid(power, outcome.time),
                 outcome.energies["load_work"][-1] + MASS * 9.81 * outcome.points["c"][0][-1, 2]
                 - MASS * 9.81 * outcome.points["c"][0][0, 2], 0.01,

@@ -66,10 +66,9 @@ def n_four_bar(bench: Bench) -> None:
     bench.check_small("energy balance", worst, 1e-4, "no damping", "energy")
 
 
-def bricard_points(length: float = 1.0) -> np.ndarray:
+def bricard_points() -> np.ndarray:
     """The six hinges of the cube-edge form (6, 3), m."""
-    points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
-    return length * np.array(points, float)
+    return np.array([(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)], float)
 
 
 def rigid_bricard() -> fpm.Scene:
@@ -139,8 +138,7 @@ def misaligned_four_bar(bench: Bench) -> None:
     """A four-bar with one pin tilted by 5 degrees: rigid bars would lock, elastic ones warp.
 
     The smallest z is published as between 2.5 and 2.7 s, read off a flat peak: 2.6 s within 0.15 s
-    here. (0.1 s was set at first, and missed by 5 ms with every mesh.)
-    """
+    here. (0.1 s was set at first, and missed by 5 ms with every mesh.)"""
     rate, elements = -0.6, 3 if bench.quick else 6
     scene, ground = on_ground("misaligned four-bar", (0.0, 0.0, 0.0))
     a, b, c, d = np.array([(0, 0, 0), (0, 0.12, 0), (0.24, 0.12, 0), (0.24, 0, 0)], float)

@@ -116,9 +116,8 @@ def motors(bench: Bench) -> None:
             bench.check(f"{label}: event (s)", event, instant, 1e-5, "as asked", measure="absolute")
             swing = 1 - np.cos(4 * np.maximum(time - instant, 0.0))
             error = np.abs(openings[hinge] - swing).max()
-            bench.check_small(
-                f"{label}: opening (rad)", error, 5e-5, "1 - cos(√(k/J) (t - t₀))", "1"
-            )
+            text, source = f"{label}: opening (rad)", "1 - cos(√(k/J) (t - t₀))"
+            bench.check_small(text, error, 5e-5, source, "1")
         worst = np.abs(energies["balance"]).max() / energies["kinetic"].max()
         bench.check_small(f"energy balance, {name}", worst, 1e-9, "exact", "kinetic energy")
         figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")

@@ -1,7 +1,5 @@
 """Pins with play: a ball in a bore, Flores' slider-crank, and a shaft that rubs in its bearing."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -199,9 +197,8 @@ def shaft(bench: Bench) -> None:
     force = WEIGHT / math.hypot(1, FRICTION)
     distance, angle = PLAY + force * DEPTH / 20, math.atan(FRICTION)
     x, y = -distance * math.sin(angle), -distance * math.cos(angle)
-    (outcome,) = bench.simulate(
-        [loads(SHAFT).build(x=x, y=y)], duration=0.02, instants=21, step=2e-6
-    )
+    scene = loads(SHAFT).build(x=x, y=y)
+    (outcome,) = bench.simulate([scene], duration=0.02, instants=21, step=2e-6)
     time, turn = outcome.time, outcome.records["opening"].values[:, 0]
     exact = 100 * time - SHAFT_RADIUS * FRICTION * force / SHAFT_INERTIA * time**2 / 2
     source = "m r F/√(1 + m²) brakes it"

@@ -18,8 +18,7 @@ def frequencies(scene: fpm.Scene) -> np.ndarray:
 def mode_shape(scene: fpm.Scene, frequency: float) -> np.ndarray:
     """Mode (n, 6) of the frequency (rad/s) closest to the given one: translations, rotations.
 
-    Both in the particles' own axes, at unit kinetic energy for unit modal rate.
-    """
+    Both in the particles' own axes, at unit kinetic energy for unit modal rate."""
     matrix = scaled_modes(scene)[0]
     values, vectors = np.linalg.eigh((matrix.T @ matrix).toarray())
     shape = vectors[:, np.argmin(np.abs(values - frequency**2))].reshape(-1, 6)
@@ -47,8 +46,7 @@ def settle(
     """Bring loads up slowly and run to rest, in lanes; the last instant is the equilibrium.
 
     Mass-proportional damping at twice the lowest frequency makes all modes die out like
-    exp(-lowest frequency * t). NotAtRest if a scene is not at rest at the end.
-    """
+    exp(-lowest frequency * t). NotAtRest if a scene is not at rest at the end."""
     lowest = min(lowest_frequency(scene) for scene in scenes)
     times = np.linspace(0.0, RAMP / lowest, 33)
     for scene in scenes:

@@ -21,8 +21,7 @@ ROOTS = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14.13
 def rods(angles, rates, latch: float, gravity=NEGLIGIBLE, release=1.0) -> fpm.Scene:
     """Two rods in a chain at angles (rad) to x, turning at rates (rad/s); weight along -y.
 
-    A latch at the knee; and a third rod, held along x by a release until a time (s).
-    """
+    A latch at the knee; and a third rod, held along x by a release until a time (s)."""
     scene = fpm.Scene("rods", gravity=(0.0, -gravity, 0.0))
     axes = np.array([[np.cos(a), np.sin(a), 0.0] for a in angles])
     knee, offset = L * axes[0], np.array([0.0, 0.0, 5.0])
@@ -125,8 +124,7 @@ def swings(bench: Bench) -> None:
 def elastic(bench: Bench) -> None:
     """A turning elastic panel that is caught: it vibrates as a cantilever does.
 
-    Its tip moves by the sum over the modes φ of w φ(l) sin(ω t)/ω ∫x φ/∫φ².
-    """
+    Its tip moves by the sum over the modes φ of w φ(l) sin(ω t)/ω ∫x φ/∫φ²."""
     width, height, rate, angle = 0.2, 0.01, 0.5, 0.2  # width along the hinge
     material = Material(E=70e9, nu=0.3, rho=2700.0)
     section = Section.rectangle(height, width)

@@ -17,8 +17,7 @@ TIMES = (0.0, 0.5003, 1.2, 2.0)
 def rods(rate=0.0, moment=0.0, gravity=NEGLIGIBLE, angle=0.0, turns=(0.0,) * 4,
          stiffness=NEGLIGIBLE) -> fpm.Scene:  # fmt: skip
     """A rod on friction and a spring (N m/rad), which turns at a rate (rad/s), and one on a motor;
-    weight along -y.
-    """
+    weight along -y."""
     scene = fpm.Scene("rods", gravity=(0.0, -gravity, 0.0))
     arm, offset = L / 2 * np.array([np.cos(angle), np.sin(angle), 0.0]), 5.0 * AXIS
     inertias = [[1.0] * 3, *[[0.1, J / 4, J / 4]] * 2]
@@ -79,9 +78,8 @@ def oscillator(time, start, stiffness, moment):
     swing = np.minimum(time * w // np.pi, count)
     turn = (-1.0) ** swing * (start - 2 * shift * swing)
     centre = (-1.0) ** swing * shift
-    return np.where(
-        swing == count, turn, centre + (turn - centre) * np.cos(w * time - np.pi * swing)
-    )
+    angle = centre + (turn - centre) * np.cos(w * time - np.pi * swing)
+    return np.where(swing == count, turn, angle)
 
 
 def swings(bench: Bench) -> None:
@@ -158,8 +156,7 @@ def light_coupler(bench: Bench) -> None:
         bench.check_small(f"rocker, {name} (rad)", worst, 1e-8, "its geometry", "1 rad")
         worst = np.abs(result - moment).max() / np.abs(moment).max()
         bench.check_small(f"moment, {name}", worst, 3e-4, "J ψ' ψ'' w²", "the largest")
-        bench.check(f"first moment, {name} (N m)", result[0], moment[0], 3e-4,
-                    "J ψ' ψ'' w²")  # fmt: skip
+        bench.check(f"first moment, {name} (N m)", result[0], moment[0], 3e-4, "J ψ' ψ'' w²")
 
 
 def by_rate(bench: Bench) -> None:

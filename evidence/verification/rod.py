@@ -6,18 +6,16 @@ constant internal force n and the internal moment m (both in global axes),
     r' = (1 + n . d1 / EA) d1,   R' = R [k],   k = k0 + K^-1 R^T m,   m' = -r' x n,   m(L) = M,
 
 R = (d1, d2, d3), K = diag(GJ, EI2, EI3). Solved by shooting for m(0) with a high-order Runge-Kutta
-method, in load steps. Source: Antman, Nonlinear Problems of Elasticity, ch. VIII.
-"""
+method, in load steps. Source: Antman, Nonlinear Problems of Elasticity, ch. VIII."""
 
 import numpy as np
 
 
-def clamped_rod(length, curvature, EA, K, force, load_steps=4, tolerance=1e-9):
+def clamped_rod(length, curvature, EA, K, force, load_steps=4):
     """Tip (3,) m and rotation matrix (3, 3) of a rod clamped at the origin, tangent along x.
 
     length (m); curvature (3,) of the unloaded rod in its own axes (1/m); EA (N); K (3,) N m²:
-    torsion, bending about local y and about local z; force (3,) N at the tip.
-    """
+    torsion, bending about local y and about local z; force (3,) N at the tip."""
     from scipy.integrate import solve_ivp
     from scipy.optimize import root
 
@@ -32,10 +30,8 @@ def clamped_rod(length, curvature, EA, K, force, load_steps=4, tolerance=1e-9):
 
     def shoot(m0, n):
         start = np.concatenate([np.zeros(3), np.eye(3).ravel(), m0])
-        solution = solve_ivp(
-            rate, (0.0, length), start, "DOP853", args=(n,), rtol=tolerance, atol=1e-3 * tolerance
-        )
-        return solution.y[:, -1]
+        options = {"args": (n,), "rtol": 1e-9, "atol": 1e-12}
+        return solve_ivp(rate, (0.0, length), start, "DOP853", **options).y[:, -1]
 
     moment = np.zeros(3)
     scale = np.linalg.norm(force) * length

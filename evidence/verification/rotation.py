@@ -14,8 +14,7 @@ def lead(scene: fpm.Scene, spins, path, times) -> None:
     """Prescribe a rigid motion of all particles, step by step.
 
     spins (n, 3) rad/s about the global axes, turned one after another in each step; path (n+1, 3) m
-    of the global origin; times (n,) s: the middles of the steps.
-    """
+    of the global origin; times (n,) s: the middles of the steps."""
     from scipy.spatial.transform import Rotation
 
     step = times[1] - times[0]
@@ -38,9 +37,8 @@ def rigid_motion(bench: Bench) -> None:
     """Any rigid motion, however large, leaves elements without force and strain energy."""
     steps, duration = 1000, 1.0
     times = (np.arange(steps) + 0.5) * duration / steps
-    spins = 15.0 * np.column_stack(
-        [np.sin(3 * times) + 1, np.cos(5 * times) - 0.5, np.sin(7 * times + 1)]
-    )
+    rates = np.sin(3 * times) + 1, np.cos(5 * times) - 0.5, np.sin(7 * times + 1)
+    spins = 15.0 * np.column_stack(rates)
     ends = np.linspace(0.0, duration, steps + 1)[:, None]
     path = np.hstack([20 * ends**2, 5 * np.sin(4 * ends), -7 * ends])
     corners = {
@@ -129,12 +127,8 @@ def euler_top(inertia, spin, time):
     def rate(_t, w):
         return np.cross(inertia * w, w) / inertia
 
-    def second_rate(_t, w):
-        return w[1]
-
-    solution = solve_ivp(
-        rate, (0, time[-1]), spin, "DOP853", time, rtol=1e-12, atol=1e-13, events=second_rate
-    )
+    options = {"rtol": 1e-12, "atol": 1e-13, "events": lambda _t, w: w[1]}
+    solution = solve_ivp(rate, (0, time[-1]), spin, "DOP853", time, **options)
     return solution.t_events[0], solution.y.T
 
 
@@ -149,9 +143,8 @@ def heavy_top(bench: Bench) -> None:
         scene = fpm.Scene("heavy top")
         frame = np.column_stack([np.cross((0, 1, 0), axis), (0, 1, 0), axis])
         total = rate * np.array([0, 0, 1.0]) + (spin - rate * np.cos(tilt)) * axis
-        top = scene.add_particles(
-            (0, 0, 0), 1.0, (transverse, transverse, polar), frame=frame, spin=total
-        )
+        inertia = transverse, transverse, polar
+        top = scene.add_particles((0, 0, 0), 1.0, inertia, frame=frame, spin=total)
         scene.fix(top, "xyz", "")
         scene.add_load(top[0], force=(0, 0, -moment), arm=axis)
         scene.add_point("tip", top[0], axis)
@@ -159,9 +152,8 @@ def heavy_top(bench: Bench) -> None:
     duration = 5.0 if bench.quick else 20.0
     outcomes = bench.simulate(scenes, duration=duration, instants=2001, step=2e-4)
     figure = bench.figure("Heavy top: path of the tip", "x (m)", "y (m)", equal=True)
-    for name, rate, published, outcome in zip(
-        ("slow", "fast"), rates, (0.4166, 10.05), outcomes, strict=True
-    ):
+    columns = ("slow", "fast"), rates, (0.4166, 10.05), outcomes
+    for name, rate, published, outcome in zip(*columns, strict=True):
         tip = outcome.points["tip"][0]
         azimuth = np.unwrap(np.arctan2(tip[:, 1], tip[:, 0]))
         speed = np.polyfit(outcome.time, azimuth, 1)[0]

@@ -1,7 +1,5 @@
 """Joints whose second part slides and turns: closed forms, and equations written from scratch."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

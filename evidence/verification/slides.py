@@ -36,20 +36,17 @@ def _pair(scene, name: str, speed: float) -> int:
     return scene.add_slide(name, (first, second), place + 0.2 * X, X)
 
 
-def _add_cross(scene, name: str, spin, openings=(0.0, 0.0)) -> int:
+def _add_cross(scene, name: str, spin) -> int:
     """A body on a cross at its centre, about x of the ground and y of its own."""
     place = np.array([0.0, 0.0, 1.0 + len(scene.position)])
-    first = np.array(openings)[0] if len(openings) else 0.0
-    turn = np.array([X, [0, np.cos(first), np.sin(first)], [0, -np.sin(first), np.cos(first)]]).T
-    (body,) = scene.add_particles(place, 1.0, J, frame=turn, spin=spin)
-    return scene.add_universal(name, (0, body), place, X, turn[:, 1], openings)
+    (body,) = scene.add_particles(place, 1.0, J, spin=spin)
+    return scene.add_universal(name, (0, body), place, X, Y)
 
 
 def scene_of_all(speed=1.0) -> fpm.Scene:
     """What acts on slides and crosses, one on each, in one scene: one loop serves for all.
 
-    speed (m/s): of the block that meets a stop.
-    """
+    speed (m/s): of the block that meets a stop."""
     scene = _ground("slides")
     swing = _block(scene, "swing", SLOPE, 2.0, 0.3, 0.05)
     scene.add_torsion_spring(swing, 50.0, 0.2)
@@ -85,8 +82,7 @@ def scene_of_all(speed=1.0) -> fpm.Scene:
 
 def slides(bench: Bench) -> None:
     """Springs, dampers, stops, latches and friction on slides, springs on crosses; latches,
-    releases and motors that hold exactly.
-    """
+    releases and motors that hold exactly."""
     (outcome,) = bench.simulate(scene_of_all(), duration=2.0, instants=2001, step=1e-4)
     time, opening = outcome.time, outcome.openings
     figure = bench.figure("Slides", "time (s)", "opening (m)")
@@ -101,9 +97,9 @@ def slides(bench: Bench) -> None:
     decay = damping / (2 * mass)
     omega_d = np.sqrt(omega**2 - decay**2)
     start = 0.05 - rest
-    exact = rest + np.exp(-decay * time) * (
-        start * np.cos(omega_d * time) + (0.3 + decay * start) / omega_d * np.sin(omega_d * time)
-    )
+    cosine, sine = np.cos(omega_d * time), np.sin(omega_d * time)
+    exact = start * cosine + (0.3 + decay * start) / omega_d * sine
+    exact = rest + np.exp(-decay * time) * exact
     curve("swing", exact, 1e-6, "m s'' = -k (s - l) - c s' + m g·a")
     figure.curve(time, opening["swing"], "spring and damper")
     figure.curve(time, exact, "exact", True)
@@ -179,6 +175,4 @@ def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     bench.check_small("driven: work", worst, 1e-3, "m s'²/2", "the largest")
 
 
-PROBLEMS = {
-    "slides and crosses with what acts on them": slides,
-}
+PROBLEMS = {"slides and crosses with what acts on them": slides}

@@ -4,8 +4,6 @@ Schiehlen (ed.), Multibody Systems Handbook (1990); Hairer & Wanner, Solving Ord
 Equations II, VII.7. The mechanism is written as a structure's file, and again as the equations of
 the handbook in its seven angles, which DOP853 solves in their index-1 form."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.integrate import solve_ivp
 

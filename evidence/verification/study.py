@@ -1,67 +1,44 @@
 """All problems of the verification suite, what they cost, and what follows from them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
+from importlib import import_module
 
 import fpm
 from evidence import plots
 from evidence.results import Report
-from evidence.verification import (
-    bennett,
-    cables,
-    curves,
-    deployables,
-    drag,
-    dynamics,
-    equilibria,
-    forces,
-    free_flight,
-    joints,
-    latches,
-    mechanisms,
-    motors,
-    pins,
-    rigid_holds,
-    rigid_motors,
-    rotation,
-    sliders,
-    slides,
-    squeezer,
-    statics,
-    vibration,
-)
 from evidence.verification.bench import Bench
 from evidence.verification.relax import NotAtRest
 
 FAMILIES = (
-    statics,
-    equilibria,
-    vibration,
-    rotation,
-    dynamics,
-    drag,
-    free_flight,
-    joints,
-    forces,
-    latches,
-    motors,
-    pins,
-    rigid_holds,
-    rigid_motors,
-    slides,
-    sliders,
-    curves,
-    mechanisms,
-    squeezer,
-    deployables,
-    cables,
-    bennett,
+    "statics",
+    "equilibria",
+    "vibration",
+    "rotation",
+    "dynamics",
+    "drag",
+    "free_flight",
+    "joints",
+    "forces",
+    "latches",
+    "motors",
+    "pins",
+    "rigid_holds",
+    "rigid_motors",
+    "slides",
+    "sliders",
+    "curves",
+    "mechanisms",
+    "squeezer",
+    "deployables",
+    "cables",
+    "bennett",
 )
 
 PROBLEMS: dict[str, Callable[[Bench], None]] = {
-    name: problem for family in FAMILIES for name, problem in family.PROBLEMS.items()
+    name: problem
+    for family in FAMILIES
+    for name, problem in import_module(f"evidence.verification.{family}").PROBLEMS.items()
 }
 """Name of every problem -> its function."""
 
@@ -70,8 +47,7 @@ def solve(name: str, quick: bool) -> Bench:
     """A problem's rows and figures.
 
     A row that fails is a finding, not an error, and so is a run that breaks down: it leaves a
-    failing row. Errors of the problems themselves are raised.
-    """
+    failing row. Errors of the problems themselves are raised."""
     bench = Bench(name, quick)
     try:
         PROBLEMS[name](bench)

@@ -27,9 +27,8 @@ def bar(elements: int, support: str, section=SECTION) -> fpm.Scene:
     """A bar along x: "cantilever", "free-free", "pinned" (bending about y only), or of which only
     the axial ("axial") or torsional ("torsion") motion is free, clamped at x = 0."""
     scene = fpm.Scene(support)
-    particles = scene.add_link(
-        (0, 0, 0), (LENGTH, 0, 0), (0, 0, 1), section, MATERIAL, elements
-    ).particles
+    ends = (0, 0, 0), (LENGTH, 0, 0)
+    particles = scene.add_link(*ends, (0, 0, 1), section, MATERIAL, elements).particles
     if support == "cantilever":
         scene.fix(particles[0])
     if support in ("cantilever", "free-free", "pinned"):

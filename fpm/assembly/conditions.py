@@ -31,9 +31,8 @@ class ParticlePoses(NamedTuple):
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
-        return ParticlePoses(
-            self.position + shift, Rotation.from_rotvec(turn).as_matrix() @ self.frame
-        )
+        frame = Rotation.from_rotvec(turn).as_matrix() @ self.frame
+        return ParticlePoses(self.position + shift, frame)
 
     def select(self, particles: np.ndarray) -> "ParticlePoses":
         """Return the poses of some particles, in the order of their indices `particles` (k,)."""
@@ -187,9 +186,8 @@ class Conditions(NamedTuple):
             lead, axis, second_reference = self.lead[rows], axis1[rows], axis2[rows]
             first = np.einsum("cij,cj->ci", first.frame[rows], self.reference[rows])
             sine = np.sum(np.cross(axis, first) * second_reference, axis=1)
-            gap = residuals[rows, 0] + lead * np.arctan2(
-                sine, np.sum(first * second_reference, axis=1)
-            )
+            cosine = np.sum(first * second_reference, axis=1)
+            gap = residuals[rows, 0] + lead * np.arctan2(sine, cosine)
             pitch = 2 * np.pi * lead  # all turns of a thread are alike
             residuals[rows, 0] = gap - pitch * np.round(gap / pitch)
         return residuals

@@ -36,9 +36,8 @@ class ElementForces:
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads_in(part_scene), kind]
-        batch = Batch(
-            [part_scene], kinds, energies_of(kinds), lanes_of_register(), np.float64, 1, 1
-        )
+        rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
+        batch = Batch([part_scene], kinds, *rest)
         self.parts, self.world = batch.parts(), batch.world()
         deformations = kind.deformations(part_scene)
         dofs = () if deformations is None else deformations.dofs.ravel()
@@ -112,11 +111,7 @@ class ElementForces:
 
         state = self.world.state
         state[:, layout.F : layout.M + 3] = 0.0
-        arguments = (
-            self.parts,
-            self.world,
-            StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP),
-        )
+        arguments = (self.parts, self.world, StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP))
         loop_for(arguments, "act")(*arguments)
         return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
 

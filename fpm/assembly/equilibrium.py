@@ -23,17 +23,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from fpm.assembly import (
-    FARTHEST,
-    GAP_TOL,
-    HALVINGS,
-    SOFT_SHARE,
-    STEP_TOL,
-    MisfitError,
-    _negative,
-    _RestSearch,
-    linearise,
-)
+from fpm import assembly
 from fpm.assembly.conditions import ParticlePoses, conditions_of, scale_matrix
 from fpm.assembly.elastic import elastic_of
 from fpm.assembly.element_forces import ElementForces, acts
@@ -187,9 +177,8 @@ class Potential:
         that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
         (m) or angle (rad) that is the unit of each."""
         pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self._sources)]
-        bars, *sizes = (
-            float(abs(scale_matrix(k, scales, scales)).max()) if k.nnz else 0.0 for _, k in pairs
-        )
+        matrices = (scale_matrix(k, scales, scales) for _, k in pairs)
+        bars, *sizes = (float(abs(k).max()) if k.nnz else 0.0 for k in matrices)
         return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
 
 
@@ -221,7 +210,7 @@ def _motion(first: ParticlePoses, last: ParticlePoses) -> np.ndarray:
     return np.stack([last.position - first.position, turn], axis=1).ravel()
 
 
-class _EquilibriumSearch(_RestSearch):
+class _EquilibriumSearch(assembly._RestSearch):
     """Search of poses in stable equilibrium of a scene with hinges held at openings, by name."""
 
     def __init__(self, scene, hold: Mapping[str, float]):
@@ -256,7 +245,7 @@ class _EquilibriumSearch(_RestSearch):
         self._is_led, hinges = True, self._scene.hinges
         changes = {h.name: self._targets.get(h.name, h.opening) - h.opening for h in hinges}
         lengths = [abs(changes[h.name]) / (self._size if h.slides else 1.0) for h in hinges]
-        steps = int(np.ceil(max(lengths, default=0.0) / FARTHEST))
+        steps = int(np.ceil(max(lengths, default=0.0) / assembly.FARTHEST))
         for step in range(1, steps + 1):
             scene = copy(self._scene)
             scene.hinges = [
@@ -277,8 +266,8 @@ class _EquilibriumSearch(_RestSearch):
         stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
         start = poses.position
         for count in range(1, POSITIONS + 1):
-            share = RESOLUTION if count <= FIRM_POSITIONS else SOFT_SHARE
-            floor = max(SOFT_SHARE * bars, share * max(elements, force)) or 1.0
+            share = RESOLUTION if count <= FIRM_POSITIONS else assembly.SOFT_SHARE
+            floor = max(assembly.SOFT_SHARE * bars, share * max(elements, force)) or 1.0
             ease = max(ease, floor)
             trial = self._approach(poses, impulses, ease, ROUNDING * force)
             if trial is None or not (is_led or self._falls(poses, *trial, ease)):
@@ -291,17 +280,19 @@ class _EquilibriumSearch(_RestSearch):
             if self.potential.bars.largest(poses)[0] > FOLD:
                 self._check_strains(poses)
             largest = np.abs(motion).max(initial=0.0)
-            is_closed = self._gap(poses) <= GAP_TOL
+            is_closed = self._gap(poses) <= assembly.GAP_TOL
             if np.abs(poses.position - start).max() > DISTANCE * self._size:
                 break
-            if is_led or (largest <= STEP_TOL and is_closed and ease <= floor):
+            if is_led or (largest <= assembly.STEP_TOL and is_closed and ease <= floor):
                 return poses, impulses, count
             ease *= max(largest / AIM, EASE_DECREASE) if largest > SMALL else 0.0
         self._refuse_motion(motion)
 
     def _linearise(self, poses, impulses, ease: float):
         rules = self._scales, self._free, self._weight, ease, 0.0, self._mass
-        return linearise(self._scene, poses, self._conditions, self.potential, impulses, *rules)
+        return assembly.linearise(
+            self._scene, poses, self._conditions, self.potential, impulses, *rules
+        )
 
     def _approach(self, poses, impulses, ease: float, rounding: float):
         """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion; or None.
@@ -311,7 +302,7 @@ class _EquilibriumSearch(_RestSearch):
             solve, gradient = self._linearise(poses, impulses, ease)
             lacks = self._lacks(poses)
             residual = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
-            if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
+            if not count and residual <= rounding and self._gap(poses) <= assembly.GAP_TOL:
                 return poses, impulses, motion
             step, change = solve(-gradient - ease * (self._mass @ motion) / self._scales, lacks)
             poses = poses.displace(self._scales * step)
@@ -320,10 +311,10 @@ class _EquilibriumSearch(_RestSearch):
             if not (np.isfinite(largest) and max(largest, size) <= REACH):
                 return None
             impulses = impulses + change
-            is_closed = self._gap(poses) <= max(CLOSE * size**2, GAP_TOL)
-            if is_closed and largest <= max(CLOSE * size, STEP_TOL):
+            is_closed = self._gap(poses) <= max(CLOSE * size**2, assembly.GAP_TOL)
+            if is_closed and largest <= max(CLOSE * size, assembly.STEP_TOL):
                 inverse = lambda force: solve(force / self._scales, self._no_gaps)[0]  # noqa: B023, E731
-                if size > SMALL and _negative(inverse, len(motion), NEGATIVE).shape[1]:
+                if size > SMALL and assembly._negative(inverse, len(motion), NEGATIVE).shape[1]:
                     return None
                 return poses, impulses, motion
         return None
@@ -341,8 +332,9 @@ class _EquilibriumSearch(_RestSearch):
 
     def _downhill(self, poses, step):
         """Poses of less energy along a motion from unstable ones."""
-        for halving in range(HALVINGS):
-            trial = self._close(poses.displace(0.5**halving * FARTHEST * self._scales * step))
+        for halving in range(assembly.HALVINGS):
+            shift = 0.5**halving * assembly.FARTHEST * self._scales * step
+            trial = self._close(poses.displace(shift))
             if trial is not None and self.potential.change(poses, trial) < 0:
                 return trial
         return poses
@@ -359,7 +351,7 @@ class _EquilibriumSearch(_RestSearch):
         for watch, value, word in sizes:
             if not value <= watch.most:
                 allowed = f"equilibrium, of bars that it leaves {word} by at most {watch.most:g}"
-                raise MisfitError("start", f"{value:.2g} in bars that are {word}", allowed)
+                raise assembly.MisfitError("start", f"{value:.2g} in bars that are {word}", allowed)
 
     def _refuse_motion(self, motion: np.ndarray) -> NoReturn:
         """Raise MisfitError for the part that moves most, on a way along which is no balance, or
@@ -380,4 +372,4 @@ class _EquilibriumSearch(_RestSearch):
         if 0 < np.abs(motion).max() < AIM / 2:
             allowed = "a stated position nearer to the balance, or softer springs and contacts: "
             allowed += f"{POSITIONS} steps towards it were too small to reach it"
-        raise MisfitError(self._key, text, allowed)
+        raise assembly.MisfitError(self._key, text, allowed)

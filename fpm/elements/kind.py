@@ -70,13 +70,34 @@ class Series(NamedTuple):
         return self._replace(values=values, labels=series.labels + self.labels)
 
 
+class Gate(NamedTuple):
+    """The opening (joint coordinate) at which an element's event occurs, as a latch's. opening: rad
+    or m; side: 1: as it rises, -1: as it falls, 0: either; reach: by how much earlier (rad or m);
+    largest_rate: above which it does not occur (rad/s or m/s), 0: none; slides: whether it is on a
+    slide."""
+
+    opening: float
+    side: float
+    reach: float = 0.0
+    largest_rate: float = 0.0
+    slides: bool = False
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether the event occurs at this opening or not at all: a latch with a reach and a
+        largest rate catches later, too."""
+        return not (self.reach and self.largest_rate)
+
+
 class Eventful(NamedTuple):
     """An element that has events. name: the element's; events: names of its events, at the index by
-    which kernels note each; joint: name of the joint on which it is, "": none."""
+    which kernels note each; joint: name of the joint on which it is, "": none; gate: where that is
+    when it latches, hits or closes, None: not known by an opening."""
 
     name: str
     events: tuple[str, ...]
     joint: str = ""
+    gate: Gate | None = None
 
 
 class Deformations(NamedTuple):
@@ -118,9 +139,7 @@ class ElementType:
     takes: ClassVar[Energy | None] = None  # the energy it takes out
     events: ClassVar[tuple[str, ...]] = ()  # names of its events, in the order of their numbers
     watches: ClassVar[tuple[Watch, ...]] = ()  # of several that are too large, the last counts
-    reads: ClassVar[
-        tuple[type["ElementType"], ...]
-    ] = ()  # kinds whose arrays it needs in every step
+    reads: ClassVar[tuple[type, ...]] = ()  # kinds whose arrays it needs in every step
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
@@ -179,9 +198,8 @@ class ElementType:
     def topology(self) -> Hashable:
         """Return, as a tuple, those of this element's fields (stated with is_topology, or indices)
         that must be equal in scenes whose runs are computed together, side by side."""
-        return tuple(
-            getattr(self, n) for n, field in specs(type(self)).items() if field.is_topology
-        )
+        fields = specs(type(self)).items()
+        return tuple(getattr(self, name) for name, field in fields if field.is_topology)
 
     def acts_on(self) -> tuple[int, ...]:
         """Return the indices of the hinges of the scene on whose joint coordinates (angles, or
@@ -252,9 +270,8 @@ class ElementType:
         for kind in cls.__mro__[:-1]:
             if find_spec(name := f"{kind.__module__}_kernels"):
                 return import_module(name)
-        raise NotImplementedError(
-            f"kind {cls.__name__} has no kernels: no {cls.__module__}_kernels"
-        )
+        text = f"kind {cls.__name__} has no kernels: no {cls.__module__}_kernels"
+        raise NotImplementedError(text)
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:

@@ -86,9 +86,8 @@ def _column(
     letters = np.char.encode(values.ravel(), "utf-8")
     width = max(1, letters.dtype.itemsize)
     characters = letters.astype(f"S{width}").view("S1").reshape(*values.shape, width)
-    return NetcdfVariable(
-        (*dims, f"{name}_width"), characters, {**attributes, "_Encoding": "utf-8"}
-    )
+    dims = (*dims, f"{name}_width")
+    return NetcdfVariable(dims, characters, {**attributes, "_Encoding": "utf-8"})
 
 
 def _set_attributes(holder, attributes: Mapping[str, Any]) -> None:

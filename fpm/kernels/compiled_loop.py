@@ -154,10 +154,8 @@ def _collect_seldom() -> Iterator[None]:
 
 def _optional(parts: tuple) -> tuple[str, ...]:
     """The fields of named tuples that may be None, and are not."""
-    fields = (
-        (part, n) for part in parts for n, value in part._field_defaults.items() if value is None
-    )
-    return tuple(name for part, name in fields if getattr(part, name) is not None)
+    fields = ((part, n, x) for part in parts for n, x in part._field_defaults.items())
+    return tuple(n for part, n, x in fields if x is None and getattr(part, n) is not None)
 
 
 DIGESTS = "digests.json"

@@ -20,12 +20,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import (
-    intrinsic,
-    lower_builtin,
-    models,
-    register_model,
-)
+from numba.extending import intrinsic, lower_builtin, models, register_model
 from numba.np.arrayobj import make_array
 
 WIDTH = 8
@@ -66,9 +61,8 @@ def _splat(context, builder, value, scalar_type, lane):
     """Repeat a scalar in every lane."""
     value = context.cast(builder, value, scalar_type, lane.scalar)
     vector_type = context.get_value_type(lane)
-    start = builder.insert_element(
-        ir.Constant(vector_type, ir.Undefined), value, ir.Constant(ir.IntType(32), 0)
-    )
+    blank = ir.Constant(vector_type, ir.Undefined)
+    start = builder.insert_element(blank, value, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(start, start, _mask([0] * lane.count))
 
 
@@ -205,9 +199,8 @@ def _unary(name):
         def codegen(context, builder, sig, args):
             vector = context.get_value_type(sig.args[0])
             suffix = f"v{sig.args[0].count}f{sig.args[0].scalar.bitwidth}"
-            function = cgutils.get_or_insert_function(
-                builder.module, ir.FunctionType(vector, [vector]), f"llvm.{name}.{suffix}"
-            )
+            names = ir.FunctionType(vector, [vector]), f"llvm.{name}.{suffix}"
+            function = cgutils.get_or_insert_function(builder.module, *names)
             return builder.call(function, [args[0]])
 
         return x(x), codegen

@@ -1,23 +1,7 @@
 """Recording: points, energies, and the balance of the energies."""
 
-from fpm.kernels import hooks
+from fpm.kernels import hooks, layout
 from fpm.kernels.lanes import absolute, load, store
-from fpm.kernels.layout import (
-    ACCOUNTS,
-    BALANCE,
-    ENERGY_SIZE,
-    IJ,
-    IM,
-    KINETIC,
-    MASS,
-    POSITION,
-    START_FIELDS,
-    TOTAL,
-    VELOCITY,
-    P,
-    V,
-    X,
-)
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local
 
@@ -31,7 +15,7 @@ def keep(world):
     """Copy positions, axes and momenta of all particles from World.state to World.start_state,
     before a step that is recorded. world: solver state (World)."""
     for i in range(world.state.shape[0]):
-        for k in range(START_FIELDS):
+        for k in range(layout.START_FIELDS):
             store(world.start_state, i, k, load(world.state, i, k))
 
 
@@ -41,7 +25,7 @@ def reflect(world):
     World.start_state, to those at the start less the change in the half step after it
     (World.state). world: solver state (World)."""
     for i in range(world.state.shape[0]):
-        for k in (V, P):
+        for k in (layout.V, layout.P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)
             put3(world.start_state, i, k, momentum)
 
@@ -54,17 +38,18 @@ def kinetic_energies(world):
     velocities, the form that leapfrog conserves exactly, together with the potential energy at the
     instant, for linear systems. It is less by the second than the mean of the energies of both."""
     state, start, particles = world.state, world.start_state, world.particles
-    total = 0.0 * load(start, 0, X)
+    total = 0.0 * load(start, 0, layout.X)
     kick = total
     for i in range(start.shape[0]):
         # Held particles have no inverse mass; their given motion carries no energy of the scene.
-        inertia = load(particles, i, IM) * load(particles, i, MASS)
-        mass, inverse = load(particles, i, MASS) * inertia, get3(particles, i, IJ)
-        linear = dot(get3(start, i, V), get3(state, i, V))
+        inertia = load(particles, i, layout.IM) * load(particles, i, layout.MASS)
+        mass, inverse = load(particles, i, layout.MASS) * inertia, get3(particles, i, layout.IJ)
+        linear = dot(get3(start, i, layout.V), get3(state, i, layout.V))
         axes = frame(start, i)
-        p_before, p_after = to_local(axes, get3(start, i, P)), to_local(axes, get3(state, i, P))
+        p_before = to_local(axes, get3(start, i, layout.P))
+        p_after = to_local(axes, get3(state, i, layout.P))
         total = total + 0.5 * (mass * linear + dot(p_before, times(inverse, p_after)))
-        change, turn = get3(state, i, V) - get3(start, i, V), p_after - p_before
+        change, turn = get3(state, i, layout.V) - get3(start, i, layout.V), p_after - p_before
         kick = kick + 0.25 * (mass * dot(change, change) + dot(turn, times(inverse, turn)))
     return total, kick
 
@@ -76,7 +61,7 @@ def record_before(parts, world, record, row):
     written (Record); row: index of the instant."""
     hooks.sum_energies(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
-        store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
+        store(record.energies, row, layout.ACCOUNTS + k, load(world.accounts, 0, k))
     hooks.work_of_place(parts, world, record.energies, row)
     hooks.record(parts, world, row)
 
@@ -93,16 +78,16 @@ def record_after(parts, world, record, row, timing):
         i, index = world.point_particle[n], row * count + n
         axes = frame(start, i)
         arm = to_global(axes, get3(world.point_arm, n, 0))
-        put3(points, index, POSITION, get3(start, i, X) + arm)
-        v = 0.5 * (get3(start, i, V) + get3(state, i, V))
-        p = 0.5 * (get3(start, i, P) + get3(state, i, P))
-        turn = to_global(axes, times(get3(world.particles, i, IJ), to_local(axes, p)))
-        put3(points, index, VELOCITY, v + cross(turn, arm))
+        put3(points, index, layout.POSITION, get3(start, i, layout.X) + arm)
+        v = 0.5 * (get3(start, i, layout.V) + get3(state, i, layout.V))
+        p = 0.5 * (get3(start, i, layout.P) + get3(state, i, layout.P))
+        turn = to_global(axes, times(get3(world.particles, i, layout.IJ), to_local(axes, p)))
+        put3(points, index, layout.VELOCITY, v + cross(turn, arm))
     hooks.record_points(parts, world, points, row, timing)
     hooks.record_step(parts, world, row, timing)
     hooks.work_due(parts, world, record.energies, row)
     kinetic, kick = kinetic_energies(world)
-    store(record.energies, row, KINETIC, kinetic)
+    store(record.energies, row, layout.KINETIC, kinetic)
     balance(world, record.energies, row, kick)
 
 
@@ -115,20 +100,20 @@ def balance(world, energies, row, kick):
     solver state; energies: Record.energies, whose other columns of the row are read; row: index of
     the instant; kick: half the energy (J) of the change of momenta in the step, as what an impact
     starts has no kinetic energy between its half steps yet."""
-    stored_energy = load(energies, row, KINETIC)
+    stored_energy = load(energies, row, layout.KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate
-    accounts = ACCOUNTS + world.accounts.shape[1]
+    accounts = layout.ACCOUNTS + world.accounts.shape[1]
     for k in range(accounts, energies.shape[1]):
         energy = load(energies, row, k)
         stored_energy, size = stored_energy + energy, size + absolute(energy)
     total = stored_energy
-    for k in range(ACCOUNTS, ACCOUNTS + world.givers):
+    for k in range(layout.ACCOUNTS, layout.ACCOUNTS + world.givers):
         total = total - load(energies, row, k)
-    for k in range(ACCOUNTS + world.givers, accounts):
+    for k in range(layout.ACCOUNTS + world.givers, accounts):
         total = total + load(energies, row, k)
     if row == 0:
-        store(energies, row, BALANCE, 0.0)
-        store(world.sums, 0, TOTAL, total)
+        store(energies, row, layout.BALANCE, 0.0)
+        store(world.sums, 0, layout.TOTAL, total)
     else:
-        store(energies, row, BALANCE, total - load(world.sums, 0, TOTAL))
-    store(world.sums, 0, ENERGY_SIZE, size + IMBALANCE_SHARE * kick)
+        store(energies, row, layout.BALANCE, total - load(world.sums, 0, layout.TOTAL))
+    store(world.sums, 0, layout.ENERGY_SIZE, size + IMBALANCE_SHARE * kick)

@@ -30,9 +30,8 @@ def half_turn(body, rate):
     0.5 step J^-1 about each axis. At the middle p is body + body x (rate body)."""
     x, y, z = body.x, body.y, body.z
     a, b, c = rate.x, rate.y, rate.z
-    return vector(
-        a * (x + (c - b) * (y * z)), b * (y + (a - c) * (z * x)), c * (z + (b - a) * (x * y))
-    )
+    first, second = a * (x + (c - b) * (y * z)), b * (y + (a - c) * (z * x))
+    return vector(first, second, c * (z + (b - a) * (x * y)))
 
 
 @kernel

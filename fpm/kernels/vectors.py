@@ -9,13 +9,7 @@ from collections.abc import Callable
 from llvmlite import ir
 from numba import config, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import (
-    intrinsic,
-    lower_builtin,
-    make_attribute_wrapper,
-    models,
-    register_model,
-)
+from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from fpm.kernels.inlining import InlinedCompiler, InlinedKernel
 from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
@@ -41,9 +35,8 @@ def kernel(function: Callable) -> Callable:
     if config.DISABLE_JIT:
         return function
     options = {"nopython": True, **INLINE}
-    return InlinedKernel(
-        function, pipeline_class=options.pop("pipeline_class"), targetoptions=options
-    )
+    pipeline = options.pop("pipeline_class")
+    return InlinedKernel(function, pipeline_class=pipeline, targetoptions=options)
 
 
 class Vector(types.Type):
@@ -150,14 +143,8 @@ def put3(a, i, k, v):
 @kernel
 def get6(a, i, k):
     """Return a tuple of six lanes, fields k to k+5 of row i of an array a (rows, fields, lanes)."""
-    return (
-        load(a, i, k),
-        load(a, i, k + 1),
-        load(a, i, k + 2),
-        load(a, i, k + 3),
-        load(a, i, k + 4),
-        load(a, i, k + 5),
-    )
+    first, second, third = load(a, i, k), load(a, i, k + 1), load(a, i, k + 2)
+    return first, second, third, load(a, i, k + 3), load(a, i, k + 4), load(a, i, k + 5)
 
 
 @kernel

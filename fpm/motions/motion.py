@@ -163,12 +163,9 @@ def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
 
 def _tracks(outcome: Outcome, particles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions and velocities (t, n, 3) and frames (t, n, 3, 3) of particles."""
-    tracks = {
-        name: [outcome.points[f"{name} of particle {p}"] for p in particles] for name in _ARMS
-    }
-    place, second, third = (
-        np.stack([position for position, _ in track], axis=1) for track in tracks.values()
-    )
+    names = {arm: [f"{arm} of particle {p}" for p in particles] for arm in _ARMS}
+    tracks = {arm: [outcome.points[name] for name in names[arm]] for arm in _ARMS}
+    place, second, third = (np.stack([x for x, _ in t], axis=1) for t in tracks.values())
     second -= place
     third -= place
     velocity = np.stack([velocity for _, velocity in tracks["place"]], axis=1)

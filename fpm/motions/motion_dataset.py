@@ -123,9 +123,8 @@ def _changes(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
     if beams := motion.scene.beams:
-        stresses = element_stress(
-            motion.scene, beams, lambda p: motion.position[:, p], lambda p: motion.frame[:, p]
-        )
+        poses = lambda p: motion.position[:, p], lambda p: motion.frame[:, p]
+        stresses = element_stress(motion.scene, beams, *poses)
         stress[:, : stresses.shape[1]] = stresses
     vector, element = ("time", "particle", "axis"), ("time", "element")
     points = [motion.outcome.points[name][0][rows] for name in motion.scene.points]
@@ -156,16 +155,11 @@ def _layout(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
 
     particles = whole(rows([hinge.particles for hinge in hinges], 2))
     arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
-    corner = ("element", "end", "corner", "axis")
+    corner, side = ("element", "end", "corner", "axis"), ("element", "side")
     return {
         "element_particle": (("element", "end"), whole(shapes.nodes), "1", "particles of the ends"),
         "element_length": ("element", shapes.length, "m", "unstrained length"),
-        "section_size": (
-            ("element", "side"),
-            2.0 * shapes.half,
-            "m",
-            "width and height of the section",
-        ),
+        "section_size": (side, 2.0 * shapes.half, "m", "width and height of the section"),
         "section_corner": (corner, shapes.corners, "m", "corner of the section from the particle"),
         "point_particle": ("point", whole([p.particle for p in points]), "1", "point's particle"),
         "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "arm of a point"),
@@ -184,10 +178,8 @@ def _cables(motion: RecordedMotion, cables: list[Cable | Strut]) -> dict[str, tu
     """Tensions (of struts the size of the force), and the points of all, one after the other."""
     beams = [beam for cable in cables for beam in cable.beams]
     owner = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
-    ids, arms = (
-        np.array([beam.particle for beam in beams]),
-        np.array([beam.arm for beam in beams]),
-    )
+    ids = np.array([beam.particle for beam in beams])
+    arms = np.array([beam.arm for beam in beams])
     records = motion.outcome.records
     columns = [records[k].values for k in ("cable_tension", "strut_force") if k in records]
     tension = np.abs(np.concatenate(columns, axis=1))[motion.rows]

@@ -102,9 +102,8 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, end_axes = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
-    by_sine = [
-        stiffness * (2.0 * angles[k] + angles[1 - k]) * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)
-    ]
+    sums = 2.0 * angles[0] + angles[1], 2.0 * angles[1] + angles[0]
+    by_sine = [stiffness * sums[k] * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)]
     pulls = [np.einsum("tmk,tmik->tmi", c, e) for c, e in zip(by_sine, end_axes, strict=True)]
     shear = (pulls[0] + pulls[1]) / length[:, :, None]
     axial_force = axial * (length - beams.length) - np.einsum("tmi,tmi->tm", shear, chord)

@@ -132,9 +132,8 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
 def _is_ground(scene: Scene, particle: int) -> bool:
     """Whether a particle represents the ground."""
     is_on_bars = any(particle in beams.nodes for beams in scene.beams)
-    has_role = (
-        is_on_bars or particle in scene.bodies.values() or particle in Drive.moved_particles(scene)
-    )
+    is_named = particle in {*scene.bodies.values(), *Drive.moved_particles(scene)}
+    has_role = is_on_bars or is_named
     return bool(scene.fixed[particle].all()) and not has_role
 
 

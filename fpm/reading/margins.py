@@ -251,9 +251,8 @@ class _WeightedTravel:
     def least(self) -> tuple[float, float]:
         """The position of the least margin, the first of several, and the margin there."""
         steps = np.linspace(0.0, 1.0, FINER, endpoint=False)
-        points = np.unique(
-            np.append(self.positions[:-1, None] + np.diff(self.positions)[:, None] * steps, 1.0)
-        )
+        inner = self.positions[:-1, None] + np.diff(self.positions)[:, None] * steps
+        points = np.unique(np.append(inner, 1.0))
         for _ in range(ZOOMS):
             margin = self.margin(points)
             i = int(np.argmax(margin <= margin.min() + 1e-12 * (1.0 + abs(margin.min()))))

@@ -2,13 +2,16 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from graphlib import CycleError, TopologicalSorter
 from itertools import chain
 
 import numpy as np
 
+from fpm.arithmetic import expressions
 from fpm.elements.kind import Eventful
 from fpm.errors import SceneError, did_you_mean
 from fpm.reading.quantities import KINDS, Quantity
+from fpm.reading.quantity_expressions import QuantityExpression, unit_of
 from fpm.reading.responses import Response
 
 DIRECTIONS = ("rising", "falling", "either")
@@ -21,30 +24,52 @@ def parse(
 ) -> tuple[list[Quantity], list[SceneError]]:
     """Return the quantities that a config defines, in its order, and one SceneError for each
     definition that is wrong, but not for those that only refer to it. definitions: by name, each a
-    mapping with one key of `quantities.KINDS`, as "largest", and its further keys
-    (docs/quantities.md); responses: all of the config; elements: those of the scene that have
-    events, as latches (`fpm.files.outcome.eventful`)."""
+    mapping with one key of `quantities.KINDS`, as "largest", and its further keys, or the text of
+    an expression of others (docs/quantities.md); responses: all of the config; elements: those of
+    the scene that have events, as latches (`fpm.files.outcome.eventful`)."""
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}
     problems = []
-
-    def refers(name: str) -> bool:
-        definition = definitions[name]
-        return isinstance(definition, Mapping) and isinstance(definition.get("at"), str)
-
     # Those that others refer to come first; what only follows from a wrong one is not told.
-    for name in sorted(definitions, key=refers):
-        try:
-            quantities[name] = _parse(name, definitions[name], by_name, elements, quantities)
-        except SceneError as error:
-            instant = definitions[name]["at"] if refers(name) else ""
-            if instant not in definitions or instant in quantities or refers(instant):
+    references = {name: _references(definition) for name, definition in definitions.items()}
+    references = {name: names & definitions.keys() for name, names in references.items()}
+    for name in _order(references, definitions, problems):
+        if references[name] <= quantities.keys():
+            try:
+                quantities[name] = _parse(name, definitions[name], by_name, elements, quantities)
+            except SceneError as error:
                 problems.append(error)
     return [quantities[name] for name in definitions if name in quantities], problems
 
 
+def _references(definition: object) -> set[str]:
+    """Names of the quantities that a definition refers to."""
+    if isinstance(definition, Mapping):
+        definition = definition.get("at", definition.get("event_margin"))
+        return {definition} if isinstance(definition, str) else set()
+    try:
+        return expressions.parse(definition).names if isinstance(definition, str) else set()
+    except expressions.ExpressionError:
+        return set()
+
+
+def _order(references: dict[str, set], definitions: Mapping, problems: list) -> list[str]:
+    """Names of quantities, each behind those that it refers to; without those of a circle, which
+    are told."""
+    try:
+        return [*TopologicalSorter(references).static_order()]
+    except CycleError as error:
+        circle = error.args[1][::-1]
+        allowed = f"one that does not need itself: {' needs '.join(circle)}"
+        problems.append(SceneError(f"quantities.{circle[0]}", definitions[circle[0]], allowed))
+        rest = {name: names for name, names in references.items() if name not in circle}
+        return [name for name in _order(rest, definitions, problems) if name in rest]
+
+
 def _parse(name, definition, responses, elements, quantities) -> Quantity:
     key = f"quantities.{name}"
+    if isinstance(definition, str):
+        return _expression(name, definition, quantities)
     kind = _kind_of(key, definition)
     target = definition[kind]
     if kind == "event":
@@ -52,6 +77,11 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
         return _add_long_name(quantity, definition.get("of", ""))
+    if kind == "event_margin":
+        times = {n: unit for n, q in quantities.items() if (unit := _unit_of_margin(q, elements))}
+        text = "a crossing, settling about a value, or the first time that a latch, stop or contact"
+        unit = times[_one_of(f"{key}.{kind}", target, times, text)]
+        return _add_long_name(Quantity(name, kind, unit, "", instant=quantities[target]))
     response = responses[_one_of(f"{key}.{kind}", target, responses)]
     read = {
         **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
@@ -71,10 +101,40 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
     return _add_long_name(Quantity(name, kind, unit, "", response, **fields))
 
 
+def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Quantity:
+    """A quantity that is arithmetic of others."""
+    key = f"quantities.{name}"
+    try:
+        names = sorted(expressions.parse(text).names)
+        parts = [
+            quantities[_one_of(key, n, quantities, "other quantities to compute with")]
+            for n in names
+        ]
+        if not parts:
+            raise expressions.ExpressionError("it names none")
+        unit = unit_of(text, {part.name: part.unit for part in parts})
+    except expressions.ExpressionError as error:
+        reason = str(error).replace("; allowed: ", ": ")
+        allowed = f"an expression of quantities whose units agree, as t1 - t2 ({reason})"
+        raise SceneError(key, text, allowed) from None
+    return QuantityExpression(name, "expression", unit, text, text=text, parts=(*parts,))
+
+
+def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
+    """The unit of a quantity's event margin; "": it has none that is always known."""
+    if quantity.kind != "event":
+        return quantity.response.unit if quantity.has_margin else ""
+    gates = [element.gate for element in elements if element.name in quantity.places]
+    if not quantity.has_margin or not all(gate and gate.is_sharp for gate in gates):
+        return ""
+    return "m2 s-2" if gates[0].slides else "rad2 s-2"
+
+
 def _kind_of(key: str, definition: object) -> str:
     """The kind that a definition is of; SceneError if its keys are not those of one."""
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
-        raise SceneError(key, definition, f"exactly one of {', '.join(KINDS)}")
+        allowed = f"exactly one of {', '.join(KINDS)}, or an expression such as t1 - t2"
+        raise SceneError(key, definition, allowed)
     kind = next(k for k in KINDS if k in definition)
     keys = KINDS[kind].keys
     for entry in definition:
@@ -115,6 +175,7 @@ def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
         within=quantity.tolerance,
         moment=f"at {time.name}" if isinstance(time, Quantity) else f"at {time or 0.0:.6g} s",
         event=quantity.event,
+        time=time.name if isinstance(time, Quantity) else "",
         place=response.along.words if response and response.along else "time",
         whose=f" of {places[0] if len(places) == 1 else target}" if target else "",
     )

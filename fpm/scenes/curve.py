@@ -100,8 +100,8 @@ class Curve:
             coefficients = _TO_CHEBYSHEV @ nodes
             coefficients = _TO_POWERS @ np.where(np.abs(coefficients) > 1e-3 * tol, coefficients, 0)
             piece = np.append(coefficients, 0.0) - np.append(0.0, coefficients)
-            error = np.abs(fractions * np.polynomial.polynomial.polyval(fractions, piece)
-                           - deviations).max()  # fmt: skip
+            values = fractions * np.polynomial.polynomial.polyval(fractions, piece)
+            error = np.abs(values - deviations).max()
             if error <= tol or (width < 2 * shortest and error <= STEEP / TOL * tol):
                 points.append(rest.pop())
                 powers.append(piece)

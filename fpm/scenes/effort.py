@@ -5,8 +5,6 @@ bits (an AMD EPYC without 512), accurate to a factor of two; `machine` is the fa
 Kinds of elements state theirs (`ElementType.cost`). Joints that are solved together are counted
 out, as it depends on their coupling: twenty on one body cost far more than in a chain."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

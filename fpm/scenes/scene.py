@@ -107,13 +107,9 @@ class Scene:
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
         self.opening_rates: dict[int, float] = {}
         self.bearings: Counter[int] = Counter()  # by hinge: mu r (m), of slides mu, where it is led
-        self.classes: dict[
-            tuple[type[ElementType], int], str
-        ] = {}  # other than ElementType.resists_as
+        self.classes: dict[tuple[type, int], str] = {}  # other than ElementType.resists_as
         self.doubts: list[str] = []  # what is hardly meant in a structure's file
-        self.action_names: dict[
-            tuple[type[ElementType], int], str
-        ] = {}  # as a structure's file has them
+        self.action_names: dict[tuple[type, int], str] = {}  # as a structure's file has them
         self.gravity, self.damping = gravity, damping
 
     beams = _elements(Beams)
@@ -168,9 +164,8 @@ class Scene:
         first, n = len(self.position), len(position)
         mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
         if not (mass.min(initial=1.0) > 0 and inertia.min(initial=1.0) > 0):
-            raise SceneError(
-                "mass, inertia", (mass.min(), inertia.min()), "positive values for every particle"
-            )
+            value, allowed = (mass.min(), inertia.min()), "positive values for every particle"
+            raise SceneError("mass, inertia", value, allowed)
         frame = np.asarray(_EYE if frame is None else frame, float)
         deviation = np.swapaxes(frame, -1, -2) @ frame - _EYE
         if abs(deviation).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
@@ -251,9 +246,8 @@ class Scene:
             the opening is the angle from the first to the second. None: the opening is `opening`.
         opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
         support: global axes along which the hinge point is held: "", "z", "xyz"."""
-        return self.add(
-            Hinge.create(self, name, particles, point, axis, references, opening, support)
-        )
+        values = name, particles, point, axis, references, opening, support
+        return self.add(Hinge.create(self, *values))
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
         """Join two particles by a joint that is no hinge; returns its index among the joints.
@@ -390,8 +384,8 @@ class Scene:
         with np.errstate(over="ignore"):
             slopes = np.diff(values) / (np.diff(times) if smooth else 1.0)
         if not np.isfinite(slopes).all():
-            raise SceneError("values", float(np.abs(values).max()), "values that do not differ by "
-                             "more than numbers can")  # fmt: skip
+            allowed = "values that do not differ by more than numbers can"
+            raise SceneError("values", float(np.abs(values).max()), allowed)
         self.curves.append((Curve.smooth if smooth else Curve.table)(times, values))
         return len(self.curves) - 1
 
@@ -440,13 +434,9 @@ class Scene:
         """Return the rigid arm (VirtualBeam) from a particle (its index) to a point that moves with
         it. point: position (3,) at the start, m; None: the particle's. In a scene whose parts were
         forced together (fpm.assembly), both are positions before that."""
-        position, frame = (
-            value if unstrained is None else unstrained
-            for value, unstrained in (
-                (self.position, self.unstrained_position),
-                (self.frame, self.unstrained),
-            )
-        )
+        position, frame = self.unstrained_position, self.unstrained
+        if frame is None:
+            position, frame = self.position, self.frame
         point = position[particle] if point is None else point
         return VirtualBeam.to_point(particle, position[particle], frame[particle], point)
 

@@ -133,9 +133,8 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scale_modes(scene, deformations)
     kinds = kinds_of([scene])
-    blocked_columns = {
-        n: kind.blocked_motions(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact
-    }
+    contacts = [n for n, kind in enumerate(kinds) if kind is Contact]
+    blocked_columns = {n: Contact.blocked_motions(scene, inverse) for n in contacts}
     is_free = ~np.isin(kind_of, list(blocked_columns))
     cases = [(modes[is_free], element[is_free])]
     for number, columns in blocked_columns.items():

@@ -101,9 +101,8 @@ def simulate(
     for i, scene in enumerate(scenes):
         groups.setdefault(pack.curve_bytes(scene), []).append(i)
     width = lanes_of(dtype)
-    for indices, first in (
-        (g, first) for g in groups.values() for first in range(0, len(g), width)
-    ):
+    batches = [(g, first) for g in groups.values() for first in range(0, len(g), width)]
+    for indices, first in batches:
         lanes = indices[first : first + width]
         group = [scenes[i] for i in lanes]
         run = _integrate(group, width, dtype, instants, division, energy_tolerance)
@@ -130,16 +129,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
     # A whole number would be another type, for which the loop would be compiled again.
-    arguments = (
-        parts,
-        world,
-        record,
-        step,
-        steps,
-        output_steps,
-        check_steps,
-        float(tolerance),
-    )
+    arguments = (parts, world, record, step, steps, output_steps, check_steps, float(tolerance))
     loop_for(arguments)(*arguments)
     return batch, parts, world, record
 

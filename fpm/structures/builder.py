@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from fpm.arithmetic.expressions import ExpressionError, Value
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
-from fpm.structures.expressions import ExpressionError, Value
 from fpm.structures.names import Bound
 from fpm.structures.reading import Problems, SkippedError
 
@@ -38,9 +38,9 @@ class Body:
         the part does not have it. point: full name, as "bay1.P"."""
         if point not in self.points:
             points = ", ".join(self.points)
-            is_rigid = len(set(self.points.values())) == 1
+            is_bar = len(set(self.points.values())) > 1
             remedy = (
-                f"list {point} in its `points`" if is_rigid else f"let its `carries` hold {point}"
+                f"let its `carries` hold {point}" if is_bar else f"list {point} in its `points`"
             )
             allowed = f"a point of {self.name}: {points} (or {remedy})"
             raise SceneError("at", point, allowed)

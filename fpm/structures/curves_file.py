@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from fpm.arithmetic.units import UnitError, unit
 from fpm.files.seals import DamagedError, read_bytes
-from fpm.structures.units import UnitError, unit
 
 _HEADER = re.compile(r"\s*([A-Za-z]\w*)\s*\[([^\]]*)\]\s*")
 

@@ -67,10 +67,8 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     yield "mass", f"{report.mass(scene):.6g} kg"
     yield "its centre", _vector(report.centre(scene))
-    freedom, parts = (
-        _count_text(mobility.degrees, "way"),
-        _count_text(mobility.parts, "moving part"),
-    )
+    freedom = _count_text(mobility.degrees, "way")
+    parts = _count_text(mobility.parts, "moving part")
     conditions = f"{mobility.conditions} conditions, {mobility.redundant} of them redundant"
     yield "mobility", f"{freedom} to move: {parts}, {conditions}"
     yield "redundant", ", ".join(report.redundant(scene))
@@ -90,9 +88,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
 def _opening(hinge: Hinge, specified_opening: float) -> str:
     """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"revolute": "", "prismatic": "slide, "}
-    text, specified_text = (
-        opening_text(hinge, opening) for opening in (hinge.opening, specified_opening)
-    )
+    text, specified_text = (opening_text(hinge, x) for x in (hinge.opening, specified_opening))
     suffix = f", stated as {specified_text}" if text != specified_text else ""
     return f"{kind.get(hinge.type, f'{hinge.type}, ')}opening {text}{suffix}"
 
@@ -195,12 +191,8 @@ def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
         "the mesh" * is_mesh,
         "no interval" * (parameter.kind != "real"),
     ]
-    return [
-        default,
-        unit,
-        parameter.allowed.removesuffix(f" ({unit})"),
-        "; ".join(filter(None, notes)),
-    ]
+    allowed = parameter.allowed.removesuffix(f" ({unit})")
+    return [default, unit, allowed, "; ".join(filter(None, notes))]
 
 
 def _number(value: object) -> str:

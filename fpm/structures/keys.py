@@ -15,16 +15,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.arithmetic.expressions import Expression
+from fpm.arithmetic.units import NUMBER, unit
 from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, hint_new
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
-from fpm.structures.expressions import Expression
 from fpm.structures.names import Bound, Context, NamedNumber, Place
 from fpm.structures.reading import Node, SkippedError, commas
-from fpm.structures.units import NUMBER, unit
 
 NO_VALUE = object()
 COMMA = " (an expression with a comma stands in quotes)"

@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.arithmetic.expressions import ExpressionError
+from fpm.arithmetic.units import NUMBER, unit
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.joints.joint_types import SUFFIXES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
-from fpm.structures.expressions import ExpressionError
 from fpm.structures.keys import COMMA, MOST, AssemblyKey, ChoiceKey, GravityKey, NumberKey, WholeKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
 from fpm.structures.reading import Node, SkippedError, check_keys, join_key, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
-from fpm.structures.units import NUMBER, unit
 
 TEXTS = ("name", "description", "mesh")
 UNIT_KEYS = ("count", "arrangement", "index", "let", "points", *GROUPS)

@@ -12,11 +12,11 @@ from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
 from pathlib import Path
 
+from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
+from fpm.arithmetic.units import NUMBER, Dimension, is_unit
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
-from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
 UNIT_VECTORS = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}
@@ -201,9 +201,8 @@ class Names:
     def sort(self) -> None:
         """Fill `order`, in which numbers can be computed one after the other, and find dimensions.
         Cycles and clashes of units become problems; what depends on them keeps None."""
-        needs = {
-            n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
-        }
+        numbers = self.numbers.items()
+        needs = {n: tuple(x.bound.full.values()) if x.bound else () for n, x in numbers}
         while True:
             try:
                 self.order = [*TopologicalSorter(needs).static_order()]

@@ -53,10 +53,8 @@ MAX_RATIO = 1000.0
 MAX_GRAVITY = 100.0
 """Acceleration of gravity (m/s2) above which it is hardly in this unit."""
 
-USUAL = {
-    "mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m"), "density": (20, 25_000, "kg/m3"),
-    "Young's modulus": (1e6, 2e12, "Pa"),
-}  # fmt: skip
+USUAL = {"mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m")}
+USUAL |= {"density": (20, 25_000, "kg/m3"), "Young's modulus": (1e6, 2e12, "Pa")}
 """What is between these ends needs no warning."""
 
 
@@ -214,10 +212,8 @@ def _rigid(scene: Scene) -> Iterator[str]:
         return
     ends = scene.supports.items()
     support_names = [f"support {name}" for name, arm in ends if scene.fixed[arm.particle].all()]
-    names, keys = (
-        np.array(names),
-        sorted(dict.fromkeys(names), key=lambda key: key.startswith("joint")),
-    )
+    keys = sorted(dict.fromkeys(names), key=lambda key: key.startswith("joint"))
+    names = np.array(names)
     blockers = [key for key in keys if dependence(rows[names != key])[0] < rows.shape[1]]
     owners = [*support_names, *blockers] or keys
     text = ", ".join(owners[:MOST]) + ", ..." * (len(owners) > MOST)
@@ -230,9 +226,8 @@ def _rigid(scene: Scene) -> Iterator[str]:
 def _stuck(scene: Scene) -> Iterator[str]:
     """Friction that bears all that springs give at the start, where nothing else moves parts."""
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    drivers = [
-        e for kind in kinds if kind.acts_as in ("motor", "contact") for e in kind.find(scene)
-    ]
+    driving_kinds = [kind for kind in kinds if kind.acts_as in ("motor", "contact")]
+    drivers = any(kind.find(scene) for kind in driving_kinds)
     is_strained = scene.assembly is not None or scene.unstrained is not None
     if drivers or scene.curves or is_strained or _is_moved(scene):
         return
@@ -380,10 +375,8 @@ def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Itera
         remedy = "give them a `rest` beyond it, or a `preload` of the other sign"
         if all(isinstance(spring, TableSpring) for spring in springs):
             remedy = f"give their `{'forces' if hinge.slides else 'moments'}` the other sign"
-        yield (
-            f"the springs on {hinge.name} push away from {head}, with {abs(push):.4g} {unit}: "
-            f"{remedy}"
-        )
+        text = f"the springs on {hinge.name} push away from {head}, with {abs(push):.4g} {unit}"
+        yield f"{text}: {remedy}"
         return
     if end_push * travel < 0 and all(isinstance(spring, TorsionSpring) for spring in springs):
         text = "only momentum gets there, or a `rest` beyond it"

@@ -6,8 +6,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.elements.bars.beam import Beams
@@ -43,10 +41,14 @@ class RunCost(NamedTuple):
 def bodies(scene: Scene) -> np.ndarray:
     """Return the index of the rigid body that each particle is part of, (n,) from 0, where elastic
     bars are taken as rigid: all particles that beams join are one body."""
-    count = len(scene.position)
-    nodes = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)])
-    links = coo_array((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(count, count))
-    return connected_components(links, directed=False)[1]
+    ends = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)]).T
+    first, last = np.arange(len(scene.position)), None  # of each body's particles, the first
+    while last is None or (first != last).any():  # scipy's graphs take 0.1 s to load
+        last = first.copy()
+        for nodes in ends:
+            np.minimum.at(first, last[nodes], last[ends].min(axis=0))
+        first = first[first]
+    return np.unique(first, return_inverse=True)[1]
 
 
 def _mask_particles(scene: Scene) -> np.ndarray:
@@ -128,11 +130,9 @@ def undamped_step(scene: Scene) -> float:
     """Return the stable step (s) of a scene without damping in proportion to stiffness; inf: none
     limits it."""
     plain = copy(scene)
-    groups = [
-        replace(beams, material=replace(beams.material, stiffness_damping=0.0))
-        for beams in scene.beams
-    ]
-    plain.kinds = {**scene.kinds, Beams: groups}
+    materials = [replace(beams.material, stiffness_damping=0.0) for beams in scene.beams]
+    pairs = zip(scene.beams, materials, strict=True)
+    plain.kinds = {**scene.kinds, Beams: [replace(beams, material=m) for beams, m in pairs]}
     return find_stable_step(plain).step
 
 

@@ -47,8 +47,7 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
             if entry.statement.group not in (*FIRST_GROUPS, MOTIONS):
                 _build(build, entry)  # releases last: they may watch a latch
         if build.gravity_curve and not build.problems:
-            weight = Gravity(build.scene.gravity, build.gravity_curve(build))
-            build.scene.kinds[Gravity] = [weight]
+            build.scene.kinds[Gravity] = [Gravity(build.scene.gravity, build.gravity_curve(build))]
         _balance(build, model)
         for entry in model.entries:
             if entry.statement.group == MOTIONS:

@@ -73,10 +73,8 @@ class Statement:
     @cached_property
     def openings(self) -> dict[str, OpeningKey]:
         """Keys of the statement, by name, whose value may be an opening that is a length."""
-        keys = {n: k for n, k in self.keys.items() if isinstance(k, OpeningKey)}
-        return {
-            name: key for name, key in keys.items() if key.slides is not False and not key.types
-        }
+        keys = {n: k for n, k in self.keys.items() if isinstance(k, OpeningKey) and not k.types}
+        return {name: key for name, key in keys.items() if key.slides is not False}
 
 
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
@@ -199,8 +197,7 @@ class Entry:
             sentence = f"{path}: missing"
         else:
             sentence = f"{self.key}: `{name}`, left out, is {value}"
-        line = self.node.lines.get(name, self.line)
-        problems.say(line, f"{sentence}; allowed: {error.allowed}")
+        problems.say(self.node.lines.get(name, self.line), f"{sentence}; allowed: {error.allowed}")
 
     def values(self, build: Builder) -> SimpleNamespace:
         """Return the values of all keys in the sample of `build` (SI units, defaults where left

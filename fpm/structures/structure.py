@@ -110,8 +110,7 @@ class Structure(StatementTable):
         lists all that is wrong."""
         content = json.dumps([self.table, self.source])
         if self._type is None or self._type[0] != content:
-            node = _node(self.table)
-            self._type = content, build_type(node, Problems(self.source))
+            self._type = content, build_type(_node(self.table), Problems(self.source))
         return self._type[1]
 
     def build(self, **parameters: Any) -> Scene:
@@ -121,8 +120,8 @@ class Structure(StatementTable):
 
     def text(self) -> str:
         """Return the structure as the text of a YAML file, which loads to the same scenes."""
-        return yaml.dump(self.table, Dumper=_TextDumper, sort_keys=False, allow_unicode=True,
-                         default_flow_style=None, width=100)  # fmt: skip
+        options = {"sort_keys": False, "allow_unicode": True, "default_flow_style": None}
+        return yaml.dump(self.table, Dumper=_TextDumper, width=100, **options)
 
     def write(self, path: str | Path) -> None:
         """Write the structure as a YAML file, which loads to the same scenes, at `path`. Raises

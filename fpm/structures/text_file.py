@@ -10,12 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from fpm.arithmetic.expressions import ExpressionError, parse
+from fpm.arithmetic.units import NUMBER, Unit, UnitError, unit
 from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.expressions import ExpressionError, parse
 from fpm.structures.model import KEYS, TEXTS, FileStatements
 from fpm.structures.names import Names
 from fpm.structures.reading import (
@@ -29,7 +30,6 @@ from fpm.structures.reading import (
     read_text,
 )
 from fpm.structures.sample import build_sample
-from fpm.structures.units import NUMBER, Unit, UnitError, unit
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")
 NAME_RULE = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"

@@ -89,8 +89,9 @@ def forces_with_friction(
         for _ in range(MAX_ITERATIONS):
             joint_forces = [x + factor * c @ forces for x, c in zip(base, slopes, strict=True)]
             size = np.array([np.linalg.norm(x) for x in joint_forces])
+            rows = zip(joint_forces, slopes, size, strict=True)
             jacobian = np.eye(len(size)) - factor * np.stack(
-                [x @ c / max(f, TINY) for x, c, f in zip(joint_forces, slopes, size, strict=True)]
+                [x @ c / max(f, TINY) for x, c, f in rows]
             )
             if np.linalg.det(jacobian) < LOCKING_DETERMINANT:
                 return forces, False

@@ -64,9 +64,8 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
     return cable.title(scene), f"friction {cable.title(scene)}"
 
 
-_SCALED_BY_CURVES = {
-    Load: ("force", "moment"), TorqueMotor: ("torque",), Gravity: ("acceleration",)
-}  # fmt: skip
+_SCALED_BY_CURVES = {Load: ("force", "moment"), TorqueMotor: ("torque",)}
+_SCALED_BY_CURVES |= {Gravity: ("acceleration",)}
 
 
 class Component(NamedTuple):
@@ -132,17 +131,15 @@ def components_of(scene) -> list[Component]:
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:
         code = kind.resists_as
-        for i, (name, element) in enumerate(
-            zip(kind.names(scene), kind.sweep_elements(scene), strict=True)
-        ):
+        pairs = zip(kind.names(scene), kind.sweep_elements(scene), strict=True)
+        for i, (name, element) in enumerate(pairs):
             if (action := scene.action_names.get((kind, i))) and name not in bearings:
                 name = f"{action} ({name})" if action_counts[action] > 1 else action
             count[name] += 1
             name = f"{name} #{count[name]}" if count[name] > 1 else name
             is_class = scene.classes.get((kind, i), code)
-            components.append(
-                Component(name, _load_cases_of(scene, element), is_class, code in DRAGS)
-            )
+            cases = _load_cases_of(scene, element)
+            components.append(Component(name, cases, is_class, code in DRAGS))
     for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
         if cable.has_friction:
             components.append(Component(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))

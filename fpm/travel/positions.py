@@ -58,9 +58,8 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
     from scipy.interpolate import CubicSpline
 
     ends = bends_after(positions)
-    pieces = [
-        CubicSpline(positions[a:b], values[a:b])(positions[a:b], 1) for a, b in pairwise(ends)
-    ]
+    rows = [slice(*pair) for pair in pairwise(ends)]
+    pieces = [CubicSpline(positions[r], values[r])(positions[r], 1) for r in rows]
     return np.concatenate(pieces)
 
 

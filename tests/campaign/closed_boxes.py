@@ -14,6 +14,7 @@ import numpy as np
 
 from deployable.campaign.answers import discretization, evaluations
 from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.plan.runs import RunAccount
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
 
@@ -77,7 +78,7 @@ class ClosedBench(ModelEvaluator):
         late = closed.kind == "late"
         number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, instant=None,
                                  kind="crossing" if closed.kind == "margin" else "event",
-                                 margin_source=closed.kind == "margin" or None)  # fmt: skip
+                                 always_exists=closed.kind == "limit")  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
         self.of, self.plan, self.refinements, self.rest_count = closed, (1.0, 1.0), [], 0
@@ -87,7 +88,7 @@ class ClosedBench(ModelEvaluator):
         )  # fmt: skip
         self.points = scan_points(np.ones(closed.k, dtype=bool), count)
         self.numbers, self.margins = self.evaluate(self.plan, self.points)
-        self.notify = lambda text: None
+        self.notify, self.account = lambda text: None, RunAccount()
 
     @property
     def experiment(self):
@@ -97,6 +98,17 @@ class ClosedBench(ModelEvaluator):
         return tuple(values[:, None] for values in self.of.told(np.array(points), plan))
 
 
+class _Point(np.ndarray):
+    """A point in the place of its run, which is named by it."""
+
+    def __new__(cls, point):
+        return np.asarray(point).view(cls)
+
+    @property
+    def id(self):
+        return tuple(self.tolist())
+
+
 def without_runs(monkeypatch):
     """Levels of these plans, and no runs."""
     levels = {
@@ -104,4 +116,4 @@ def without_runs(monkeypatch):
         "mesh": discretization.RefinementLevel((0.5, 0.5), (0.5, 2.0), False),
     }
     monkeypatch.setattr(discretization, "_levels", lambda plan, parts: levels)
-    monkeypatch.setattr(evaluations, "runs_at", lambda plan, points: list(points))
+    monkeypatch.setattr(evaluations, "runs_at", lambda plan, points: [_Point(p) for p in points])

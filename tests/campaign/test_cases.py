@@ -73,7 +73,7 @@ def test_a_case_is_the_campaign_with_what_differs():
         ({"../a": {}}, r"cases\.*.*not a name"),
         ({"verification": {}}, r"cases\.verification: campaign: .*not the name of a study"),
     ],
-)  # fmt: skip
+)
 def test_cases_that_cannot_be_run_are_refused_with_what_is_allowed(cases, says):
     with pytest.raises(campaign.ConfigError, match=says):
         checked(cases)
@@ -125,7 +125,7 @@ def facts_of(folder, monkeypatch, limits):
         ({"a": limit("all", 0.205), "b": limit("all", 0.2)}, "all", "b", ["a"], "the errors"),
         ({"a": limit("all", 9, None), "b": limit("all", 0.2)}, "all", "b", ["a"], "the errors"),
     ],
-)  # fmt: skip
+)
 def test_the_worst_case_decides(tmp_path, monkeypatch, limits, met, worst, close, says):
     for given in (limits, dict(reversed(limits.items()))):
         facts = facts_of(tmp_path, monkeypatch, given)

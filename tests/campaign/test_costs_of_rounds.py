@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.check import check_config
+from deployable.campaign.config.sections import CHECK_POINTS
 from deployable.campaign.plan.accuracy import _halve, _refinement_state, extend_plan, start_plan
 from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
@@ -43,7 +43,7 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = start_plan(experiment)
     cost, nodes = _refinement_state(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
-    checked = MAX_POINTS + 2 + 2  # of the quantity both ends; an order of either
+    checked = CHECK_POINTS + 2 + 2  # of the quantity both ends; an order of either
     assert (cost.nodes, cost.check_runs, cost.run_seconds) == (nodes, checked, each)
     assert cost.next_runs % 8 == 0 < cost.next_runs
     assert plan.adaptive.check == ("mesh",)

@@ -54,6 +54,24 @@ def sample(plan, folder, group=4, batches=1, keep="extremes"):
         return found.load(), simulated
 
 
+@pytest.mark.parametrize("keep", ["trajectories", "responses", "extremes"])
+def test_a_new_expression_of_quantities_makes_no_run_again(scan, tmp_path, keep):
+    scan["jobs"]["keep"] = keep
+    scan["quantities"] |= {"least": {"smallest": "vBz"}}
+    for name, text, runs in (
+        ("spread", "most - least", SAMPLES + 1),
+        ("ratio", "2*spread/most", 0),
+    ):
+        scan["quantities"][name] = text
+        plan = make_plan(campaign.check_config(scan).experiment)
+        table, simulated = sample(plan, tmp_path, keep=keep)
+        assert simulated == runs
+    values = table["quantities"].to_series().unstack()
+    np.testing.assert_array_equal(values["spread"], values["most"] - values["least"])
+    np.testing.assert_array_equal(values["ratio"], 2 * values["spread"] / values["most"])
+    assert table["quantity_units"].values.tolist() == ["m s-1", "m s-1", "m s-1", "1"]
+
+
 def test_bounds_and_answers_are_those_of_all_curves_bit_for_bit(scan, tmp_path):
     found = campaign.run(scan, tmp_path, figures=False, notify=silent)
     folder = tmp_path / "test"

@@ -111,9 +111,9 @@ def test_units_of_the_file_do_not_matter_and_its_band_may_be_a_column(raw):
     curves = read_test(test)
     raw["measured"]["swing"]["band"] = {}
     degrees = "t [ms],angle [deg],angle_band [mrad]\n" + "".join(
-        f"{1000 * t},{np.degrees(v)},2\n" for t, v in zip(curves.times, curves.values[0],
-                                                           strict=True)
-    )  # fmt: skip
+        f"{1000 * t},{np.degrees(v)},2\n"
+        for t, v in zip(curves.times, curves.values[0], strict=True)
+    )
     Path(test.file).write_text(degrees)
     other = read_test(check_config(raw).measured["swing"])
     for name in ("times", "values", "bands"):

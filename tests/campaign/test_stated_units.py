@@ -36,7 +36,7 @@ UNITS = {  # of keys: fixed ones, or whose
     r"quantities\.(\w+)\.(?:level|about|within)": "response of",
     r"quantities\.\w+\.at": "s",
     r"jobs\.minutes|accuracy\.max_core_minutes": "min",
-}  # fmt: skip
+}
 
 
 class Rewriting:

@@ -146,7 +146,7 @@ def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
     monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
     box = Box(["a"], [1.0], [3.0])
     plan = SimpleNamespace(runs=SimpleNamespace(normalized=known))
-    model = SimpleNamespace(experiment=SimpleNamespace(box=box), plan=plan)
+    model = SimpleNamespace(experiment=SimpleNamespace(box=box, is_adaptive=False), plan=plan)
     at = {name: (("response", "time", "parameter"), np.full((1, 4, 1), box.from_unit([value])))
           for name, value in (("argmin", 0.93), ("argmax", -0.2))}  # fmt: skip
     ends = {name: (("response", "time"), np.full((1, 4), value))

@@ -11,6 +11,7 @@ from fpm.files.trajectory import Curves
 from fpm.reading.events import value_at
 from fpm.reading.quantities import KINDS, QuantityType, crossing, crossing_margin, peak
 from fpm.reading.quantity_definitions import parse
+from fpm.reading.quantity_expressions import unit_of
 from fpm.reading.responses import Response
 
 TIME = np.linspace(0.0, 2.0, 401)
@@ -60,13 +61,45 @@ def test_numbers_of_a_decaying_wave(definition, exact):
     assert read(definition, WAVE) == pytest.approx(exact, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "exact", "is_time", "least"),
+    [
+        ("shut - half", "s", 0.5 - np.log(2), False, None),
+        ("max(shut, half)", "s", np.log(2), True, 0.0),
+        ("min(half, never)", "s", np.log(2), True, 0.0),  # of those that exist
+        ("shut + never", "s", np.nan, False, 0.0),
+        ("top/(2*half) - 1 m/s", "m s-1", 1 / np.log(4) - 1, False, None),
+        ("sqrt(abs(shut - half)/(20 ms))", "1", np.sqrt(50 * (np.log(2) - 0.5)), False, 0.0),
+        ("top/(shut - 0.5 s)", "m s-1", np.nan, False, None),
+    ],
+)
+def test_arithmetic_of_quantities(text, unit, exact, is_time, least):
+    """Units are derived; what is not finite, and what lacks a part, does not exist."""
+    names = {"q": text, "half": {"crossing": "x", "level": 0.5}, "shut": {"event": "closes"},
+             "never": {"crossing": "x", "level": 9}, "top": {"largest": "x"}}  # fmt: skip
+    track = np.zeros((len(TIME), 3))
+    track[:, 0] = np.exp(-TIME)
+    curves = Curves(TIME, {"P": (track, track)}, {}, {}, EVENTS, ELEMENTS, 0, TIME[1])
+    (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
+    assert not problems
+    assert (found.unit, found.is_time, found.least) == (unit, is_time, least)
+    np.testing.assert_allclose(found.evaluate(curves), exact, atol=1e-9)
+
+
+def test_angles_of_expressions_are_told_from_numbers():
+    rates = {"phi": "rad", "omega": "rad s-1", "t": "s", "M": "N m"}
+    texts = {"phi/t - omega": "rad s-1", "2*phi - 5 deg": "rad", "phi/(1 rad)": "1", "M*phi": "N m",
+             "omega**2": "rad2 s-2", "sin(phi)*t": "s", "1/t": "s-1"}  # fmt: skip
+    assert {text: unit_of(text, rates) for text in texts} == texts
+
+
 def test_every_kind_of_the_table_is_read_and_one_more_takes_a_line_of_it(monkeypatch):
     median = QuantityType(
         lambda q, curves: float(np.median(q.response.evaluate(curves))), "median {about}"
     )
     monkeypatch.setitem(KINDS, "median", median)
     for kind, known in KINDS.items():
-        of = "closes" if kind == "event" else "x"
+        of = {"event": "closes", "event_margin": "half"}.get(kind, "x")
         definition = {kind: of} | dict.fromkeys(known.mandatory, 0.25)
         assert np.isfinite(read(definition, WAVE)), kind
     assert read({"median": "x"}, TIME) == pytest.approx(1.0)

@@ -170,7 +170,7 @@ def bennett(assemble: str) -> SceneType:
         ("{A: AB_start, B: AB_end}", "{A: AB_start, B2: AB_end}"),
         ("parts: [AB, BC], at: B,", "parts: [AB, BC], at: {AB: B2, BC: B},"),
         ("B: {part: AB, at: B}", "B: {part: AB, at: B2}"),
-    )  # fmt: skip
+    )
     return loads(changed(text, *changes))
 
 

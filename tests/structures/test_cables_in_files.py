@@ -58,7 +58,7 @@ def test_cables_and_masses_are_in_the_scene():
         ("mass: 2 kg", "mass: 0", "masses.load.mass"),
         ("part: arm, at: B, mass", "part: ground, at: C, mass", "masses.load.part"),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused(old, new, problem):
     refused(TEXT, old, new, problem)
 
@@ -177,7 +177,7 @@ def test_a_cable_runs_through_the_same_points_of_every_unit():
         ("[{each: post, through: [high, low]}, post.first.high]", "[post.first.high]", "2 to 1000"),
         ("through: [high, low]}", "through: high}", "cables.around.through"),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused_of_units(old, new, problem):
     refused(RING, old, new, problem)
 

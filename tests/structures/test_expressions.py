@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fpm.structures.expressions import ExpressionError, parse
-from fpm.structures.units import NAMES, NUMBER, Dimension, UnitError, unit
+from fpm.arithmetic.expressions import ExpressionError, parse
+from fpm.arithmetic.units import NAMES, NUMBER, Dimension, UnitError, unit
 
 LENGTH, TIME = Dimension(length=1), Dimension(time=1)
 

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, refused
 
 import fpm
+from fpm.arithmetic.expressions import parse
 from fpm.structures import loads
-from fpm.structures.expressions import parse
 from fpm.structures.plausible import warnings
 
 NUMBERS = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)
@@ -29,10 +29,9 @@ def test_functions_of_vectors_are_those_of_other_libraries(a, b, angle):
         ("dot(a, b)", a @ b, size * np.linalg.norm(b)),
         ("norm(a)", size, size),
         ("unit(b)", b / np.linalg.norm(b), 1.0),
-        ("rotate(a, b, angle)",
-         Rotation.from_rotvec(angle * b / np.linalg.norm(b)).apply(a), size),
+        ("rotate(a, b, angle)", Rotation.from_rotvec(angle * b / np.linalg.norm(b)).apply(a), size),
         ("[dot(a, [1, 0, 0]), a_y, a_z]", a, 0.0),
-    ):  # fmt: skip
+    ):
         value = parse(text).value({"a": a, "b": b, "angle": angle, "a_y": a[1], "a_z": a[2]})
         np.testing.assert_allclose(value, exact, rtol=0, atol=4e-15 * scale)
 

@@ -10,7 +10,7 @@ rule figures:
             caption="../report/figures.rst",
             category="Figures",
         ),
-        WORKFLOW.outputs("figures", ".pdf", ".svg"),
+        WORKFLOW.outputs("figures", ".pdf"),
     log:
         "{stage}/logs/figures.log",
     localrule: True
@@ -40,7 +40,7 @@ rule page:
             caption="../report/moments.rst",
             category="Figures",
         ),
-        WORKFLOW.outputs("page", ".pdf", ".svg"),
+        WORKFLOW.outputs("page", ".pdf"),
     log:
         "{stage}/logs/page.log",
     priority: 1  # the longest of the last jobs

@@ -20,11 +20,8 @@
 
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -32,8 +29,15 @@ import numpy as np
 
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator, number
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
-from deployable.campaign.config.sections import Choose, Experiment, Interval, Jobs, Verify
-from deployable.campaign.files import write_result
+from deployable.campaign.config.sections import (
+    Choose,
+    Experiment,
+    Jobs,
+    Verify,
+    design_points,
+    widen_intervals,
+)
+from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
@@ -41,7 +45,7 @@ from deployable.campaign.results.facts import ROUNDING
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
 
-_HELD_OUT, _DOUBTS = 4, 4
+_DOUBTS = 4
 
 
 def answer(
@@ -60,6 +64,10 @@ def answer(
     experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
+    if base_plan.experiment.is_adaptive:
+        with open_netcdf(folder.quantities) as file:
+            spent = base_plan.adaptive.rounds[-1].runs + int(file.further_runs + file.check_runs)
+        model.account.limit = base_plan.experiment.accuracy.max_runs - spent
     design = design_points(experiment, choose)
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
@@ -125,33 +133,6 @@ def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
         for margin, point in zip(trial.margins, trial.worst, strict=True)
         if margin == -np.inf
     ]
-
-
-def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
-    """Return a copy of an experiment in which the interval of each parameter to be chosen spans all
-    nominal values that `choose` (section of the config) allows, with the uncertainty about each."""
-    intervals = dict(experiment.intervals)
-    for name in choose.parameters:
-        lower, upper = choose.ends(name, experiment)
-        intervals[name] = Interval(lower, (lower + upper) / 2, upper)
-    return replace(experiment, intervals=intervals)
-
-
-def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
-    """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
-    fitted to: a sparse grid and four validation runs. experiment: with intervals of
-    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
-    parameters; along others it has that of the experiment's design, at least 2."""
-    from deployable.intervals import held_out_points, make_design
-
-    order, box = experiment.design.order, experiment.box
-    if isinstance(order, tuple):
-        order = max(order)
-    usual = max(order, 2) if isinstance(order, int) else 2
-    orders = [choose.order if name in choose.parameters else usual for name in box.names]
-    orders = [order if free else 0 for order, free in zip(orders, box.free, strict=True)]
-    nodes = make_design("smolyak", box, orders).points
-    return np.concatenate([nodes, held_out_points(box.free, _HELD_OUT, nodes)])
 
 
 def _best(

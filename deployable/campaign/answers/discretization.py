@@ -5,8 +5,6 @@ Each component begins with what changes beside the runs before: a finer mesh tak
 anyway, which so counts once. The change is continued to what all further halvings would change, by
 its order: that of a few runs with a quarter of the step, or on a mesh half as fine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -16,24 +14,20 @@ import numpy as np
 from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
 from deployable.campaign.answers.limit_states import estimate_limit_state_error
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
-from deployable.campaign.config.sections import Experiment, Jobs, Verify
+from deployable.campaign.config.sections import CHECK_POINTS, Experiment, Jobs, Verify
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.accuracy import allow_check_runs
+from deployable.campaign.plan.decide import COMPONENTS
 from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.estimates import extrapolate_error, refinement_ratio
-
-MAX_POINTS = 8
-"""Points at which runs are repeated for the responses: eight side by side cost what three do."""
 
 _HALVINGS = 6
 """Of the way on which finer runs cease to have a number."""
 
 MAX_POINT_DISTANCE = 0.1
 """In unit coordinates: a planned run so near a point stands for it."""
-
-
-COMPONENTS = ("step", "mesh")
 
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
@@ -57,10 +51,14 @@ def check_bounds(
     of the dataset with error components (`intervals.add_errors`). folder: of the results, with plan
     and samples; bounds: the dataset; jobs: section of the config; notify: called with each message;
     threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
-    gets ``quantity_error_<component>`` (quantity), in their units."""
+    gets ``quantity_error_<component>`` (quantity), in their units. Attributes `check_runs`,
+    `check_ids`: how many runs that took, and their ids, divided by blanks."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
+    known_ids = set(model.account.ids)
+    if model.experiment.is_adaptive:
+        model.account.limit = allow_check_runs(model.plan)
     dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
     if model.experiment.is_adaptive and model.experiment.quantities:
         errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
@@ -71,6 +69,8 @@ def check_bounds(
                 for name, e in errors.items()
             }
         )
+    ids = " ".join(sorted(model.account.ids - known_ids))
+    dataset = dataset.assign_attrs(check_runs=model.account.count, check_ids=ids)
     names = " and ".join(components)
     notify(f"{model.experiment.name}: runs at the bounds were repeated with a finer {names}")
     return dataset
@@ -192,13 +192,13 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    sites = intervals.choose_bound_points(*attained, width, MAX_POINTS)
+    sites = intervals.choose_bound_points(*attained, width, CHECK_POINTS)
     run_points = model.plan.runs.normalized
     distances = np.abs(run_points - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)
-    test_points = np.where(
-        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, run_points[nearest], sites.points
-    )
+    # With an `accuracy` no runs are spent on what those that are there tell well enough.
+    is_near = model.experiment.is_adaptive | (distances.min(axis=1) <= MAX_POINT_DISTANCE)
+    test_points = np.where(is_near[:, None], run_points[nearest], sites.points)
     curves, errors = _curves(model, model.plan, test_points), {}
     for name, level in _levels(model.plan, components).items():
         finer_curves = _curves(model, level.finer, test_points)

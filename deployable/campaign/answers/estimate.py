@@ -1,7 +1,5 @@
 """What a campaign will take, before it runs: runs, time and disk."""
 
-from __future__ import annotations
-
 import math
 import os
 import time
@@ -12,14 +10,20 @@ from itertools import chain
 import numpy as np
 
 import fpm
-from deployable.campaign.answers.choice import design_points, widen_intervals
-from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.config.disk import bytes_of_run
-from deployable.campaign.config.sections import Campaign, Experiment, count_runs
+from deployable.campaign.config.sections import (
+    CHECK_POINTS,
+    Campaign,
+    Experiment,
+    count_first_runs,
+    count_runs,
+    design_points,
+    widen_intervals,
+)
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import LANES, run_seconds
-from deployable.campaign.plan.plan import choose_step, make_plan
+from deployable.campaign.plan.plan import Plan, choose_step, make_plan, read_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
@@ -215,7 +219,7 @@ def _fit_seconds(campaign: Campaign) -> float:
     scene, curve_values = experiment.nominal_scene, len(experiment.responses)
     curve_values *= experiment.solver.instants
     if experiment.is_adaptive or campaign.bounds.model == "spline":
-        runs = _first_runs(experiment) if experiment.is_adaptive else count_runs(experiment)
+        runs = count_first_runs(experiment) if experiment.is_adaptive else count_runs(experiment)
         return SPLINE * curve_values * runs
     if experiment.design.order is None or experiment.box.free.sum() <= 2:
         return FIT * curve_values
@@ -241,15 +245,10 @@ def _sweep_seconds(experiment: Experiment) -> float:
     return min(times) * POSITIONS / COARSE_POSITIONS
 
 
-def _first_runs(experiment: Experiment) -> int:
-    """Runs of the first round of an `accuracy`."""
-    return LANES * max(1, int(experiment.box.free.sum()))
-
-
 def _rounds(experiment: Experiment, number: int) -> Passes:
     """Runs of an `accuracy` that ends after a number of rounds, each with twice the runs of the one
     before and a check of mesh and step; of all after the first half of them the mesh is finer."""
-    first = _first_runs(experiment)
+    first = count_first_runs(experiment)
     passes: Passes = []
     for i in range(number):
         factor = 4.0 if i > number / 2 else 1.0
@@ -286,7 +285,7 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     if verify.discretization:
         # Half the step, and a mesh of twice as many elements with half the step; for their orders
         # at fewer places a quarter of the step, and half as many elements with half the step.
-        repetitions = [(MAX_POINTS, 1), *([(bounds, bounds // 2)] if bounds else [])]
+        repetitions = [(CHECK_POINTS, 1), *([(bounds, bounds // 2)] if bounds else [])]
         refinement["errors of step and mesh"] = [
             (count, factor)
             for larger, smaller in repetitions
@@ -295,11 +294,10 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     return refinement
 
 
-def count_missing_runs(campaign: Campaign, folder: Folder) -> tuple[int, int, set[str]]:
-    """Return how many runs of a campaign are not stored in its folder of results, how many there
-    are in all, and variables that stored ones lack as this version reads them."""
+def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[int, int, set[str]]:
+    """Return how many runs of a campaign's plan are not stored in its folder of results, how many
+    there are in all, and variables that stored ones lack as this version reads them."""
     keep = campaign.jobs.keep
-    plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
     groups = store.groups(plan.unique_runs(), campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
@@ -314,7 +312,9 @@ def describe_work(
     stages that are to be done, called with whether runs are to be simulated."""
     notes, share = "", 1.0
     if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
-        missing, total, lacks = count_missing_runs(campaign, folder)
+        is_planned = "plan" not in find_stages(False)
+        plan = read_plan(folder.plan) if is_planned else make_plan(campaign.experiment)
+        missing, total, lacks = count_missing_runs(campaign, folder, plan)
         share = missing / total
         if lacks or missing < total:
             notes = f"; {total - missing} of them are there"

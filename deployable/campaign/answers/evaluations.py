@@ -2,8 +2,7 @@
 
 Further runs go through the campaign's store, so that they are found again."""
 
-from __future__ import annotations
-
+import itertools
 import math
 from collections.abc import Sequence
 from functools import cached_property
@@ -14,9 +13,9 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.event_margins import margins_of, margins_of_samples
-from deployable.campaign.plan.plan import Plan, read_plan
-from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
+from deployable.campaign.plan.event_margins import margins_of_samples
+from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
+from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
 from deployable.campaign.results.run_roles import fitted_rows
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
@@ -32,6 +31,7 @@ class ModelEvaluator:
     box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
     absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
     NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
+    `account`: of all runs that it makes, which are no more than that allows;
     `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
     some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
     quantity.
@@ -53,18 +53,20 @@ class ModelEvaluator:
         self.margins = self.numbers
         self.rest_counts, self.rest_count = np.zeros(len(plan.experiment.quantities), int), 0
         self.refinements: list[PlannedRun] = []
-        self.simulated = 0
+        self.simulated, self.account = 0, RunAccount()
 
     @classmethod
     def from_folder(
         cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, refinements: bool = False
-    ) -> ModelEvaluator:
+    ) -> "ModelEvaluator":
         """Make an evaluator that has the runs of a folder of results, with event margins, from its
         plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
         runs it has those that `fitted_rows` chooses to fit surrogates to. refinements: whether to
         add the runs in `refinement.nc`, which must exist. jobs: section of the config; notify:
         called with each message; threads: number that simulate further runs."""
-        model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
+        model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
+        if len(plan.runs) <= MAX_PLAN_ROWS:
+            model.account = RunAccount(known_ids=[run.id for run in plan.runs])
         with open_netcdf(folder.samples) as samples:
             normalized = samples["normalized"][:]
             numbers = np.zeros((len(normalized), 0))
@@ -115,13 +117,17 @@ class ModelEvaluator:
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
         (`points`, `numbers`, `margins`, `refinements`), and return the index (P) of the run at each
-        point, or of the nearest once `max_refinements` are added; `CampaignError` if one fails."""
+        point, or of the nearest once `max_refinements` are added, or the `account` allows no more;
+        `CampaignError` if one fails."""
         additions: list[np.ndarray] = []
         for point in points:
             present = np.array([*self.points, *additions]).reshape(-1, self.points.shape[1])
             is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
             if is_new and len(self.refinements) + len(additions) < self.max_refinements:
                 additions.append(np.asarray(point, dtype=float))
+        ids = [run.id for run in runs_at(self.plan, additions)]
+        is_allowed = self.account.count_runs(ids)
+        additions = list(itertools.compress(additions, is_allowed))
         if additions:
             numbers, margins = self.evaluate(self.plan, additions)
             self.numbers = np.concatenate([self.numbers, numbers])
@@ -149,14 +155,22 @@ class ModelEvaluator:
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
         with mesh and step of `plan`, which may be finer than the evaluator's own. They are
-        simulated unless stored, and do not become the evaluator's own runs."""
-        records = self.records(plan, runs_at(plan, points))
-        margins = margins_of(self.experiment, np.array([record.values for record in records]))
-        return np.array([record.numbers for record in records]), margins
+        simulated unless stored, and do not become the evaluator's own runs. NaN of runs that its
+        `account` does not allow."""
+        runs = runs_at(plan, points)
+        rows = np.flatnonzero(self.account.count_runs([run.id for run in runs]))
+        numbers, margins = np.full((2, len(runs), len(self.experiment.quantities)), np.nan)
+        if len(rows):
+            records = self.records(plan, [runs[row] for row in rows])
+            numbers[rows] = [record.numbers for record in records]
+            margins[rows] = [record.margins for record in records]
+        return numbers, margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
         """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in their
-        order, simulated unless stored. Raises `CampaignError` if a run fails."""
+        order, simulated unless stored and counted by the `account`, whatever it allows. Raises
+        `CampaignError` if a run fails."""
+        self.account.count_runs([run.id for run in runs])
         store = open_store(self.keep, self.store, plan.experiment)
         records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.from_runs(runs).unique(), self.jobs.group):

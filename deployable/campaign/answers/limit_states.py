@@ -5,8 +5,6 @@ Else it moves: by how much finer runs change what the border is told by, as the 
 that may come too late; or, where runs only tell whether it happens, to where finer ones cease to
 differ. That is continued as if it fell at the first order: what happens or not tells no order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -11,7 +11,6 @@ import numpy as np
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.config.models import LIMITS
 from deployable.campaign.text.words import words_of
-from fpm.reading.quantities import Quantity
 
 _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border a run is made
 
@@ -116,7 +115,8 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     if limit.kind != "happens" and not result.worst[i][0] >= limit.error:
         return False
     sign = -1 if limit.kind == "happens" and not limit.level else 1
-    return _has_always(model, q) or _sure_occurrence(model, limit, q) == sign
+    always_exists = model.experiment.quantity_list[q].always_exists
+    return always_exists or _sure_occurrence(model, limit, q) == sign
 
 
 def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
@@ -135,14 +135,6 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     if limit.surrogate.fit is None:
         return _sure_occurrence(model, limit, q) == -1
     return bool(limit.best(-free.astype(float), free.astype(float))[0] < -limit.error)
-
-
-def _has_always(model: ModelEvaluator, q: int) -> bool:
-    """Whether quantity `q` (index) is one that every run has."""
-    quantity = model.experiment.quantity_list[q]
-    while isinstance(quantity.instant, Quantity):
-        quantity = quantity.instant
-    return quantity.margin_source is None and quantity.kind != "event"
 
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:

@@ -29,10 +29,7 @@
 
 Curves by response are {units, times, values, bands, lower, upper, best, rates, left}: measured, of
 all runs, and but for a check of the nearest run as the sensor has it, with its rates, and lower and
-upper values of the runs in the narrowed box and start, [] without any.
-"""
-
-from __future__ import annotations
+upper values of the runs in the narrowed box and start, [] without any."""
 
 import itertools
 import json
@@ -47,13 +44,7 @@ from deployable.campaign.answers.discretization import halved
 from deployable.campaign.answers.evaluations import ModelEvaluator, number, runs_at
 from deployable.campaign.answers.limits import describe_limit, list_limits
 from deployable.campaign.config.measured import MeasuredCurves, read_test
-from deployable.campaign.config.sections import (
-    Accuracy,
-    Interval,
-    Jobs,
-    ResolvedTest,
-    Verify,
-)
+from deployable.campaign.config.sections import Accuracy, Interval, Jobs, ResolvedTest, Verify
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
@@ -110,10 +101,7 @@ def answer(
         **_describe_left(model, result, requirements, sources, folder),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
-        "misfits": {
-            "points": misfits[:, :-1].tolist(),
-            "values": misfits[:, -1].tolist(),
-        },
+        "misfits": {"points": misfits[:, :-1].tolist(), "values": misfits[:, -1].tolist()},
         "runs": sum(test.runs for test in tests),
     }
     write_result(folder.measured, json.dumps(rows, indent=1) + "\n")

@@ -16,8 +16,6 @@ their bounds take, `refinement.nc`.
     least                           physical lower bound, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes"""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -32,10 +30,13 @@ from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.campaign.config.sections import Jobs, Verify, plain_data
+from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.accuracy import allow_check_runs
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text.numbers import VOLUME
 from fpm.files.trajectory import CONVENTIONS
 
 _DIM, _DIMS = ("quantity",), ("quantity", "parameter")
@@ -54,10 +55,12 @@ def answer(
     results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
     with each message; threads: how many simulate."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    if (rounds := model.plan.adaptive) is not None and rounds.rounds:
-        reserve = CHECKED_RUNS * len(model.experiment.quantities)
-        budget = model.experiment.accuracy.max_runs - rounds.rounds[-1].runs
-        model.max_refinements = max(0, budget - reserve)
+    with open_netcdf(folder.bounds) as file:  # whose check is counted already
+        model.account.ids |= set(str(getattr(file, "check_ids", "")).split())
+    if model.experiment.is_adaptive:
+        model.account.limit = allow_check_runs(model.plan)
+        left, reserve = model.account.limit, CHECKED_RUNS * len(model.experiment.quantities)
+        model.max_refinements = max(left - reserve, left // 2)
     if model.experiment.design.method == "screening":
         model.max_refinements = max(0, model.experiment.design.samples - len(model.distinct_rows))
     specs = list_limits(requirements, list(model.experiment.quantities))
@@ -86,7 +89,7 @@ def quantities_dataset(
     variables = _Variables()
     _put_bounds(variables, model, bounds)
     is_adaptive = model.experiment.is_adaptive
-    errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
+    errors = [b.surrogate.bound_error if is_adaptive else b.surrogate.error for b in bounds]
     errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
     is_averaged = is_adaptive and model.experiment.box.free.sum() <= MAX_DIRECTIONS
@@ -160,7 +163,7 @@ def _put_occurrence(
         for b, shift in zip(bounds, shifts, strict=True)
     ]
     shares = np.array([share_of_box([limit], free) for limit in limits])
-    text = "share of the box in which the quantity exists"
+    text = f"share of the box, {VOLUME}, in which the quantity exists"
     variables.put("happens", _DIM, shares[:, 0], text, "1")
     variables.put("happens_uncertainty", _DIM, shares[:, 1], f"uncertainty of the {text}", "1")
 
@@ -229,8 +232,9 @@ def coordinates(model: ModelEvaluator) -> dict:
 def attributes_of(model: ModelEvaluator) -> dict:
     """Make the attributes, by name, of the netCDF files of quantities: conventions, campaign,
     scene, config with its hash, digest of the mechanics (code and structure), `runs` (number of
-    distinct runs that the results rest on) and `further_runs` (number of those added at bounds and
-    limit-state surfaces). model: has the runs and their plan."""
+    distinct runs that the results rest on), `further_runs` (number of those added at bounds and
+    limit-state surfaces) and `check_runs` (runs repeated with finer step and mesh, beside those for
+    responses). model: has the runs and their plan."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,
@@ -240,4 +244,5 @@ def attributes_of(model: ModelEvaluator) -> dict:
         "mechanics": model.plan.mechanics,
         "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.refinements),
+        "check_runs": model.account.count - len(model.refinements),
     }

@@ -1,8 +1,6 @@
 """Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,9 +9,15 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.intervals.box import MOST_FULL
+from deployable.intervals.designs import scan_points
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
+_MOST_CLIMBS = 40  # runs in a row of a local search
+_PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where others are made
+_ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
+_MOST_SPREAD = 4  # times as many where a quantity has no value
+_CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -59,8 +63,14 @@ def converge_bounds(
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
+    climbs = _Climbs(model)
     for iteration in range(max_iterations + 1):
+        if iteration < max_iterations:
+            climbs.run()
         surrogates = model.surrogates()
+        while iteration == 0 < max_iterations and _grow(model, climbs.missing_points(surrogates)):
+            climbs.run()
+            surrogates = model.surrogates()
         bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
         if iteration == max_iterations:
             break
@@ -68,12 +78,79 @@ def converge_bounds(
         if specs:
             decisive = assess_limits(model, surrogates, specs).points
             points += [point for point in decisive if model.nearest(point)[1] > SAME_POINT]
-        count = len(model.points)
-        model.add(points)
-        if len(model.points) == count:
+        if not _grow(model, points):
             break
         mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
+
+
+def _grow(model: ModelEvaluator, points: Sequence[np.ndarray]) -> bool:
+    """Add runs at points (P, k), and tell whether there was one to be added."""
+    count = len(model.points)
+    model.add(points)
+    return len(model.points) > count
+
+
+def _is_rough(surrogate: Any) -> bool:
+    """Whether a quantity does not exist in all runs, or its fit is not close."""
+    if surrogate.fit is None or surrogate.occurrence.is_mixed:
+        return True
+    return bool(surrogate.usual_error > _ROUGH * np.ptp(surrogate.fit.values))
+
+
+class _Climbs:
+    """Local searches for the bounds of all quantities, which make their runs side by side."""
+
+    def __init__(self, model: ModelEvaluator) -> None:
+        from deployable.intervals.scalars import Climb
+
+        is_wide = model.points.shape[1] > MOST_FULL
+        quantities = [] if is_wide else model.experiment.quantity_list
+        self.model, self.climbs = model, [(Climb(-1.0), Climb(1.0)) for _ in quantities]
+        self.margin_climbs = [Climb(1.0) for _ in quantities]  # where an event may begin to occur
+
+    def missing_points(self, surrogates: Sequence[Any]) -> np.ndarray:
+        """Points (P, k) of runs that tell whether searches missed a part of the box: none where all
+        quantities are smooth; else the corners, if these are few, and points spread over the
+        box, so that there are eight runs for each parameter; where a quantity has no value in any
+        run four times as many, eight for each parameter at a time."""
+        model = self.model
+        if not self.climbs or not any(map(_is_rough, surrogates)):
+            return model.points[:0]
+        box = model.experiment.box
+        corners = box.corners() if box.free.sum() <= _CORNER_DIRECTIONS else model.points[:0]
+        corners = [point for point in corners if model.nearest(point)[1] > SAME_POINT]
+        is_blank = any(s.fit is None for s in surrogates)
+        total = _PARAMETER_RUNS * int(box.free.sum())
+        present = len(model.points) + len(corners)
+        count = min((_MOST_SPREAD if is_blank else 1) * total - present, total)
+        if count <= 0:
+            return np.reshape(corners, (-1, len(box.free)))
+        spread = scan_points(box.free, present + count, corners=False)[-count:]
+        return np.concatenate([*[point[None] for point in corners], spread])
+
+    def run(self) -> None:
+        """Go on until no search promises a gain."""
+        model = self.model
+        for _ in range(_MOST_CLIMBS):
+            points = [
+                point
+                for climb, values in self._active()
+                if (point := climb.propose(model.points, values)) is not None
+            ]
+            if not _grow(model, points):
+                break
+
+    def _active(self) -> Iterator[tuple[Any, np.ndarray]]:
+        """Searches, and the values (R) of the runs so far that they go by."""
+        numbers, margins = self.model.numbers.T, self.model.margins.T
+        for pair, margin_climb, values, margin in zip(
+            self.climbs, self.margin_climbs, numbers, margins, strict=False
+        ):
+            if np.isfinite(values).any():
+                yield from ((climb, values) for climb in pair)
+            elif np.isfinite(margin).all():
+                yield margin_climb, margin
 
 
 def _bounds(

@@ -20,8 +20,6 @@ The runs that decide were made with those of the quantities' ends. Margins are b
 is broken, null where something does not happen. A place is parameter values by name; `simulated` is
 the quantity of the run there."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 

@@ -13,8 +13,6 @@
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
 the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import traceback
@@ -51,9 +49,8 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     """The parser of all commands, or, for a process that loads what its stage needs, of stages."""
     script = Path(sys.argv[0]).name
     program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
-    parser = argparse.ArgumentParser(
-        program, description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
+    form = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(program, description=__doc__, formatter_class=form)
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     if not is_stage:

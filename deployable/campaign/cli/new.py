@@ -1,7 +1,5 @@
 """A folder of one's own: a Snakefile of a few lines, profiles, and a campaign to edit."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Cases of a campaign: variants of its config, each of which is a campaign of its own."""
 
-from __future__ import annotations
-
 import copy
 import re
 from collections.abc import Iterator, Mapping
@@ -64,9 +62,8 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
     rest = {key: copy.deepcopy(value) for key, value in raw.items() if key != "cases"}
     rest["campaign"] = folder_name(name)
     limits = rest.get("requirements", {})
-    rest["requirements"] = {
-        key: specs for key, specs in limits.items() if name in case_lists.get(key, [name])
-    }
+    keys = [key for key in limits if name in case_lists.get(key, [name])]
+    rest["requirements"] = {key: limits[key] for key in keys}
     changes = {key: case[key] for key in ("solver", "intervals") if key in case}
     if case.get("scene"):
         changes["scene"] = {"parameters": case["scene"]}

@@ -6,8 +6,6 @@
 Everything wrong with it is collected into one `ConfigError`: what the models of its sections refuse
 (`models`, by `read`), then what needs the scene (`scene_checks`)."""
 
-from __future__ import annotations
-
 import copy
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -47,12 +45,9 @@ def load_config(
 
     Parameters
     ----------
-    paths
-        YAML files, at least one.
-    overrides
-        Further keys of a config, nested as in YAML.
-    source
-        What messages call the config; None: the paths."""
+    paths: YAML files, at least one.
+    overrides: further keys of a config, nested as in YAML.
+    source: what messages call the config; None: the paths."""
     config: dict = {}
     lines: dict[str, str] = {}
     for path in paths:

@@ -1,7 +1,5 @@
 """What the runs of a campaign take on disk, and whether that has room."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -186,9 +186,8 @@ def table(config: ConfigKey) -> str:
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
     singles = {"The campaign": [row for part in groups.values() if len(part) == 1 for row in part]}
     sections = {name: part for name, part in groups.items() if len(part) > 1}
-    texts = (
-        f"\n## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in (singles | sections).items()
-    )
+    parts = (singles | sections).items()
+    texts = (f"\n## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
     return _HEAD + "".join(texts)
 
 

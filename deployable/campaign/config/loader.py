@@ -1,7 +1,5 @@
 """YAML as people mean it: no key twice, `1e9` is a number, and errors with their line."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -11,8 +11,8 @@ from deployable.campaign.config.models import MeasuredTest
 from deployable.campaign.config.resolve import allows, real_names, unknown
 from deployable.campaign.config.sections import Campaign, Experiment, ResolvedTest
 from deployable.intervals.box import MOST_FULL
+from fpm.arithmetic.units import unit
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
-from fpm.structures.units import unit
 
 MOST_INSTANTS = 150
 """Measured instants of a test that are compared, evenly chosen."""

@@ -66,7 +66,9 @@ class Aim(ConfigSection):
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
     max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
-    """Most runs that may be spent, of all meshes, those of checks included."""
+    """Most runs that may be spent, of all meshes, with those of checks, of the ends of quantities
+    and of a choice, but not those for measured curves; in each case as many. It must allow two
+    runs for each interval and two more, a check of step and mesh, and the grid of a choice."""
     max_core_minutes: Annotated[float, Rule(gt=0, unit="min")] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""
@@ -78,9 +80,7 @@ class SceneSection(ConfigSection):
 
     name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
-    file: Annotated[
-        str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
-    ] = ABSENT  # fmt: skip
+    file: Annotated[str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")] = ABSENT
     """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
     a Python file is run when it is read, so name only one that you trust."""
     parameters: Annotated[
@@ -298,9 +298,7 @@ class CaseSection(ConfigSection):
         Rule("a mapping from the scene's parameter names to values"),
     ] = field(default_factory=dict)
     """Values of scene parameters that are no intervals."""
-    file: Annotated[
-        str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
-    ] = ABSENT  # fmt: skip
+    file: Annotated[str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")] = ABSENT
     """File of another structure, in the place of the campaign's."""
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
@@ -415,12 +413,12 @@ class MeasuredTest(ConfigSection):
     """`check`: it may refute what the other tests leave, and narrows nothing."""
 
 
-def _definition(noun: str, example: str, **units: str) -> Any:
-    """The type of a response's or quantity's definition, which the mechanics read; units: of its
-    numbers, by key."""
+def _definition(noun: str, example: str, kind: Any = dict[str, Any], **units: str) -> Any:
+    """The type of a response's or quantity's definition, which the mechanics read; kind: of it in
+    Python; units: of its numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
     key = Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
-    return Annotated[dict[str, Any], key]
+    return Annotated[kind, key]
 
 
 _OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
@@ -432,9 +430,9 @@ class Config(ConfigSection):
 
     campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""
-    accuracy: Annotated[
-        Share | Aim, Rule("a number from 0.0001 to 1, or a mapping", unit="1")
-    ] = ABSENT  # fmt: skip
+    accuracy: Annotated[Share | Aim, Rule("a number from 0.0001 to 1, or a mapping", unit="1")] = (
+        ABSENT
+    )
     scene: Annotated[
         SceneSection,
         Rule("a mapping with the key `name` or the key `file`, not both, and `parameters`"),
@@ -469,7 +467,9 @@ class Config(ConfigSection):
             Name,
             _definition(
                 "quantity",
-                "`{largest: vB}` or `{event: closes, number: 1}`",
+                "`{largest: vB}` or `{event: closes, number: 1}`, or an expression of others such "
+                "as `t1 - t2`",
+                dict[str, Any] | str,
                 at="s",
                 **dict.fromkeys(("level", "about", "within"), "response"),
             ),
@@ -477,8 +477,8 @@ class Config(ConfigSection):
         Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
     """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
-    values, values at a time, times of crossings and events and others (docs/quantities.md). A run
-    in which it does not happen has none."""
+    values, values at a time, times of crossings and events and others, and arithmetic of these
+    (docs/quantities.md). A run in which it does not happen has none."""
     margins: Annotated[
         dict[
             Name,
@@ -494,10 +494,9 @@ class Config(ConfigSection):
     0. With margins and no other response or quantity, `duration` is 1 ms if nothing is said: it
     moves no margin."""
     published: Annotated[
-        dict[str, Annotated[
-            float, Rule(text="Published largest difference.", unit="response")]],
+        dict[str, Annotated[float, Rule(text="Published largest difference.", unit="response")]],
         Rule("a mapping from names of `responses` to numbers"),
-    ] = field(default_factory=dict)  # fmt: skip
+    ] = field(default_factory=dict)
     """Largest differences of the bounds that somebody has published, by response; the summary puts
     ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
     out: they are of another box."""
@@ -523,7 +522,7 @@ class Config(ConfigSection):
     where it fails (docs/quantities.md)."""
     choose: Annotated[
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
-    ] = ChooseSection()  # fmt: skip
+    ] = ChooseSection()
     measured: Annotated[
         dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
         Rule("a mapping from names of tests to mappings"),

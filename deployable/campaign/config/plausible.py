@@ -60,7 +60,7 @@ def requirement_warnings(campaign: Any) -> list[str]:
                          f"mean {limit / 1000:g}, for {limit:g} mm?")  # fmt: skip
         elif quantity.unit == "rad":
             texts += _turn_texts(key, limit, experiment)
-        elif end == "at_least" and quantity.unit == "m s-1":
+        elif end == "at_least" and quantity.unit == "m s-1" and quantity.response:
             texts += _speed_texts(key, limit, experiment, quantity.response)
     return texts
 

@@ -15,6 +15,9 @@ from fpm.errors import did_you_mean, likely, number_hint
 from fpm.structures.model import KEYS
 from fpm.structures.reading import commas
 
+_LABELS = ("[key]", "dict[str,any]", "str")
+"""What pydantic puts into the places of errors besides names: of keys, of a choice of types."""
+
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     """Check a raw config by the models of its sections: returns the `Config`, a copy of the valid
@@ -76,7 +79,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
     unknown = [names.pop()] if kind == "unexpected_keyword_argument" else []
     path, keys, value = [], [whole()], raw
     for name in names:
-        if name != "[key]" and (child := keys[-1].child(name)):
+        if name not in _LABELS and (child := keys[-1].child(name)):
             path.append(name)
             keys.append(child)
             value = value.get(name) if isinstance(value, Mapping) else None

@@ -1,7 +1,5 @@
 """From a config to its campaign: names, numbers and defaults in place of what it leaves open."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -41,9 +39,8 @@ def campaign_of(
     the config as the user wrote it, without defaults; structure: the `fpm` structure (`SceneType`);
     intervals: the resolved `Interval` of each parameter by name."""
     accuracy, order = Accuracy(), config.design.order
-    if config.design.method in ("sobol", "screening") and "order" not in user_config.get(
-        "design", {}
-    ):
+    design = user_config.get("design", {})
+    if config.design.method in ("sobol", "screening") and "order" not in design:
         order = None
     if config.accuracy is not None:
         config, accuracy = with_accuracy(config, structure)
@@ -163,9 +160,8 @@ def choose_of(section: ChooseSection, intervals: Mapping[str, IntervalSpec]) -> 
     """Resolve the section `choose` of a config (nominal values to be chosen), `section` as the
     user wrote it: returns it with goals as tuples, and names of parameters whose intervals are
     `relative`, scaling with the nominal value. intervals: section of the config, by parameter."""
-    relative = [
-        n for n in section.parameters if n in intervals and intervals[n].relative is not None
-    ]
+    names = [name for name in section.parameters if name in intervals]
+    relative = [name for name in names if intervals[name].relative is not None]
     goals = {"minimise": section.minimise, "maximise": section.maximise}
     goals = {key: (goal,) if isinstance(goal, str) else goal for key, goal in goals.items()}
     return Choose(section.parameters, **goals, order=section.order, relative=(*relative,))

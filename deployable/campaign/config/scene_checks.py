@@ -1,7 +1,5 @@
 """Checks of a config that need the scene, as of names, ranges, responses and requirements."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re
@@ -31,9 +29,12 @@ from deployable.campaign.config.sections import (
     Choose,
     Experiment,
     corners,
+    count_first_runs,
+    design_points,
     make_design,
     scene_type,
     steps_problems,
+    widen_intervals,
 )
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
@@ -76,6 +77,8 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
         problems += _memory_problems(campaign.experiment)
     if not problems:
         problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
+    if not problems and campaign.experiment.is_adaptive:
+        campaign, problems = _keep_choice_runs(campaign)
     if not problems and config.measured:
         tests, problems = resolve_tests(config.measured, campaign.experiment)
         campaign = replace(campaign, measured=tests)
@@ -317,6 +320,22 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
         for n in tolerances
         if n not in names
     ]
+
+
+def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
+    """The campaign, whose `accuracy` keeps the runs of its choice; what `max_runs` lacks."""
+    experiment, reserve = campaign.experiment, 0
+    if campaign.choose.parameters:
+        reserve = len(design_points(widen_intervals(experiment, campaign.choose), campaign.choose))
+    accuracy = replace(experiment.accuracy, reserve=reserve)
+    experiment = replace(experiment, accuracy=accuracy)
+    least, most = 2 * (int(experiment.box.free.sum()) + 1), accuracy.max_runs
+    missing = least - count_first_runs(experiment)
+    problems = [
+        f"accuracy.max_runs: {most} are too few for the first runs and a check of step and mesh"
+        f"{', and those of the choice' if reserve else ''}; allowed: at least {most + missing}"
+    ] * (missing > 0)
+    return replace(campaign, experiment=experiment), problems
 
 
 def answer_problems(campaign: Campaign) -> list[str]:

@@ -12,7 +12,7 @@ import os
 import re
 import shlex
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, is_dataclass
+from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
@@ -143,13 +143,15 @@ class Accuracy:
     """Target and budget of runs that are added until errors are small; without tolerances none are.
     tolerances: of the estimated errors of responses and quantities by name, as fractions of the
     widths of their intervals; max_runs: most runs in all, of all rounds and meshes, with those of
-    checks and further ones, not those of a choice; max_core_minutes: most minutes of one core for
-    rounds and checks, as estimated; mesh: name of the parameter that sets the mesh, "" for none."""
+    checks, further ones, and a choice; max_core_minutes: most minutes of one core for rounds and
+    checks, as estimated; mesh: name of the parameter that sets the mesh, "" for none; reserve: how
+    many of the runs are kept for a choice."""
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
     max_core_minutes: float = 0.0
     mesh: str = ""
+    reserve: int = 0
 
 
 @dataclass(frozen=True)
@@ -167,7 +169,7 @@ class Experiment:
     design: DesignChoice
     held_out: int
     responses: dict[str, dict]
-    quantities: dict[str, dict] = field(default_factory=dict)
+    quantities: dict[str, dict | str] = field(default_factory=dict)
     accuracy: Accuracy = Accuracy()
 
     @classmethod
@@ -254,15 +256,18 @@ class Experiment:
         forces of joints that others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.response_list]
         quantities = [
-            (q.name, q.response, q.is_instantaneous) for q in self.quantity_list if q.response
+            (q.name, leaf.response, leaf.is_instantaneous)
+            for q in self.quantity_list
+            for leaf in q.leaves
+            if leaf.response
         ]
         redundancies = undetermined_forces(self.nominal_scene, self.response_list)
-        reasons = {
-            name: (warn(self.nominal_scene, response) if peak else "")
-            or redundancies.get(response.name, "")
+        reasons = [
+            (name, (warn(self.nominal_scene, response) if peak else "")
+             or redundancies.get(response.name, ""))
             for name, response, peak in curves + quantities
-        }
-        return {name: reason for name, reason in reasons.items() if reason}
+        ]  # fmt: skip
+        return {name: reason for name, reason in reasons if reason}
 
     @property
     def warnings(self) -> list[str]:
@@ -398,6 +403,34 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 
 
+_HELD_OUT = 4  # runs of a choice that test its surrogates
+
+
+def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
+    """Return a copy of an experiment in which the interval of each parameter to be chosen spans all
+    nominal values that `choose` (section of the config) allows, with the uncertainty about each."""
+    intervals = dict(experiment.intervals)
+    for name in choose.parameters:
+        lower, upper = choose.ends(name, experiment)
+        intervals[name] = Interval(lower, (lower + upper) / 2, upper)
+    return replace(experiment, intervals=intervals)
+
+
+def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
+    """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
+    fitted to: a sparse grid and four validation runs. experiment: with intervals of
+    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
+    parameters; along others it has that of the experiment's design, at least 2."""
+    order, box = experiment.design.order, experiment.box
+    if isinstance(order, tuple):
+        order = max(order)
+    usual = max(order, 2) if isinstance(order, int) else 2
+    orders = [choose.order if name in choose.parameters else usual for name in box.names]
+    orders = [order if free else 0 for order, free in zip(orders, box.free, strict=True)]
+    nodes = intervals.make_design("smolyak", box, orders).points
+    return np.concatenate([nodes, intervals.held_out_points(box.free, _HELD_OUT, nodes)])
+
+
 MOST_STEPS = 10**9
 """Steps of a run: of the smallest scene, a day."""
 
@@ -423,6 +456,27 @@ def count_runs(experiment: Experiment) -> int:
     if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1
     return make_design(design, experiment.box).run_count + 1 + experiment.held_out
+
+
+CHECK_POINTS = 8
+"""Places at which a check of an `accuracy` repeats runs for the responses: eight side by side cost
+what three do."""
+
+_FIRST_RUNS = 8  # of each interval
+
+
+def count_check_runs(experiment: Experiment) -> int:
+    """Return how many runs a check of an `accuracy` repeats with a finer step, or mesh: for the
+    responses, and of each quantity those at both ends; one of each again, which tell the order."""
+    return CHECK_POINTS + 1 + 3 * len(experiment.quantities)
+
+
+def count_first_runs(experiment: Experiment) -> int:
+    """Return the number of runs of the first round of an `accuracy`: eight for each interval that
+    has a width, fewer where `max_runs` would leave none for a check of step and mesh."""
+    count = _FIRST_RUNS * max(1, int(experiment.box.free.sum()))
+    accuracy = experiment.accuracy
+    return min(count, accuracy.max_runs - accuracy.reserve - 2 * count_check_runs(experiment))
 
 
 # -- sections as files and commands have them ------------------------------------------------------

@@ -18,11 +18,11 @@ from deployable.campaign.config.models import Config
 from deployable.campaign.config.read import show, whole
 from deployable.campaign.config.resolve import with_margins
 from deployable.campaign.config.sections import scene_type
+from fpm.arithmetic.units import NUMBER, Dimension, Unit, UnitError, unit
 from fpm.errors import number_hint
 from fpm.files.outcome import eventful
 from fpm.reading import quantity_definitions
 from fpm.reading.quantities import KINDS
-from fpm.structures.units import NUMBER, Dimension, Unit, UnitError, unit
 
 _TEXT = re.compile(  # the exponent is of the number, never a unit
     r"((?>[-+]?(?:\d{1,60}(?:\.\d{0,60})?|\.\d{1,60})(?:[eE][-+]?\d{1,3})?))\s*(\D.*)"
@@ -158,7 +158,7 @@ class StatedUnits:
     @cached_property
     def _quantities(self) -> dict[str, Any]:
         elements = eventful(self._structure().sample)
-        definitions = _definitions(self._section("quantities")) | self._with_margins.quantities
+        definitions = dict(self._section("quantities") or {}) | self._with_margins.quantities
         quantities, _ = quantity_definitions.parse(definitions, self._responses.values(), elements)
         return {quantity.name: quantity for quantity in quantities}
 

@@ -1,7 +1,5 @@
 """Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,11 +77,7 @@ COLOURS = ("bars", "stress")
 
 
 def export(
-    run: SelectedRun,
-    kind: str,
-    folder: str | Path,
-    frames: int | None = None,
-    colour: str = "bars",
+    run: SelectedRun, kind: str, folder: str | Path, frames: int | None = None, colour: str = "bars"
 ) -> list[Path]:
     """Simulate a run, write it in one format, and return the paths of the files to open: of a
     ParaView collection the .pvd alone, of figures the PDF files. Raises `CampaignError` if the
@@ -92,16 +86,12 @@ def export(
 
     Parameters
     ----------
-    run
-        The run, as `choose` returns it.
-    kind
-        Name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
-    folder
-        Folder of the files; made where it is missing.
-    frames
-        Number of frames, evenly spread over the run; None: the format's own number. csv needs none.
-    colour
-        By what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
+    run: the run, as `choose` returns it.
+    kind: name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
+    folder: folder of the files; made where it is missing.
+    frames: number of frames, evenly spread over the run; None: the format's own number. csv needs
+        none.
+    colour: by what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
         ``stress``, equivalent stress."""
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:

@@ -29,22 +29,16 @@ class SelectedRun:
 
     Attributes
     ----------
-    name
-        Name of its files, without suffix.
-    scene
-        `fpm.Scene` with the parameter values of the run.
-    duration, step
-        Simulated time, and time step (s).
-    instants
-        Number of recorded instants, start and end included.
-    energy_tolerance
-        Error of the energy balance, relative to the largest energy, above which the run fails.
-    responses
-        The campaign's responses (`fpm.reading.responses.Response`), for tables; empty without one.
-    attributes
-        Texts by name for its files, such as ``campaign`` and ``run_id``.
-    folder
-        The campaign's results; None for a run of a config or a structure."""
+    name: name of its files, without suffix.
+    scene: `fpm.Scene` with the parameter values of the run.
+    duration, step: simulated time, and time step (s).
+    instants: number of recorded instants, start and end included.
+    energy_tolerance: error of the energy balance, relative to the largest energy, above which the
+        run fails.
+    responses: the campaign's responses (`fpm.reading.responses.Response`), for tables; empty
+        without one.
+    attributes: texts by name for its files, such as ``campaign`` and ``run_id``.
+    folder: the campaign's results; None for a run of a config or a structure."""
 
     name: str
     scene: Any
@@ -64,9 +58,8 @@ class SelectedRun:
 
         self._compile()
         try:
-            (motion,) = whole_motion(
-                [self.scene], frames=frames, attributes=[dict(self.attributes)], **self._times()
-            )
+            options = {"frames": frames, "attributes": [dict(self.attributes)]}
+            (motion,) = whole_motion([self.scene], **options, **self._times())
         except fpm.InstabilityError as error:
             raise CampaignError(f"the run fails: {error}") from None
         return motion
@@ -105,18 +98,15 @@ def choose(
 
     Parameters
     ----------
-    source
-        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant; or
-        file or name of a structure, at its default parameters.
-    run
-        ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
-    settings
-        Values of parameters to replace, as texts by name, in the parameters' units; refused for
-        results, whose runs are as they are.
-    duration
-        Simulated time (s); None: that of the config, or 1 s of a structure; refused for results.
-    trusted
-        Paths of structures' files that results may name: they are read, Python files executed."""
+    source: folder of a campaign's results; path of a campaign's config, whose nominal run is meant;
+        or file or name of a structure, at its default parameters.
+    run: ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
+    settings: values of parameters to replace, as texts by name, in the parameters' units; refused
+        for results, whose runs are as they are.
+    duration: simulated time (s); None: that of the config, or 1 s of a structure; refused for
+        results.
+    trusted: paths of structures' files that results may name: they are read, Python files
+        executed."""
     path = Path(source)
     for file in trusted:
         trust(file)
@@ -209,17 +199,9 @@ def _selected_run(
     folder: Folder | None = None,
 ) -> SelectedRun:  # fmt: skip
     solver = experiment.solver
-    return SelectedRun(
-        name=name,
-        scene=experiment.build(values),
-        duration=solver.duration,
-        instants=solver.instants,
-        step=step,
-        energy_tolerance=solver.energy_tolerance,
-        responses=tuple(experiment.response_list),
-        attributes=attributes,
-        folder=folder,
-    )
+    times = solver.duration, solver.instants, step, solver.energy_tolerance
+    responses = tuple(experiment.response_list)
+    return SelectedRun(name, experiment.build(values), *times, responses, attributes, folder)
 
 
 def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
@@ -234,8 +216,8 @@ def _select_structure(source: str, settings: Mapping[str, str], duration: float)
     structure = scene_type(source, source if Path(source).suffix else "")
     scene = structure.build(**parse_values(settings))
     limit = fpm.SAFETY * fpm.find_stable_step(scene).step
-    step = fpm.divide_time(duration, INSTANTS, limit).step
-    return SelectedRun(structure.name, scene, duration, INSTANTS, step)
+    times = duration, INSTANTS, fpm.divide_time(duration, INSTANTS, limit).step
+    return SelectedRun(structure.name, scene, *times)
 
 
 def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
@@ -243,9 +225,8 @@ def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
     True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
     from deployable.campaign.config.loader import parse
 
-    return {
-        name: parse(f"value: {text}", f"--set {name}")["value"] for name, text in settings.items()
-    }
+    pairs = settings.items()
+    return {n: parse(f"value: {text}", f"--set {n}")["value"] for n, text in pairs}
 
 
 def _is_campaign(path: Path) -> bool:

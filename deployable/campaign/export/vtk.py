@@ -39,9 +39,8 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
             file = places / f"{name}-{frame:04d}.vtu"
             write_text(file, grid_text(*grid, time))
             file_name = quoteattr(f"{places.name}/{file.name}")
-            entries.append(
-                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={file_name}/>'
-            )
+            text = f'timestep="{time!r}" part="{part}" name="{name}" file={file_name}'
+            entries.append(f"<DataSet {text}/>")
     collection = "\n".join(["<Collection>", *entries, "</Collection>"])
     write_text(path, _file("Collection", collection))
     return path
@@ -98,27 +97,21 @@ def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return y, np.cross(chord, y)
 
 
-def grid_text(
-    points: np.ndarray, cells: list[tuple[int, np.ndarray]], point_arrays: Mapping,
-    cell_arrays: Mapping, time: float,
-) -> str:  # fmt: skip
+def grid_text(points: np.ndarray, cells: list, point_data: Mapping, data: Mapping, time) -> str:
     """Write the text of a .vtu file with one unstructured grid. points (n, 3): positions (m);
     cells: pairs of VTK's number of a type, as 3 for lines, and cells (m, k) as indices of points;
-    point_arrays, cell_arrays: data arrays by name, a row for each point or cell; time: in s."""
+    point_data, data: arrays by name, a row for each point, or cell; time: in s."""
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])
     shape = {"connectivity": connectivity, "offsets": sizes.cumsum(), "types": kinds}
-    body = [
-        "<FieldData>", _array("TimeValue", np.array([time]), ' NumberOfTuples="1"'), "</FieldData>",
-        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">',
-        *_section("Points", {"position": points}),
-        *_section("Cells", shape),
-        *_section("PointData", point_arrays),
-        *_section("CellData", cell_arrays),
-        "</Piece>",
-    ]  # fmt: skip
-    grid = "\n".join(["<UnstructuredGrid>", *body, "</UnstructuredGrid>"])
+    instant = _array("TimeValue", np.array([time]), ' NumberOfTuples="1"')
+    piece = f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">'
+    body = ["<FieldData>", instant, "</FieldData>", piece]
+    sections = {"Points": {"position": points}, "Cells": shape}
+    sections |= {"PointData": point_data, "CellData": data}
+    body += [line for name, arrays in sections.items() for line in _section(name, arrays)]
+    grid = "\n".join(["<UnstructuredGrid>", *body, "</Piece>", "</UnstructuredGrid>"])
     return _file("UnstructuredGrid", grid)
 
 
@@ -133,9 +126,8 @@ def _array(name: str, values: np.ndarray, attrs: str = "") -> str:
     text = base64.b64encode(len(raw).to_bytes(8, "little") + raw).decode()
     if values.ndim > 1:
         attrs += f' NumberOfComponents="{values.shape[1]}"'
-    return (
-        f'<DataArray type="{kind}" Name={quoteattr(name)}{attrs} format="binary">{text}</DataArray>'
-    )
+    head = f'type="{kind}" Name={quoteattr(name)}{attrs} format="binary"'
+    return f"<DataArray {head}>{text}</DataArray>"
 
 
 def _file(kind: str, content: str) -> str:

@@ -3,8 +3,6 @@
 The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
 its stage made it from (`basis`, the digest of code and config), and what computed it when."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os
@@ -160,9 +158,8 @@ def refuse_links(folder: str | Path) -> None:
                 elif entry.is_dir(follow_symlinks=False):
                     places.append(entry.path)
                 elif not entry.is_file(follow_symlinks=False):
-                    raise CampaignError(
-                        f"{entry.path} is a pipe or a device; allowed: files and folders"
-                    )
+                    text = f"{entry.path} is a pipe or a device; allowed: files and folders"
+                    raise CampaignError(text)
 
 
 def write_text(path: str | Path, text: str) -> None:

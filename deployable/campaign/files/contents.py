@@ -1,8 +1,6 @@
 """Checks of what results hold: variables, their dimensions, values and names. Results may come from
 anybody. Their readers rely on these checks, which are made once, where a file is opened."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -37,7 +35,7 @@ known run parameter: normalized value
 number run event: event_time event_contact event_closing
 text contact: contact
 text quantity: quantity? quantity_units? quantity_long_name?
-number run quantity: quantities?"""
+number run quantity: quantities? margin?"""
 _QUANTITIES = f"""{_BOX}
 text quantity: quantity quantity_units quantity_long_name"""
 _VARIABLES = {
@@ -66,7 +64,7 @@ number response parameter time: width
 number response parameter: width_overall
 number response time: error""",
     "quantities.nc": f"""{_QUANTITIES}
-@number: runs further_runs
+@number: runs further_runs check_runs
 text quantity: fit
 number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
 number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
@@ -77,7 +75,7 @@ number quantity parameter: argmin argmax share alone fixed halved""",
 text run: run_id
 known run parameter: normalized value
 number run quantity: quantities margin""",
-}  # fmt: skip
+}
 """Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
 or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
 

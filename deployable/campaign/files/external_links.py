@@ -1,7 +1,5 @@
 """Check that a netCDF file holds all its data itself: HDF5 follows paths to any other file."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 from functools import cache

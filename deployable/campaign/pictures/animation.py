@@ -10,6 +10,7 @@ import numpy as np
 
 from deployable.campaign.files import whole_file
 from deployable.campaign.pictures.colours import draw_scale, stress_colours
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
@@ -23,24 +24,17 @@ SECONDS = 5.0
 HOLD = 0.8
 """Seconds for which its last frame stays."""
 
-_DPI = 100
+WIDTH, _DPI = 4.8, 100
+"""Width of the picture, in inches, and pixels of an inch."""
 
 
-def write_moving(
-    motion: xarray.Dataset,
-    path: Path,
-    view: View | None = None,
-    width: float = 4.8,
-    by_stress: bool = False,
-) -> Path:
+def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) -> Path:
     """Write all frames of a motion as a moving picture of five seconds to `path` (.gif or .webp),
-    and return it. motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the
-    eye, None: that of `View()`; width: of the picture, in units of 100 pixels; by_stress: colour
+    and return it. motion: a run's whole motion, a dataset (`fpm.motions`); by_stress: colour
     elements by their equivalent stress, not by bar."""
     from PIL import Image
 
-    pictures = frames(motion, view or View(), width, by_stress)
-    images = [Image.fromarray(frame) for frame in pictures]
+    images = [Image.fromarray(frame) for frame in frames(motion, by_stress)]
     frame_ms = round(1000 * SECONDS / len(images))
     durations = [frame_ms] * (len(images) - 1) + [frame_ms + round(1000 * HOLD)]
     if path.suffix == ".gif":  # one palette for all, so that nothing flickers
@@ -49,33 +43,24 @@ def write_moving(
         options: dict[str, Any] = {"optimize": False, "disposal": 1}
     else:
         options = {"quality": 80, "method": 4}
+    options |= {"append_images": images[1:], "duration": durations, "loop": 0}
     with whole_file(path) as temporary:
-        images[0].save(
-            temporary,
-            save_all=True,
-            append_images=images[1:],
-            duration=durations,
-            loop=0,
-            **options,
-        )
+        images[0].save(temporary, save_all=True, **options)
     return path
 
 
-def frames(
-    motion: xarray.Dataset, view: View, width: float, by_stress: bool = False
-) -> Iterator[np.ndarray]:
+def frames(motion: xarray.Dataset, by_stress: bool = False) -> Iterator[np.ndarray]:
     """Draw the frames of a motion one after the other, as images (height, width, 3) of bytes.
-    motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye; width: of
-    the image, 1 for 100 pixels; by_stress: colour elements by equivalent stress, not by bar."""
+    motion: a run's whole motion, a dataset (`fpm.motions`); by_stress: colour elements by
+    equivalent stress, not by bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    solid = solid_of_motion(motion)
+    solid, view = solid_of_motion(motion), View()
     limits = limits_of(solid.places, view)
     x_span, y_span = limits[1] - limits[0]
-    height = width * (y_span + 0.2 * max(x_span, y_span)) / x_span
-    shrink = min(1.0, 1.25 * width / height)  # a mast stands in a picture that is not too tall
-    figure = Figure(figsize=(width, shrink * height), dpi=_DPI)
+    height = WIDTH * (y_span + 0.2 * max(x_span, y_span)) / x_span
+    shrink = min(1.0, 1.25 * WIDTH / height)  # a mast stands in a picture that is not too tall
+    figure = make_figure(figsize=(WIDTH, shrink * height), dpi=_DPI)
     canvas = FigureCanvasAgg(figure)
     ax = figure.add_axes((0, 0, 1, 1))
     frame_picture(ax, limits, view)

@@ -1,7 +1,5 @@
 """A structure as it stands, with its points, joints, cables and supports."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -9,13 +7,8 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.files import whole_file
-from deployable.campaign.pictures.paint import (
-    frame_picture,
-    limits_of,
-    paint_cables,
-    paint_points,
-    paint_solid,
-)
+from deployable.campaign.pictures import paint
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.solid import solid_of_scene
 from deployable.campaign.pictures.view import View
 
@@ -24,36 +17,30 @@ _HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
 _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
 
 
-def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
+WIDTH = 6.0
+"""Width of the figure, in inches; the height follows from the structure."""
+
+
+def draw_structure(scene: Any) -> Any:
     """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
-    a matplotlib figure, not saved yet.
+    a matplotlib figure, not saved yet. scene: an `fpm.Scene`, which holds the structure."""
 
-    Parameters
-    ----------
-    scene
-        An `fpm.Scene`, which holds the structure.
-    view
-        Direction from the structure to the eye; None: `View()`.
-    width
-        Width of the figure, in inches; the height follows from the structure."""
-    from matplotlib.figure import Figure
-
-    view = view or View()
-    solid = solid_of_scene(scene)
+    view, solid = View(), solid_of_scene(scene)
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
     supports = scene.position[scene.fixed[:, :3].all(axis=1)]
     hinges = list(_hinge_lines(scene))
     particles = _particles(scene)
     places = [solid.corners, solid.cable_points, scene.position[particles], *points.values()]
-    limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
+    limits = paint.limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     x_span, y_span = limits[1] - limits[0]
     size = max(x_span, y_span)
-    figure = Figure(figsize=(width, min(1.1 * width, width * (y_span + 0.2 * size) / x_span)))
+    height = WIDTH * min(1.1, (y_span + 0.2 * size) / x_span)
+    figure = make_figure(figsize=(WIDTH, height))
     ax = figure.add_axes((0, 0, 1, 1))
-    frame_picture(ax, limits, view)
+    paint.frame_picture(ax, limits, view)
     if len(solid.nodes):
-        paint_solid(ax, solid, 0, view)
-    paint_cables(ax, solid, 0, view)
+        paint.paint_solid(ax, solid, 0, view)
+    paint.paint_cables(ax, solid, 0, view)
     for place, axis in hinges:
         ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
@@ -61,7 +48,7 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
         ax.plot(*(view.page @ place), **_MARKER)
     particles = np.setdiff1d(particles, solid.nodes)
     ax.plot(*(scene.position[particles] @ view.page.T).T, "o", color="black", markersize=4)
-    paint_points(ax, points, view, size)
+    paint.paint_points(ax, points, view, size)
     return figure
 
 

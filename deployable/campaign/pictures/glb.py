@@ -98,9 +98,8 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
     joints = [first + p for p in range(len(particles))]
     nodes += particles
     nodes[0]["children"] = joints
-    for name, particle, arm in zip(
-        *(motion[f"point{key}"].values for key in ("", "_particle", "_arm")), strict=True
-    ):
+    columns = (motion[f"point{key}"].values for key in ("", "_particle", "_arm"))
+    for name, particle, arm in zip(*columns, strict=True):
         nodes[first + particle].setdefault("children", []).append(len(nodes))
         nodes.append({"name": f"point {name}", "translation": (TO_GLTF @ arm).tolist()})
     content = {
@@ -127,10 +126,8 @@ def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
         if values.size:
             most = float(values.max())
             shares = np.ceil(65535 * np.clip(values / (most or 1.0), 0.0, 1.0))
-            loads[name] = {
-                "most": most,
-                "accessor": buffer.add(shares.ravel(), "u2", normalized=True),
-            }
+            accessor = buffer.add(shares.ravel(), "u2", normalized=True)
+            loads[name] = {"most": most, "accessor": accessor}
     return loads
 
 
@@ -186,9 +183,8 @@ def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
 def _pins(motion: xarray.Dataset, half: float) -> tuple[np.ndarray, np.ndarray]:
     """Hinges' axes, `half` (m) to either side: ends (h, 2, 3) m at first, and particles (h, 2)."""
     particles = motion["hinge_particle"].values[:, :1]
-    ends = (
-        np.multiply.outer([-half, half], motion["hinge_axis"].values) + motion["hinge_arm"].values
-    )
+    ends = np.multiply.outer([-half, half], motion["hinge_axis"].values)
+    ends += motion["hinge_arm"].values
     first = motion.isel(time=0)
     offsets = np.einsum("hij,ehj->hei", first["frame"].values[particles[:, 0]], ends)
     return first["position"].values[particles] + offsets, np.repeat(particles, 2, axis=1)

@@ -1,11 +1,10 @@
 """A structure at some moments of its motion, side by side."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from deployable.campaign.pictures.solid import solid_of_motion, values_in
 from deployable.campaign.pictures.view import View
@@ -27,29 +26,22 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
     return np.array([int(np.abs(path_length - target).argmin()) for target in targets])
 
 
-def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
+def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
     """Draw a structure at moments of its motion, side by side, as an unsaved matplotlib figure.
 
     Parameters
     ----------
-    motion
-        Whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
-    count
-        Number of moments, evenly spread over the length of the particles' paths, up to the first
+    motion: whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
+    count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
-    width
-        Width of the figure, in inches.
-    view
-        Direction from the structure to the eye; None: `View()`."""
-    from matplotlib.figure import Figure
+    width: width of the figure, in inches."""
 
-    view = view or View()
-    indices = telling_moments(motion, count)
+    view, indices = View(), telling_moments(motion, count)
     solid = solid_of_motion(motion, indices)
     limits = limits_of(solid.places, view, margin=0.02)
     x_span, y_span = limits[1] - limits[0]
     shape = min(2.6, (y_span + 0.2 * max(x_span, y_span)) / x_span)  # of a panel
-    figure = Figure(figsize=(width, width / count * shape + 0.2))
+    figure = make_figure(figsize=(width, width / count * shape + 0.2))
     height = figure.get_figheight()
     for moment, time in enumerate(values_in(motion, "time")[indices]):
         ax = figure.add_axes((moment / count, 0, 1 / count, 1 - 0.2 / height))

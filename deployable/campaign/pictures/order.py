@@ -4,8 +4,6 @@ The middles of two faces do not tell which is nearer where one is long: of a tub
 inner face's may be. So depths are compared at a point where both faces are on the page. Where these
 comparisons form a cycle, or faces intersect, their middles decide."""
 
-from __future__ import annotations
-
 import heapq
 
 import numpy as np

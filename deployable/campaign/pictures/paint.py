@@ -1,7 +1,5 @@
 """Paint a structure on axes of matplotlib: bodies from far to near, names, directions, scale."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

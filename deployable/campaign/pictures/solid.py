@@ -1,7 +1,5 @@
 """A structure as solid bodies in space, for pictures and for other programs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """Directions from which a structure is seen, in parallel projection."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,6 +31,5 @@ class View:
 def nice_length(limit: float) -> float:
     """Round a length, `limit` above 0, down to 1, 2 or 5 times a power of ten, for a scale."""
     power = 10.0 ** np.floor(np.log10(limit))
-    return float(
-        max(step for step in (1.0, 2.0, 5.0) if step * power <= limit * (1 + 1e-9)) * power
-    )
+    steps = [step for step in (1.0, 2.0, 5.0) if step * power <= limit * (1 + 1e-9)]
+    return float(max(steps) * power)

@@ -5,8 +5,6 @@ spline goes; those of later rounds are sought where the bounds are decided. A ro
 so is checked: its bounds know what a finer mesh and half the step change. What comes next is
 decided by `decide`; here results become its arguments and its decision a plan."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,9 +13,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from deployable import intervals
-from deployable.campaign.config.sections import Experiment, Solver
+from deployable.campaign.config.sections import (
+    Experiment,
+    Solver,
+    count_check_runs,
+    count_first_runs,
+)
 from deployable.campaign.files import open_dataset
-from deployable.campaign.plan.decide import CHECKED_RUNS, RefinementState, Resources
+from deployable.campaign.plan.decide import (
+    CHECKED_RUNS,
+    COMPONENTS,
+    ROUND,
+    RUN_FILES,
+    RefinementState,
+    Resources,
+)
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
@@ -31,17 +41,20 @@ from deployable.intervals.scalars import (
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
-_CHECK_POINTS = 8  # places at which a check makes runs, of the responses
 
 
 def start_plan(experiment: Experiment) -> Plan:
     """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
-    width: the nominal one, the corners of the box, if they are at most half of them, and points of
-    a Sobol sequence. It has errors estimated by mesh, or by step if no parameter sets the mesh."""
-    box = experiment.box
-    count = max(LANES * int(box.free.sum()) - 1, 1)
-    points = intervals.make_design("sobol", box, samples=count).points
-    return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
+    width (fewer where `max_runs` allows no more and a check): the nominal one, the corners of the
+    box, if they are at most half of them, and points of a Sobol sequence. It has errors estimated
+    by mesh, or by step if no parameter sets the mesh, by both if there is no other check."""
+    box, count = experiment.box, count_first_runs(experiment)
+    points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
+    check = ("mesh",) if _has_mesh(experiment) else ("step",)
+    accuracy, check_runs = experiment.accuracy, count_check_runs(experiment)
+    if accuracy.max_runs - accuracy.reserve - count < 3 * check_runs:  # no second check
+        check = tuple(part for part in COMPONENTS if part != "mesh" or _has_mesh(experiment))
+    return _plan(experiment, points.tolist(), (), check)
 
 
 def extend_plan(
@@ -55,7 +68,8 @@ def extend_plan(
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         quantities = _estimate_quantities(base, samples)
         shares, free = _relative_errors(plan, bounds, quantities), base.solver.step == "auto"
-        refinement = _refinement_state(plan, shares, free)
+        check_runs = bounds.attrs.get("check_runs") if plan.adaptive.check else 0
+        refinement = _refinement_state(plan, shares, free, check_runs)
         cost, decision = refinement.cost, refinement.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
@@ -128,7 +142,7 @@ class _QuantityEstimate(NamedTuple):
         width = self.bounds[1].value - self.bounds[0].value
         if not width > 0:
             return 0.0, 0.0
-        error = max(self.surrogate.usual_error, *(estimate.error for estimate in self.bounds))
+        error = max(self.surrogate.bound_error, *(estimate.error for estimate in self.bounds))
         return float(min(error / width, _UNKNOWN)), float(width)
 
 
@@ -180,24 +194,43 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     return new
 
 
-def _refinement_state(plan: Plan, shares: Mapping, is_step_free: bool = True) -> RefinementState:
-    """How things stand, with what the rounds up to this plan's took and the next one would."""
+def _count_new_runs(plan: Plan) -> int:
+    """Runs of a plan that are not those of the round before it."""
+    nodes, last = len(plan.unique_runs()), plan.adaptive.rounds[-1:]
+    return nodes if not last or last[0].action in ("mesh", "step") else nodes - last[0].nodes
+
+
+def allow_check_runs(plan: Plan) -> int:
+    """Return how many runs the check of a round may make for an `accuracy` to keep its limit: what
+    the rounds so far left of it, but for what is kept for a choice, and, unless this check is of
+    step and mesh, for one that is. plan: of the round."""
+    accuracy, rounds = plan.experiment.accuracy, plan.adaptive
+    if rounds.met is not None:
+        return accuracy.max_runs - accuracy.reserve - rounds.rounds[-1].runs
+    spent = (rounds.rounds[-1].runs if rounds.rounds else 0) + _count_new_runs(plan)
+    kept = 0 if "step" in rounds.check else 2 * count_check_runs(plan.experiment)
+    return accuracy.max_runs - accuracy.reserve - spent - kept
+
+
+def _refinement_state(
+    plan: Plan, shares: Mapping, is_step_free: bool = True, checked: int | None = None
+) -> RefinementState:
+    """How things stand, with what the rounds up to this plan's took and the next one would; in the
+    check of this round that was `checked` runs, if known."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
-    is_restart = last.action in ("mesh", "step")
-    new = nodes if is_restart else nodes - last.nodes
-    # Of the responses, and of each quantity both ends; one of each again, which tell the order.
-    check_runs = _CHECK_POINTS + 1 + 3 * len(plan.experiment.quantities)
+    new, check_runs = _count_new_runs(plan), count_check_runs(plan.experiment)
     # A mesh twice as fine has twice the elements and half the step; what tells orders, both
     # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for component in plan.adaptive.check:
-        runs += check_runs
+        runs += check_runs if checked is None else 0
         seconds += _whole(check_runs) * factor[component] * time
+    runs += int(checked or 0)
     reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
-    answers = CHECKED_RUNS * len(plan.experiment.quantities)
+    answers = CHECKED_RUNS * len(plan.experiment.quantities) + target.reserve
     affordable = min(
         target.max_runs - runs - reserve[0] - answers,
         (60 * target.max_core_minutes - seconds - reserve[1]) / time,
@@ -205,16 +238,22 @@ def _refinement_state(plan: Plan, shares: Mapping, is_step_free: bool = True) ->
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
     state = RefinementState(target, shares, plan.adaptive, cost, is_step_free)
-    next_runs = next_runs = add_runs(nodes, state.growth(), affordable)
+    next_runs = add_runs(nodes, state.growth(), affordable, ROUND / (time + RUN_FILES))
     return replace(state, cost=replace(cost, next_runs=next_runs))
 
 
-def add_runs(nodes: int, growth: float, affordable: float) -> int:
+def add_runs(nodes: int, growth: float, affordable: float, cheap: float = 0.0) -> int:
     """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
-    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
-    nodes: runs that surrogates are fitted to so far; growth: factor by which their number should
-    grow; affordable: runs that the budget allows."""
-    quarter, need = (LANES * max(1, round(nodes * factor / LANES)) for factor in (0.25, growth - 1))
+    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`,
+    or all of them if they take no longer than a round, and at most as many as there are, or as
+    take no longer. nodes: runs that surrogates are fitted to so far; growth: factor by which their
+    number should grow; affordable: runs that the budget allows; cheap: runs that take as long as
+    all else in a round."""
+    least, most = max(min(cheap, nodes), nodes / 4), max(cheap, nodes)
+    quarter, need = (
+        LANES * max(1, round(count / LANES))
+        for count in (nodes / 4, min(max(nodes * (growth - 1), least), most))
+    )
     return max(quarter, min(need, LANES * int(affordable // LANES)))
 
 

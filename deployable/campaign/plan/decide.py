@@ -3,8 +3,6 @@
 Pure logic, without files or runs. Errors are shares of the widths of responses and quantities, by
 part: surrogate, step and mesh."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,19 +27,21 @@ _STAGNANT, _STAGNANT_RUNS = 0.9, 4.0
 _RATE, _RATES = 1.5, (0.75, 4.0)
 """A surrogate's error falls like runs to minus this power, till two rounds tell it; limits."""
 
-_LEAST, _MOST = 1.25, 2.0
-"""Factors by which a round has more runs than the last."""
+_LEAST, _MOST = 1.25, 4.0
+"""Factors by which a round has more runs than the last; above 2 where they are cheap."""
 
 _SPARE = 0.75
 """Share that is aimed at of what is left for a surrogate's error, not to miss it by little."""
 
-_PARTS = ("step", "mesh")
+COMPONENTS = ("step", "mesh")
+"""Parts of an error that a check tells."""
 
 CHECKED_RUNS = 14
 """Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
 
-_ROUND = 0.5
-"""Core seconds of a round beside its runs: a check that takes less is made at once."""
+ROUND, RUN_FILES = 0.5, 0.01
+"""Core seconds of a round beside its runs: a check that takes less is made at once; and of a run
+beside its integration."""
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ class RefinementState:
                 return Decision("stop", reason, met=True)
             reason = "the surrogate's error is small enough"
             return Decision(
-                "check", f"{reason}; step and mesh are checked where it decides", _PARTS
+                "check", f"{reason}; step and mesh are checked where it decides", COMPONENTS
             )
         if not self.reducible:
             return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
@@ -198,16 +198,16 @@ class RefinementState:
         if finer:  # comes before runs, which are all made again then
             worst = max(finer, key=lambda error: error.discretization / error.tolerance)
             action = self.needs[worst.name].action
-            check = ("mesh",) if action == "mesh" else _PARTS
+            check = ("mesh",) if action == "mesh" else COMPONENTS
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._exceeds_budget("runs"):
             return self._end(reason)
         worst = max(self.reducible, key=lambda error: error.total / error.tolerance)
-        check = _PARTS if self._is_last() else ()
+        check = COMPONENTS if self._is_last() else ()
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
-        """Return the factor (1.25 to 2) by which to increase the number of runs that surrogates are
+        """Return the factor (1.25 to 4) by which to increase the number of runs that surrogates are
         fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
         to three quarters of their allowance, at the rate at which they fell last."""
         factors = [
@@ -276,7 +276,7 @@ class RefinementState:
     def _is_last(self) -> bool:
         """Whether the next runs should suffice, and a check is cheaper than a round of its own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
-        return self.cost.need_of("check")[1] <= _ROUND and all(
+        return self.cost.need_of("check")[1] <= ROUND and all(
             error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
             for error in self.reducible
         )
@@ -284,7 +284,7 @@ class RefinementState:
     def _end(self, cause: str) -> Decision:
         if "step" not in self.state.check:
             reason = f"{cause}; step and mesh are checked where the bounds are decided"
-            return Decision("check", reason, _PARTS)
+            return Decision("check", reason, COMPONENTS)
         unmet, takes = "; ".join(map(str, self.unmet)), "; ".join(map(self._takes, self.unmet))
         return Decision("stop", f"{cause}: {unmet}. {takes}")
 

@@ -1,7 +1,5 @@
 """What the jobs of a campaign ask of a queue, and how many they are."""
 
-from __future__ import annotations
-
 import math
 import os
 

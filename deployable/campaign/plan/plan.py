@@ -14,8 +14,6 @@
 
 A run that serves two roles is listed twice, with the same id, and simulated once."""
 
-from __future__ import annotations
-
 import json
 import math
 from base64 import b64decode, b64encode

@@ -1,9 +1,8 @@
 """The runs of a plan as arrays: a million of them take some tens of megabytes, and no time."""
 
-from __future__ import annotations
-
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -44,7 +43,7 @@ class Runs(Sequence[PlannedRun]):
         self.role, self.normalized, self.values, self.id_of = role, points, values, id_of
 
     @classmethod
-    def from_runs(cls, runs: Sequence[PlannedRun]) -> Runs:
+    def from_runs(cls, runs: Sequence[PlannedRun]) -> "Runs":
         """Make the sequence from `PlannedRun` objects, which keep their ids."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
@@ -80,7 +79,7 @@ class Runs(Sequence[PlannedRun]):
         sha.update(self.values.tobytes())
         return sha.hexdigest()[:16]
 
-    def unique(self) -> Runs:
+    def unique(self) -> "Runs":
         """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]
@@ -93,6 +92,25 @@ class Runs(Sequence[PlannedRun]):
             return self
         rows = words.view(np.dtype((np.void, words.shape[1] * 8)))[:, 0]
         return self[np.sort(np.unique(rows, return_index=True)[1])]
+
+
+class RunAccount:
+    """Account of the runs of a campaign beside those that are planned, so that a limit holds for
+    all that make some. limit: most runs that it may count, infinite for none; known_ids: of runs
+    that are counted elsewhere. Attributes: `limit`, `ids`: names of all runs so far; `count`: runs
+    that were counted here."""
+
+    def __init__(self, limit: float = math.inf, known_ids: Iterable[str] = ()) -> None:
+        self.limit, self.count, self.ids = limit, 0, set(known_ids)
+
+    def count_runs(self, ids: Sequence[str]) -> list[bool]:
+        """Count the runs with these ids, as long as the limit allows, each once, and return for
+        each whether it may be made (or is counted already)."""
+        for run_id in ids:
+            if run_id not in self.ids and self.count < self.limit:
+                self.ids.add(run_id)
+                self.count += 1
+        return [run_id in self.ids for run_id in ids]
 
 
 def values_of(experiment: Experiment, role: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -1,7 +1,5 @@
 """The page that compares the cases of a campaign."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

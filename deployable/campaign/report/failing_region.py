@@ -1,7 +1,5 @@
 """The part of the box that fails: which runs meet all requirements, over pairs of parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -75,28 +73,20 @@ def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None
     share = data.facts["together"]["max_interval_scale"]
     nominal = [_scale(p, p["nominal"]) for p in data.parameters]
     ends = [(middle * (1 - share), middle + share * (1 - middle)) for middle in nominal]
-    in_part = [
-        (values >= low) & (values <= high) for values, (low, high) in zip(coords, ends, strict=True)
-    ]
+    pairs = zip(coords, ends, strict=True)
+    in_part = [(values >= low) & (values <= high) for values, (low, high) in pairs]
     rest = [k for k in range(len(coords)) if share > 0 and k not in (i, j)]
     is_near = np.all([in_part[k] for k in rest], axis=0) if rest else np.full(len(coords[i]), True)
     y_values = np.full(len(is_near), 0.5) if j is None else coords[j]
     in_frame = in_part[i] & (True if j is None else in_part[j]) & (share > 0)
     runs = runs[~(in_frame & ~is_near & ~data.verdicts.met)[runs]]
-    marks = zip(
-        coords[i][runs], y_values[runs], data.verdicts.met[runs], is_near[runs], strict=True
-    )
+    places = np.column_stack([coords[i][runs], y_values[runs]]).astype(float).tolist()
+    flags = zip(data.verdicts.met[runs].tolist(), is_near[runs].tolist(), strict=True)
+    marks = [(round(x, 4), round(y, 4), *f) for (x, y), f in zip(places, flags, strict=True)]
     feasible = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
-    return Panel(
-        data.parameters[i],
-        None if j is None else data.parameters[j],
-        [
-            (round(float(x), 4), round(float(y), 4), bool(passes), bool(c))
-            for x, y, passes, c in marks
-        ],
-        tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None,
-        runs.tolist(),
-    )
+    frame = tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None
+    y_axis = None if j is None else data.parameters[j]
+    return Panel(data.parameters[i], y_axis, marks, frame, runs.tolist())
 
 
 def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
@@ -106,23 +96,19 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     (at most 3), or all runs fail, or none does. data: all that the page shows."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
-    coords = np.array(
-        [_scale(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
-    )
-    return [
-        (int(run), bool(data.verdicts.met[run]), coords[:, run].round(4).tolist())
-        for run in _select_marks(data.verdicts.met)
-    ]
+    columns = zip(data.parameters, data.verdicts.values.T, strict=True)
+    coords, passes = np.array([_scale(*column) for column in columns]).round(4), data.verdicts.met
+    return [(int(r), bool(passes[r]), coords[:, r].tolist()) for r in _select_marks(passes)]
 
 
 def _select_marks(passes: np.ndarray) -> np.ndarray:
     """At most `MOST_MARKS` runs (indices), evenly chosen: those that meet all, then others."""
     kinds, most = [np.flatnonzero(passes), np.flatnonzero(~passes)], MOST_MARKS // 2
     counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
-    return np.concatenate([
-        runs[np.linspace(0, len(runs) - 1, min(count, len(runs))).round().astype(int)]
-        for runs, count in zip(kinds, counts, strict=True)
-    ])  # fmt: skip
+    sizes = [min(count, len(runs)) for runs, count in zip(kinds, counts, strict=True)]
+    spread = [np.linspace(0, len(r) - 1, n) for r, n in zip(kinds, sizes, strict=True)]
+    rows = zip(kinds, spread, strict=True)
+    return np.concatenate([runs[places.round().astype(int)] for runs, places in rows])
 
 
 def prices(facts: Mapping[str, Any]) -> list[Panel]:
@@ -168,19 +154,12 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     elif (safe := parameters[0]["safe"]) is not None:
         low, high = (float(_scale(axes[0], value)) for value in safe)
         frame = (low, 0.0), (high, 1.0)
-    return [
-        Panel(
-            axes[x],
-            axes[y],
-            [
-                (float(a), float(b), passes, True)
-                for a, b, passes in zip(shares[x], shares[y], flags, strict=True)
-            ],
-            frame,
-            values,
-        )
-        for x, y in pairs
-    ]
+    plots = []
+    for x, y in pairs:
+        rows = zip(shares[x].tolist(), shares[y].tolist(), flags, strict=True)
+        marks = [(a, b, is_kept, True) for a, b, is_kept in rows]
+        plots.append(Panel(axes[x], axes[y], marks, frame, values))
+    return plots
 
 
 _ENDS = {"upper": "at most", "lower": "at least", "width": "known to"}

@@ -214,7 +214,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
 def draw_nominal(folder: Folder, count: int) -> None:
     """Draw `count` moments of a campaign's nominal run side by side into
-    `figures/campaign/moments`, as `.png`, `.pdf` and `.svg`: evenly along the particles' paths,
+    `figures/campaign/moments`, as `.png` and `.pdf`: evenly along the particles' paths,
     from the start to the first closure of a contact, or to the end. folder: of the results. Raises
     `CampaignError` where structure or mechanics changed since the runs were made."""
     with open_netcdf(folder.samples) as samples:

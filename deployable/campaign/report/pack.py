@@ -3,8 +3,6 @@
 Bounds stay in double precision, thin lines are single. Long curves are thinned, their extremes are
 kept. Each moving run is the glTF file of `pictures.glb`."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json
@@ -163,10 +161,9 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
         return None
     rows = [row for row in data.facts["quantities"] if row["name"] in model.quantities]
     body = {"quantities": [_quantity(row, model.quantities[row["name"]], arrays) for row in rows]}
-    body["limits"] = [
-        {"of": row["name"], **{key: limit[key] for key in ("quantity", "kind", "level")}}
-        for row in data.facts.get("requirements", ()) for limit in row["limits"]
-    ]  # fmt: skip
+    requirements, keys = data.facts.get("requirements", ()), ("quantity", "kind", "level")
+    limits = [(row["name"], limit) for row in requirements for limit in row["limits"]]
+    body["limits"] = [{"of": name, **{key: limit[key] for key in keys}} for name, limit in limits]
     if model.choice_intervals:
         body["choice"] = {
             "kept": data.facts["choice"]["kept"],
@@ -185,13 +182,11 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
     if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
         return body
     constant = ~model.indices.any(axis=1)
-    return body | {
-        "indices": model.indices[~constant].tolist(),
-        "constants": [arrays.add(c[constant][:, keep].sum(axis=0), "f8")
-                      for c in model.coefficients],
-        "slopes": [[arrays.add(row, "f4") for row in c[~constant][:, keep]]
-                   for c in model.coefficients],
-    }  # fmt: skip
+    sums = [c[constant][:, keep].sum(axis=0) for c in model.coefficients]
+    products = [c[~constant][:, keep] for c in model.coefficients]
+    body |= {"constants": [arrays.add(row, "f8") for row in sums]}
+    body |= {"slopes": [[arrays.add(row, "f4") for row in rows] for rows in products]}
+    return body | {"indices": model.indices[~constant].tolist()}
 
 
 def _choice_parameters(data: PageData) -> list[dict[str, Any]]:
@@ -213,19 +208,18 @@ def _table(formula: Any, arrays: _Arrays) -> Any:
         return formula
     numbers = ("coefficients", "points", "scales", "weights")
     root = {"root": _table(formula.root, arrays), "root_scale": formula.root_scale}
-    return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | root | {
-        key: arrays.add(getattr(formula, key), "f8") for key in numbers
-    }  # fmt: skip
+    columns = {key: arrays.add(getattr(formula, key), "f8") for key in numbers}
+    return {"indices": formula.indices.tolist(), "kernel": formula.kernel, **root, **columns}
 
 
 def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     value, happens = surrogate.formulas()
     numbers = {"least": surrogate.least, "latest": surrogate.latest, "error": row["error"]}
-    numbers = {key: None if value is None or not np.isfinite(value) else value
-               for key, value in numbers.items()}  # fmt: skip
-    fields = {"name": row["name"], "unit": pretty(row["units"])}
-    return {**fields, "words": row.get("words", row["long_name"]), **numbers,
-            "value": _table(value, arrays), "there": _table(happens, arrays)}  # fmt: skip
+    is_known = {key: x is not None and np.isfinite(x) for key, x in numbers.items()}
+    numbers = {key: x if is_known[key] else None for key, x in numbers.items()}
+    words = {"name": row["name"], "unit": pretty(row["units"])}
+    words |= {"words": row.get("words", row["long_name"])}
+    return words | numbers | {"value": _table(value, arrays), "there": _table(happens, arrays)}
 
 
 def _verdicts(data: PageData, arrays: _Arrays) -> dict[str, Any] | None:

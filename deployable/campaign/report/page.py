@@ -80,9 +80,8 @@ def still_picture(motion: xarray.Dataset) -> str:
         faces, colours = visible_faces(solid, moment, view)
         lines = (solid.cable_points[moment] @ view.page.T)[solid.cables.stretches]
         for corners, colour in zip(faces, np.rint(255 * colours).astype(int), strict=True):
-            parts.append(
-                f'<path fill="#{bytes(colour.tolist()).hex()}" d="{_path(corners, start, zoom)}Z"/>'
-            )
+            fill = bytes(colour.tolist()).hex()
+            parts.append(f'<path fill="#{fill}" d="{_path(corners, start, zoom)}Z"/>')
         parts += [f'<path class="cable" d="{_path(line, start, zoom)}"/>' for line in lines]
     tall = zoom * (high - low)[1]
     return f'<svg viewBox="0 0 {_MOMENTS * _WIDE} {tall:.0f}">{"".join(parts)}</svg>'

@@ -23,7 +23,7 @@ from deployable.campaign.report.data import (
     RunVerdicts,
     WhatIf,
     Work,
-)  # fmt: skip
+)
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
@@ -218,18 +218,14 @@ def _find_omitted_runs(
 ) -> tuple[OmittedRun, ...]:
     """Runs that would be shown, beside those that move."""
     on_page = {runs[mover.run].id for mover in moving}
-    return tuple(
-        OmittedRun(run.id, run.label) for run in movers if on_page and run.id not in on_page
-    )
+    rest = (run for run in movers if on_page and run.id not in on_page)
+    return tuple(OmittedRun(run.id, run.label) for run in rest)
 
 
 def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:
     """The events of a run that is not among the samples."""
-    names = motion["eventful"].values.tolist()
-    return tuple(
-        Event(time, names[int(index)], closing == 1)
-        for time, index, closing in sorted(motion["impact"].values.tolist())
-    )
+    names, rows = motion["eventful"].values.tolist(), sorted(motion["impact"].values.tolist())
+    return tuple(Event(time, names[int(index)], closing == 1) for time, index, closing in rows)
 
 
 def _manifests(folder: Path) -> list[Path]:

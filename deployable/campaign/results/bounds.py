@@ -5,8 +5,6 @@ The files are described at `intervals.bounds_dataset`, `intervals.surrogate_data
 `response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
 Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -35,10 +33,10 @@ def analyse(
 
     with open_dataset(folder.samples) as samples:
         experiment = Experiment.read(samples.attrs["config"])
-        is_plain_scan = experiment.design.method == "sobol" and experiment.design.order is None
-        design = (
-            _design(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
-        )
+        if experiment.design.method == "sobol" and experiment.design.order is None:
+            design = _design(samples)  # a plain scan
+        else:
+            design = make_design(experiment.design, experiment.box)
         bounds = intervals.bounds_dataset(samples, design, model=choice.model)
         if with_errors is not None:
             bounds = with_errors(bounds)

@@ -20,8 +20,6 @@
 
 A failure decides before what is undecided, and that before what is met; then the smaller margin."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from operator import itemgetter

@@ -1,8 +1,6 @@
 """Facts of a campaign, its results as plain numbers and texts: the content of `summary.json`, from
 which the templates in this folder make the summary and the page."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -62,6 +60,7 @@ def facts_of(
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         facts = bounds_facts(bounds, samples, published)
+        facts["check_runs"] = bounds_checks = int(getattr(bounds, "check_runs", 0))
         has_quantities = "quantities" in samples.variables
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as data:
@@ -76,6 +75,7 @@ def facts_of(
         with open_netcdf(folder.quantities) as data:
             facts["quantities"] = quantity_rows(data, experiment.solver.duration)
             refinements = int(data.further_runs)
+            facts["check_runs"] += int(data.check_runs)
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, folder)):
@@ -97,6 +97,8 @@ def facts_of(
         for row in rows:
             row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
         facts["accuracy"] = _accuracy(plan, rows)
+        in_rounds = facts["accuracy"]["runs"] - facts["design"]["runs"]
+        facts["check_runs"] += in_rounds - bounds_checks
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
@@ -221,8 +223,7 @@ def _run_counts(facts: dict) -> dict[str, int]:
     """How many runs were made, by what for, and in `all`."""
     runs = {"design": facts["design"]["runs"], "further": facts.pop("further_runs", 0)}
     runs["choice"] = facts.get("choice", {}).get("runs", 0)
-    accuracy_runs = facts.get("accuracy", {}).get("runs", 0)  # those of its checks among them
-    runs["checks"] = max(0, accuracy_runs - runs["design"] - runs["further"])
+    runs["checks"] = facts.pop("check_runs", 0)
     return {**runs, "all": sum(runs.values())}
 
 

@@ -2,10 +2,9 @@
 
 Bounds differ by dash as well as by colour, so that a grey print can be read."""
 
-from __future__ import annotations
-
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from deployable.campaign.files import open_netcdf, result_file
 from deployable.campaign.folder import PICTURES
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.results.facts import LARGE, along_of, drop_unknown_error
 from deployable.campaign.text.numbers import pretty
 
@@ -33,8 +33,8 @@ _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
 def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw each response with its bounds over time into the files `<response>.png`, `.pdf` and
-    `.svg`. bounds_path: of `bounds.nc`; shade_above: estimated error of the bounds, as a share of
+    """Draw each response with its bounds over time into the files `<response>.png` and
+    `.pdf`. bounds_path: of `bounds.nc`; shade_above: estimated error of the bounds, as a share of
     their largest difference, above which instants are hatched; folder: of the files."""
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
@@ -42,7 +42,7 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
 
 
 def draw_panels(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw all responses with their bounds, a panel each, as `responses.png`, `.pdf` and `.svg`.
+    """Draw all responses with their bounds, a panel each, as `responses.png` and `.pdf`.
     bounds_path, shade_above, folder: as of `draw_envelopes`."""
     with open_netcdf(bounds_path) as bounds:
         save(envelope(bounds, bounds["response"][:], shade_above), Path(folder) / "responses")
@@ -61,7 +61,6 @@ def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float
     shade_above: error, as a share of the largest difference of the bounds, above which instants are
         hatched.
     width: of the figure (inches)."""
-    from matplotlib.figure import Figure
 
     rows = [list(bounds["response"][:]).index(name) for name in names]
     is_single, columns, narrow = len(rows) == 1, 1 if len(rows) <= 3 else 2, width < 5.0
@@ -69,7 +68,7 @@ def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float
     if is_single and (bounds["upper"][rows[0]] > bounds["lower"][rows[0]]).any():
         heights = [1.0, 0.5]
     size = (width, (0.95 if narrow else 0.5625) * width / columns * sum(heights))
-    figure = Figure(figsize=size, layout="constrained")
+    figure = make_figure(figsize=size, layout="constrained")
     grid = {"sharex": is_single, "squeeze": False, "height_ratios": heights}
     axes = figure.subplots(len(heights), columns, **grid).ravel()
     for place, i in enumerate(rows):
@@ -150,8 +149,8 @@ def _unit(bounds: Any, i: int) -> str:
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw what each parameter contributes to the responses as `sensitivities.png`, `.pdf` and
-    `.svg`. path: of `sensitivities.nc`; folder: of the files."""
+    """Draw what each parameter contributes to the responses as `sensitivities.png` and
+    `.pdf`. path: of `sensitivities.nc`; folder: of the files."""
     with open_netcdf(path) as data:
         save(shares(data), Path(folder) / "sensitivities")
 
@@ -162,13 +161,12 @@ def shares(data: Any, width: float = 7.0) -> Any:
     left plot of a response shows how wide its range is over time when one parameter varies alone,
     the right one these widths integrated over time, in per cent of their sum over all parameters.
     Widths that are not above the error of the fit are grey, and count as 0."""
-    from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])
     keys = ("width", "width_overall", "error")
     widths, overall, errors = (data[key][:] for key in keys)
     all_units = data["response_units"][:]
-    figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
+    figure = make_figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
     axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
     rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
     for place, (row, name, units, curves, share, error) in enumerate(rows):
@@ -247,14 +245,39 @@ def without_formulas(figure: Any) -> None:
         text.set_parse_math(False)
 
 
+@contextmanager
+def small_fonts() -> Iterator[None]:
+    """Context manager in which fonts that matplotlib embeds come without the tables by which other
+    programs set text, which no PDF needs, and which take most of the time."""
+    from fontTools import subset
+
+    usual = subset.load_font
+
+    def load_small(*arguments: Any, **options: Any) -> Any:
+        font = usual(*arguments, **options)
+        for table in {"GDEF", "GPOS", "GSUB"} & {*font.keys()}:
+            del font[table]
+        return font
+
+    subset.load_font = load_small
+    try:
+        yield
+    finally:
+        subset.load_font = usual
+
+
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save a matplotlib figure as PNG, PDF and SVG with seals (checksum, origin) and without dates,
-    so that equal data give equal files. path: without suffix; options: for `savefig`."""
+    """Save a matplotlib figure as PNG and PDF with seals (checksum, origin) and without dates, so
+    that equal data give equal files. path: without suffix; options: for `savefig`."""
     from matplotlib import rc_context
 
     without_formulas(figure)
     for kind in PICTURES:
-        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(STYLE):
+        with (
+            result_file(path.with_name(f"{path.name}.{kind}")) as temporary,
+            rc_context(STYLE),
+            small_fonts(),
+        ):
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
             figure.savefig(temporary, dpi=200, metadata=DATELESS[kind], **fast, **options)
         figure.set_layout_engine(None)  # found by now, and the same for the next kind

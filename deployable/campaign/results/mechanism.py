@@ -1,7 +1,5 @@
 """Facts of a mechanism for its review sheet: travels, torque margins, latches, stops, energies."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache

@@ -3,8 +3,6 @@
 Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated. A
 row is met only where the numbers that it prints show it, with their errors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -128,7 +126,7 @@ def head_of(
         f"Clauses and factors are those of {edition_of(standard)}. By analysis of a model, for "
         "what the campaign states; no claim of compliance. A margin is what drives over what is "
         "required, less 1; ± is the error of the computation at either end of an interval, not of "
-        "what it was given; a share of the box is no probability.",
+        f"what it was given; a share of the box is {numbers.VOLUME}.",
     ]
 
 
@@ -533,7 +531,7 @@ class _Sheet:
             margin["without"][0]: (name, self._margin(self._quantities[name]))
             for name, margin in margins.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
-        }  # fmt: skip
+        }
         rest = [name for name in springs if name not in verdicts]
         text = "; ".join(
             f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()

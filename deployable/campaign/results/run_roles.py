@@ -1,8 +1,6 @@
 """Roles, number and names of the runs of an open `samples.nc` (`netCDF4.Dataset` or
 `xarray.Dataset`), with any `jobs.keep`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -90,6 +88,5 @@ def count_roles(samples: Any) -> Counts:
     nominal, nodes, held_out, _ = runs_by_role.values()
     held_out = held_out - nodes
     design_runs = nodes | held_out
-    return Counts(
-        len(design_runs | nominal), len(nodes), len(held_out), bool(nominal & design_runs)
-    )
+    has_nominal = bool(nominal & design_runs)
+    return Counts(len(design_runs | nominal), len(nodes), len(held_out), has_nominal)

@@ -1,7 +1,5 @@
 """Summary of a campaign: `summary.json` for programs and `summary.md` for people."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 

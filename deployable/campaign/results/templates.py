@@ -1,12 +1,12 @@
 """Templates over the facts of a campaign (`facts`), for the summary and the page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+from deployable.campaign.provenance import program_digest
 from deployable.campaign.results.facts import (
     PARTS,
     SOFT,
@@ -18,6 +18,7 @@ from deployable.campaign.results.facts import (
     varies,
 )
 from deployable.campaign.text import numbers
+from fpm.kernels.sources import user_cache
 
 _FOLDER = Path(__file__).parent
 
@@ -28,12 +29,29 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     in HTML; html: whether texts are escaped for HTML."""
     import jinja2
 
-    units = list(units)
+    class CompiledTemplates(jinja2.FileSystemBytecodeCache):
+        """Templates as code on disk: to make it takes longer than to render them. Filters of
+        constants are part of it, and so the program's digest of its checksum."""
+
+        def get_source_checksum(self, source: str) -> str:
+            return super().get_source_checksum(source + program_digest())
+
+        def dump_bytecode(self, bucket: Any) -> None:
+            with suppress(OSError):  # of a full disk, say
+                super().dump_bytecode(bucket)
+
+    @jinja2.pass_context  # so that no constant is finalized where a template is compiled
+    def tie_units(_: Any, value: Any) -> Any:
+        return numbers.tie_units(value, units) if type(value) is str else value
+
+    units, folder = list(units), user_cache() / "templates"
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader([_FOLDER, _FOLDER.parent / "report"]), autoescape=html,
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-        finalize=(lambda v: numbers.tie_units(v, units) if type(v) is str else v)
-        if html else None,
+        finalize=tie_units if html else None,
+        bytecode_cache=CompiledTemplates(str(folder), f"{'html' if html else 'text'}-%s"),
     )  # fmt: skip
     filters = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "earliest", "capitalise")  # fmt: skip
@@ -49,7 +67,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "varying": varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
-    env.globals |= {"SOFT": SOFT, "PARTS": PARTS}
+    env.globals |= {"SOFT": SOFT, "PARTS": PARTS, "VOLUME": numbers.VOLUME}
     return env
 
 

@@ -6,8 +6,6 @@ memory stays bounded and a killed job loses one group of each process at most, a
 was integrated while it was written. A run that fails does not harm the others: they are written,
 and the failures are listed at the end."""
 
-from __future__ import annotations
-
 import json
 import multiprocessing
 import time
@@ -30,13 +28,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
-from deployable.campaign.runs.progress import (
-    MessagePrinter,
-    Notify,
-    Progress,
-    report_step,
-    warm_up,
-)
+from deployable.campaign.runs.progress import MessagePrinter, Notify, Progress, report_step, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary
@@ -142,7 +134,7 @@ def _call(number: int) -> Any:
 
 
 def _simulate_groups(
-    simulation: Simulation, store: Any, work: Sequence[tuple[Runs, Runs]]
+    simulation: "Simulation", store: Any, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
     """Simulate and write what is missing of groups: how many, failures, seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)

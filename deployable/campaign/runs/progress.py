@@ -1,7 +1,5 @@
 """Messages of a batch while it runs."""
 
-from __future__ import annotations
-
 import shutil
 import threading
 import time

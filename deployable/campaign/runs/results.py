@@ -49,27 +49,31 @@ class Result:
 class RunRecord:
     """What `samples.nc` holds of one run. time (T): instants (s); values (n, T): responses; events
     (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
-    numbers (q): quantities, NaN if absent; overlap: largest overlap of the faces of a contact at
-    the instants (rad), below 0 where all stay apart, 0 without contacts."""
+    numbers (q): quantities, NaN if absent; margins (q): by how much each exists, above 0 if it
+    does, NaN if not known; overlap: largest overlap of the faces of a contact at the instants
+    (rad), below 0 where all stay apart, 0 without contacts."""
 
     time: np.ndarray
     values: np.ndarray
     events: np.ndarray
     contacts: Sequence[str]
     numbers: np.ndarray
+    margins: np.ndarray
     overlap: float
 
 
 class Store:
     """Base of the stores: a folder of run results in files named by a digest of their content, so
-    that a restarted campaign finds finished runs again. experiment: its responses and quantities
-    are kept. A file that is damaged or of another run counts as absent, and is noted in `damage`
-    (errors by path); `absences`, by run id, the columns (variable, label) that its file lacks. A
-    subclass can tell which runs of a group are `missing`, `write` results and `read` records."""
+    that a restarted campaign finds finished runs again. experiment: its responses are kept, and
+    `quantities`, those that are no expressions of others: these are computed when runs are read. A
+    file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
+    path); `absences`, by run id, the columns (variable, label) that its file lacks. A subclass can
+    tell which runs of a group are `missing`, `write` results and `read` records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
-        self.responses, self.quantities = experiment.response_list, experiment.quantity_list
+        self.responses = experiment.response_list
+        self.quantities = [q for q in experiment.quantity_list if q.kind != "expression"]
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
 
@@ -105,7 +109,7 @@ class Store:
         (quantities may be NaN: absent), and events of its own contacts only."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
-        if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
+        if shapes != [(instants,), (count, instants), (len(self.experiment.quantities),)]:
             raise ValueError("it has other instants, responses or quantities than the campaign")
         indices = record.events[:, 1]
         if not (np.isfinite(record.values).all() and np.isfinite(record.overlap)):
@@ -150,13 +154,32 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Evaluate the q quantities of one run as an array (q), NaN for one that does not occur.
-    quantities: `fpm.reading.quantities.Quantity`; curves: the run's `fpm.files.trajectory.Curves`
-    or `fpm.Outcome`. Raises `CampaignError` if one cannot be evaluated."""
+    """Evaluate q quantities of one run as an array (2, q): their values, NaN for one that does not
+    occur, and their event margins, NaN where not known. quantities: `fpm.reading.quantities`'
+    Quantity; curves: the run's `fpm.files.trajectory.Curves` or `fpm.Outcome`. Raises
+    `CampaignError` if one cannot be evaluated."""
     try:
-        return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
+        pairs = [(quantity.evaluate(curves), quantity.margin(curves)) for quantity in quantities]
+        return np.array(pairs, dtype=float).reshape(-1, 2).T
     except ValueError as error:
         raise CampaignError(str(error)) from None
+
+
+def complete_numbers(experiment: Experiment, numbers: np.ndarray) -> np.ndarray:
+    """Return all q quantities and event margins of an experiment (..., 2, q), in order, from those
+    that stores keep (..., 2, s): the others are expressions of these."""
+    quantities = experiment.quantity_list
+    names = [quantity.name for quantity in quantities if quantity.kind != "expression"]
+    if len(names) == len(quantities):
+        return numbers
+    table = []
+    for rows in np.reshape(numbers, (-1, 2, len(names))):
+        values, margins = (dict(zip(names, row, strict=True)) for row in rows)
+        table.append([
+            [quantity.read(lambda leaf, row=values: row[leaf.name]) for quantity in quantities],
+            [q.read_margin(lambda leaf, row=margins: row[leaf.name]) for q in quantities],
+        ])  # fmt: skip
+    return np.reshape(table, (*np.shape(numbers)[:-1], len(quantities)))
 
 
 def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:

@@ -7,7 +7,7 @@ It has the variables of `campaign.samples.samples`, but for those of every run's
     lower_run, upper_run (quarter, response, time)  which run that is, the first of several; -1 in a
                                                     quarter without runs
     nominal(response, time)                         the nominal run, the first of the runs
-    normalized, value (run, parameter), quantities (run, quantity), as there
+    normalized, value (run, parameter), quantities, margin (run, quantity), as there
     event_time, event_contact, event_closing (run, event)   the times in single precision; padded
                                                     with NaN, -1, -1
     overlap                                         largest of all runs, rad
@@ -29,6 +29,7 @@ from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.results import complete_numbers
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.samples import samples
 from deployable.intervals.samples import RunBounds, quarter_ends
@@ -105,11 +106,12 @@ def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
         compression = _compression(runs, 8)
         variable = file.createVariable(name, kind, ("run", "event"), fill_value=fill, **compression)
         variable.setncatts(samples.ATTRIBUTES[name])
-    if store.quantities:
-        samples.write_names(file, "quantity", store.quantities)
-        compression = _compression(runs, len(store.quantities))
-        variable = file.createVariable("quantities", "f8", ("run", "quantity"), **compression)
-        variable.long_name = samples.ATTRIBUTES["quantities"]["long_name"]
+    if quantities := store.experiment.quantity_list:
+        samples.write_names(file, "quantity", quantities)
+        compression = _compression(runs, len(quantities))
+        for name in ("quantities", "margin"):
+            variable = file.createVariable(name, "f8", ("run", "quantity"), **compression)
+            variable.long_name = samples.ATTRIBUTES[name]["long_name"]
 
 
 def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
@@ -118,7 +120,8 @@ def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
     for name, values in chunk.events.items():
         file[name][rows, : values.shape[1]] = values
     if store.quantities:
-        file["quantities"][rows] = chunk.numbers
+        table = complete_numbers(store.experiment, chunk.numbers)
+        file["quantities"][rows], file["margin"][rows] = table[:, 0], table[:, 1]
 
 
 def _write_quarters(file: Any, quarters: list[RunBounds | None]) -> None:

@@ -1,8 +1,6 @@
 """The stages of a campaign, as a table: each takes files of its folder, and sections of the config,
 to others. `campaign.run` calls them one after another, `python -m deployable STAGE` one alone."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

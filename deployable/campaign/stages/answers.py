@@ -1,7 +1,5 @@
 """What a campaign asks for."""
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager
 from typing import Any
 

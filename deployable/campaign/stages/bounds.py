@@ -1,7 +1,5 @@
 """Samples, surrogate and bounds of the runs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from deployable.campaign.answers.discretization import check_bounds, checked_components

@@ -1,7 +1,5 @@
 """What the cases of a campaign answer together."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

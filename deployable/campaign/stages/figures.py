@@ -1,17 +1,11 @@
 """Figures of bounds and of contributions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from deployable.campaign.files import check_results
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.figures import (
-    draw_envelopes,
-    draw_panels,
-    draw_sensitivities,
-)
+from deployable.campaign.results.figures import draw_envelopes, draw_panels, draw_sensitivities
 from deployable.campaign.results.ranges import draw_ranges
 from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings

@@ -1,7 +1,5 @@
 """The page of a campaign."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from deployable.campaign.errors import CampaignError

@@ -1,7 +1,5 @@
 """The runs of a campaign, and their time step."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

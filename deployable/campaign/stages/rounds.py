@@ -1,7 +1,5 @@
 """Runs in rounds towards an accuracy."""
 
-from __future__ import annotations
-
 import shutil
 from typing import Any
 

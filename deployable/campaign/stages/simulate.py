@@ -1,7 +1,5 @@
 """One batch of the planned runs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from deployable.campaign.folder import Folder

@@ -1,7 +1,5 @@
 """Numbers as people write them: the same in the summary, on the page and in figures."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -87,6 +85,9 @@ def share(share: float, open_: float = 0.0) -> str:
         return f"at most {np.ceil((percent + half_width) / least - 1e-9) * least:.{places}f} %"
     return f"{percent:.{places}f} ± {half_width:.{places}f} %"
 
+
+VOLUME = "by volume, no probability"
+"""What stands once beside shares of the box."""
 
 OPEN = 0.05
 """Per cent of the box from which it is said how large the error of a share may be."""

@@ -15,6 +15,13 @@ def words_of(quantity: Quantity) -> dict[str, str]:
     latches`; else `there is a largest ...`), and `words`, what it is (`speed when L latches`)."""
     from fpm.reading.quantities import Quantity
 
+    if quantity.kind == "expression":
+        events = [words_of(part)["event"] for part in quantity.parts if not part.always_exists]
+        joint = " or " if quantity.is_choice else " and "
+        event = joint.join(dict.fromkeys(events)) or f"there is {quantity.text}"
+        return {"event": event, "words": quantity.text}
+    if quantity.kind == "event_margin":
+        return {"event": f"there is an {quantity.long_name}", "words": quantity.long_name}
     name = quantity.response.long_name if quantity.response else ""
     if isinstance(quantity.instant, Quantity):
         happens = words_of(quantity.instant)["event"]

@@ -3,6 +3,7 @@
 A number is smooth in the parameters where curves are not, and has no time of its own: it is fitted
 directly. Where what it is of does not happen in a run, that run has none (NaN)."""
 
+from .climb import Climb
 from .fits import Fit, choose_fit
 from .occurrence import Occurrence
 from .requirements import (
@@ -25,6 +26,7 @@ __all__ = [
     "TOLERANCE",
     "BoundEstimate",
     "Choice",
+    "Climb",
     "Extremes",
     "Fit",
     "Goal",

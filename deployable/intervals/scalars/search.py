@@ -6,8 +6,6 @@ an upper confidence bound, as in Bayesian optimisation (Jones, Schonlau and Welc
 by leave-one-out validation in place of a posterior deviation. Next to jumps and limit-state
 surfaces these errors stay large until runs enclose the place, so that the search goes on there."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -33,6 +31,7 @@ _MOVES = 12  # of single parameters, of one iteration
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
 _WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
 _END_SHARE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
+_MOST_EXCESS = 0.3  # of the width of the runs: so far beyond them a surrogate may be a bound
 _TRUST_RATIO = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
 
 
@@ -102,13 +101,12 @@ def _estimate(
         end, peak = surrogate_range.high, surrogate_range.argmax
     excess = max(sign * (end - value), 0.0)
     is_wide = (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL
-    fit_error = (
-        surrogate.fit.error if is_wide else float(local_errors(surrogate.fit, peak[None])[0])
-    )
-    error = max(misprediction, fit_error)
+    error = max(misprediction, surrogate.fit.error)
     candidates, gains = _gains(surrogate, sign, value, argument)
     gain = max(float(gains.max(initial=0.0)), excess)
-    is_predicted = excess > max(_TRUST_RATIO * error, tolerance)
+    # What the runs span comes first: far beyond it, or by a fit of large errors, nothing is known.
+    is_near = excess <= _MOST_EXCESS * float(np.ptp(surrogate.fit.values))
+    is_predicted = is_near and excess > max(_TRUST_RATIO * error, tolerance)
     points = [peak] if excess > tolerance else []
     worth, width = _WORTH * tolerance, tolerance / TOLERANCE
     if is_wide:  # too many directions for candidates to come near all that the fit leaves open

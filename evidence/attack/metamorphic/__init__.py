@@ -3,5 +3,4 @@
     python -m deployable attack --only pairs
 
 `draw_structure` draws a structure in the language of docs/structures.md, `families` says it
-otherwise (turned, mirror, later, rename_all, ...), `pairs` runs both and compares.
-"""
+otherwise (turned, mirror, later, rename_all, ...), `pairs` runs both and compares."""

@@ -2,10 +2,7 @@
 
     NUMBA_DISABLE_JIT=1 python -m evidence.attack.metamorphic --first 0 --count 10 --families 5
 
-needs no compiling; without NUMBA_DISABLE_JIT a loop for all kinds is compiled, once.
-"""
-
-from __future__ import annotations
+needs no compiling; without NUMBA_DISABLE_JIT a loop for all kinds is compiled, once."""
 
 import argparse
 import json

@@ -1,7 +1,5 @@
 """The attack by pairs: structures at random, and each in other words."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 

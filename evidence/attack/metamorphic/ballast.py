@@ -1,9 +1,6 @@
 """A structure of all kinds that stands still, to be beside any other: all need the same time loop.
 
-To compile that takes a minute or two, once; then a run takes milliseconds, whatever it has.
-"""
-
-from __future__ import annotations
+To compile that takes a minute or two, once; then a run takes milliseconds, whatever it has."""
 
 from evidence.attack.metamorphic.structure_text import Structure
 

@@ -1,7 +1,5 @@
 """All ways to say a structure otherwise, by name; those of words, units and time."""
 
-from __future__ import annotations
-
 import copy
 import random
 from collections.abc import Callable
@@ -39,9 +37,8 @@ def reorder(structure: Structure, rng: random.Random) -> Image:
 def rename_all(structure: Structure, rng: random.Random) -> Image:
     """Everything called something else."""
     old = {name for group in ("points", *GROUPS) for name in entries(structure, group)}
-    names = {
-        name: f"n{k}" for name, k in zip(sorted(old), rng.sample(range(999), len(old)), strict=True)
-    }
+    numbers = zip(sorted(old), rng.sample(range(999), len(old)), strict=True)
+    names = {name: f"n{k}" for name, k in numbers}
     names |= {
         name + end: names[name] + end
         for name, joint in entries(structure, "joints").items()
@@ -92,9 +89,8 @@ def is_quiet(structure: Structure) -> bool:
     actions = entries(structure, "actions").values()
     is_at_rest = all(_is_at_rest(structure, action) for action in actions)
     is_calm = not any(np.any(drag["wind"]) for drag in entries(structure, "drags").values())
-    is_limp = not any(
-        any(strut.get("forces", [1])) for strut in entries(structure, "struts").values()
-    )
+    struts = entries(structure, "struts").values()
+    is_limp = not any(any(strut.get("forces", [1])) for strut in struts)
     return not motions and has_curves and is_slack and is_at_rest and is_calm and is_limp
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from evidence.attack.metamorphic.structure_text import Structure
-from fpm.structures.units import unit
+from fpm.arithmetic.units import unit
 
 Entries = dict[str, dict[str, Any]]
 
@@ -21,8 +21,7 @@ class Image:
     their units (`factor`); openings are a sign times the original's plus a zero (`opening_maps`, by
     joint); `names` that are others; all happens `delay` (s) later. is_exact: by the same arithmetic
     but for rounding, else to the order of the step. omits: kinds of curves that are not the same;
-    skips: so many instants at the start are not.
-    """
+    skips: so many instants at the start are not."""
 
     structure: Structure
     matrix: np.ndarray = field(default_factory=lambda: np.eye(3))

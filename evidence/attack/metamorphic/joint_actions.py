@@ -1,7 +1,5 @@
 """What acts on the openings of a drawn structure, and the numbers that it is drawn with."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -17,8 +15,7 @@ SLIDE_ACTIONS = ["spring", "damper", "friction", "stop", "latch", "tabulated spr
 
 class StructureDraft:
     """A structure, `structure`, while it is drawn. quiet: nothing moves it before a curve does, and
-    curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one.
-    """
+    curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one."""
 
     def __init__(self, rng: random.Random):
         self.rng, self.quiet = rng, rng.random() < 0.35
@@ -121,17 +118,12 @@ class StructureDraft:
         moment = self.number(0.02, 2.0)
         if joint not in self.slides and self.chance(0.5):
             return {"moment": moment, "sticks": "exactly"}
-        damping = self.number(0.0, 0.1) if self.chance(0.5) else None
-        bend = self.number(0.01, 0.05)
-        return {"moment": moment, "bristle_deflection": bend} | (
-            {} if damping is None else {"damping": damping}
-        )
+        damping = {"damping": self.number(0.0, 0.1)} if self.chance(0.5) else {}
+        return {"moment": moment, "bristle_deflection": self.number(0.01, 0.05)} | damping
 
     def _stop(self, joint: str, opening: float) -> dict:
-        ends = {
-            "lower": opening - self.number(0.02, 0.3),
-            "upper": opening + self.number(0.02, 0.3),
-        }
+        lower, upper = opening - self.number(0.02, 0.3), opening + self.number(0.02, 0.3)
+        ends = {"lower": lower, "upper": upper}
         if self.chance(0.5):
             del ends[self.rng.choice(list(ends))]
         return ends | {"stiffness": self.number(50.0, 300.0), "damping": self.number(0.0, 0.3)}

@@ -1,7 +1,5 @@
 """Openings counted from another zero, the other way round, or between parts in the other order."""
 
-from __future__ import annotations
-
 import copy
 import random
 from collections.abc import Callable

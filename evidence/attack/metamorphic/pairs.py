@@ -4,10 +4,7 @@ What is the same arithmetic but for rounding must agree to `ROUNDING`, and to wh
 structure that differ by `NUDGE` change, `GROWTH` times: where that is much, the motion hangs on
 rounding (something catches, sticks or slackens just so), and the pair says nothing. What is the
 same to the order of the step must agree within `ORDER` times what half the step changes, and so
-must what is read off amid a step (`LATCH_KINDS`).
-"""
-
-from __future__ import annotations
+must what is read off amid a step (`LATCH_KINDS`)."""
 
 import random
 from collections.abc import Callable, Iterator, Sequence
@@ -111,9 +108,8 @@ def nudge(structure: Structure, rng: random.Random) -> Structure:
     """All numbers a little off."""
 
     def change(x: float, unit: str) -> float:
-        return x * (1.0 + NUDGE * rng.uniform(-1.0, 1.0)) + NUDGE * rng.uniform(-1.0, 1.0) * (
-            unit == "m"
-        )
+        share, shift = rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0) * (unit == "m")
+        return x * (1.0 + NUDGE * share) + NUDGE * shift
 
     return map_numbers(structure, change)
 
@@ -137,9 +133,8 @@ class Trial:
         simulate([base, *nudges, *runs.values()], self.add_ballast)
         if base.curves is None:
             outcome = "wrong" if IMBALANCE in base.reason else "failed"
-            yield from (
-                Verdict(name, outcome, base.reason, self.structure, self.structure) for name in runs
-            )
+            rest = outcome, base.reason, self.structure, self.structure
+            yield from (Verdict(name, *rest) for name in runs)
             return
         growth = self._growth(base, nudges)
         for name, run in runs.items():
@@ -197,9 +192,8 @@ class Trial:
         simulate([half, half_image], self.add_ballast)
         if half.curves is None or half_image.curves is None:
             return {kind: np.inf for kind, _ in base.curves}
-        return sums(
-            *(differences(a.curves, b.curves, image) for a, b in ((base, half), (run, half_image)))
-        )
+        pairs = (base, half), (run, half_image)
+        return sums(*(differences(a.curves, b.curves, image) for a, b in pairs))
 
 
 def _most_over(

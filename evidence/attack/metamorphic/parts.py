@@ -1,7 +1,5 @@
 """Structures of other parts that do the same."""
 
-from __future__ import annotations
-
 import copy
 import random
 from typing import Any
@@ -63,9 +61,8 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
         for key, motion in entries(clone, "initial_velocities").items()
         if motion["part"] == name
     ]:
-        clone["initial_velocities"][f"{name}s"] = clone["initial_velocities"][name_of[0]] | {
-            "part": twin
-        }
+        motions = clone["initial_velocities"]
+        motions[f"{name}s"] = motions[name_of[0]] | {"part": twin}
     # The work of damping is counted along the step's way of free bodies, at its end of joined ones.
     return Image(clone, is_exact=not is_apart and "damping" not in clone)
 
@@ -83,9 +80,8 @@ def _side_by_side(structure: Structure, first: dict, second: dict, middle: str) 
     shift = np.sqrt(0.2 * room / first["mass"])
     for k, (body, sign) in enumerate(((first, 1.0), (second, -1.0))):
         point = f"{middle}{'ab'[k]}"
-        structure["points"][point] = (
-            np.array(structure["points"][middle]) + sign * shift * axis
-        ).tolist()
+        place = np.array(structure["points"][middle]) + sign * shift * axis
+        structure["points"][point] = place.tolist()
         body["centre"], body["points"] = point, [*body["points"], middle]
         body["inertia"] = (inertia - first["mass"] * shift**2 * np.array([0.0, 1.0, 1.0])).tolist()
 

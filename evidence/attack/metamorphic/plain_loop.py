@@ -1,9 +1,6 @@
 """The time loop as plain Python on numpy's arrays: no kind of structure takes time to compile.
 
-A step takes some hundred times as long so; `NUMBA_DISABLE_JIT=1` must be set.
-"""
-
-from __future__ import annotations
+A step takes some hundred times as long so; `NUMBA_DISABLE_JIT=1` must be set."""
 
 import numpy as np
 

@@ -1,10 +1,7 @@
 """Structures drawn at random: chains, trees and loops of rigid bodies and bars.
 
 All sizes are of the order of one, in metres, kilograms and seconds, so that what is drawn moves by
-tenths of a radian in `DURATION`. What the language refuses is drawn again by the caller.
-"""
-
-from __future__ import annotations
+tenths of a radian in `DURATION`. What the language refuses is drawn again by the caller."""
 
 import random
 from itertools import pairwise
@@ -50,9 +47,8 @@ class Draw(StructureDraft):
             self.cable()
         self.world()
         prescribed_parts = {drive["part"] for drive in self.structure.get("drives", {}).values()}
-        if (parts := [part for part in self.parts if part not in prescribed_parts]) and self.chance(
-            0.3
-        ):
+        parts = [part for part in self.parts if part not in prescribed_parts]
+        if parts and self.chance(0.3):
             self.drag(self.rng.choice(parts))
         if parts and self.chance(0.3):
             self.strut(self.rng.choice(parts))

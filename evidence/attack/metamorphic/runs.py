@@ -1,7 +1,5 @@
 """Structures of the language run, and their curves."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from dataclasses import dataclass

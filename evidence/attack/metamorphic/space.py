@@ -1,7 +1,5 @@
 """Structures turned, and mirrored, as a whole."""
 
-from __future__ import annotations
-
 import copy
 import random
 

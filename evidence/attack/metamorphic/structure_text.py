@@ -1,9 +1,6 @@
 """Structures as mappings of plain numbers in SI units, and as text; numbers by their units.
 
-What is known of a number (its unit, and that it is one) is what the language says of its key.
-"""
-
-from __future__ import annotations
+What is known of a number (its unit, and that it is one) is what the language says of its key."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,8 +1,7 @@
 """The same work by peers, where they are installed: Exudyn and PyElastica.
 
 A peer may live in an environment of its own, since the peers' pins clash: the environment variables
-EXUDYN_PYTHON and PYELASTICA_PYTHON name its interpreter.
-"""
+EXUDYN_PYTHON and PYELASTICA_PYTHON name its interpreter."""
 
 import json
 import subprocess

@@ -20,8 +20,7 @@ def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
     node's own axes whose third column is the hinge axis, the axes of the point that are held, and
     spring and damper with the opening at the start (rad); loops: the two hinges' numbers, radii,
     stiffness and the slip at the start; points: node and arm. ignore: names of kinds that are left
-    out, since they do not act; ValueError for others that cannot be described.
-    """
+    out, since they do not act; ValueError for others that cannot be described."""
     unknown = {kind.__name__ for kind, group in scene.kinds.items() if group} - KINDS - set(ignore)
     if unknown or scene.damping:
         raise ValueError(f"peers cannot be told of {sorted(unknown) or 'damping'}")

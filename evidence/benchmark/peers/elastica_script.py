@@ -4,8 +4,7 @@ Reads {"elements", "length", "side", "E", "nu", "rho", "duration", "runs": [{"ro
 the file named in its first argument, and prints one JSON object per run: straight rods of a square
 section's area, in a row, hinged to each other by PyElastica's joints (springs), that swing sideways
 at first at 1 m/s. `elements` and `length` (m) are those of all rods
-together.
-"""
+together."""
 
 import json
 import sys

@@ -2,8 +2,7 @@
 
 Reads {"structure": ..., "planar": bool, "duration": s, "instants": n, "runs": [...]} from the file
 named in its first argument, and prints one JSON object per run, with the places of the structure's
-named points at the instants. The compiled module without range checks is taken.
-"""
+named points at the instants. The compiled module without range checks is taken."""
 
 import json
 import sys

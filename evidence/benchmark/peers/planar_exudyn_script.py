@@ -7,8 +7,7 @@ from exudyn import itemInterface as item
 def build(mbs, structure):
     """Everything but what is recorded; returns the markers of the named points.
 
-    The coordinates of a node are its displacements and its turn, all 0 at the start.
-    """
+    The coordinates of a node are its displacements and its turn, all 0 at the start."""
     nodes = _nodes(mbs, structure)
     bodies, gravity = _bodies(mbs, structure, nodes), structure["gravity"]
     for body in [*bodies.values(), *_beams(mbs, structure, nodes)]:
@@ -36,8 +35,7 @@ def _nodes(mbs, structure):
             node = item.NodePointGround(referenceCoordinates=place)
         else:
             node = item.NodeRigidBody2D(
-                referenceCoordinates=[*place[:2], 0.0],
-                initialVelocities=[*velocity[:2], spin[2]],
+                referenceCoordinates=[*place[:2], 0.0], initialVelocities=[*velocity[:2], spin[2]]
             )
         numbers.append(mbs.AddNode(node))
     return numbers

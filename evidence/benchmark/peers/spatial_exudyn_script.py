@@ -1,8 +1,7 @@
 """A structure in space in Exudyn: geometrically exact beams, rigid bodies, revolute joints.
 
 Joints are ideal where the integrator is implicit, stiff springs where it is explicit (which takes
-no constraints).
-"""
+no constraints)."""
 
 import exudyn as exu
 import numpy as np

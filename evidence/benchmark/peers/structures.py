@@ -42,8 +42,7 @@ class Case:
     ours, 0.9 of the stable one if left out; steps (s) of Exudyn, the finest last; meshes: of
     Exudyn, elements beside those of `parameters`; finest: elements of our run that all are held
     against, for rigid bodies one with a quarter of the step; ignore: kinds that do not act in
-    that time, and are not described.
-    """
+    that time, and are not described."""
 
     name: str
     text: str
@@ -122,8 +121,7 @@ class Run:
     """A run, its places (instants, 3) m and how many steps it took, and seconds of cpu a sample.
 
     batch: one of a batch, single: by itself, set_up: packing and handing back one of a batch,
-    build_time: making its scene from the file.
-    """
+    build_time: making its scene from the file."""
 
     places: np.ndarray
     steps: int

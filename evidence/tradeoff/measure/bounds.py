@@ -32,8 +32,7 @@ def take_bounds(choice: Choice, design: intervals.Design, tests: np.ndarray, run
 def phases_of(runs: Runs) -> dict[str, np.ndarray]:
     """Masks (T) of the time before the first closure, between it and the second, and after that.
 
-    A phase ends where the first of all runs reaches the next closure. "all" is the whole time.
-    """
+    A phase ends where the first of all runs reaches the next closure. "all" is the whole time."""
     time = runs.time
     phases = {"all": np.ones(len(time), dtype=bool)}
     starts = [0.0]
@@ -83,8 +82,7 @@ def judge_estimate(
 
     covered: share of the instants at which the estimate is at least the true error; ratio:
     estimate over truth, both integrated; worst: largest true error that the estimate leaves
-    uncovered, as a share of the largest width.
-    """
+    uncovered, as a share of the largest width."""
     truth = intervals.hausdorff(band.lower, band.upper, reference.lower, reference.upper)
     rows = []
     for i, true in enumerate(truth):

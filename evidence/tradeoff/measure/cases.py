@@ -1,8 +1,7 @@
 """The cases of the study "error against cost": which scene, box, meshes, steps and designs.
 
 A level is one discretisation; all designs of a level share its runs. The reference of a case is its
-finest level, with a dense scan.
-"""
+finest level, with a dense scan."""
 
 from dataclasses import dataclass, field, replace
 
@@ -15,8 +14,7 @@ class Choice:
     """How bounds are taken: the design and the model.
 
     `order` is None for a scan, which has `samples` runs. `model` is "polynomial" (none for a plain
-    scan) or "spline".
-    """
+    scan) or "spline"."""
 
     method: str
     order: int | None = None
@@ -36,8 +34,7 @@ class Level:
     """A discretisation: elements (per link), share of the stable step, and what is run with it.
 
     `scan` runs of a dense scan judge the choices of this level; 0: the reference alone does. In
-    `rounds` more rounds, runs are sought that widen the scan's bounds (reference.py).
-    """
+    `rounds` more rounds, runs are sought that widen the scan's bounds (reference.py)."""
 
     elements: int
     safety: float
@@ -48,9 +45,8 @@ class Level:
     @property
     def label(self) -> str:
         """Short name for tables and plots."""
-        return f"{self.elements} elements" + (
-            "" if self.safety == 0.9 else f", step x{self.safety}"
-        )
+        suffix = "" if self.safety == 0.9 else f", step x{self.safety}"
+        return f"{self.elements} elements{suffix}"
 
 
 @dataclass(frozen=True)
@@ -60,8 +56,7 @@ class Case:
     `intervals` maps a parameter to its half width relative to the scene's default, `fixed` others
     to values that differ from it; `mesh` is the scene's parameter for the number of elements.
     `trajectories` are the discretisations (elements, safety) whose single runs are compared, the
-    last the reference.
-    """
+    last the reference."""
 
     name: str
     title: str

@@ -2,8 +2,7 @@
 
 Runs in the peer's own environment, so it imports numpy and the peer only. INPUT has points (N, k)
 and values (N, T) to fit at total degree `degree`, points `tested` (H, k) to predict at; for bounds
-`line` (G,) and `curves` (G, n), the responses at n instants on a fine line of the one parameter.
-"""
+`line` (G,) and `curves` (G, n), the responses at n instants on a fine line of the one parameter."""
 
 import sys
 import time

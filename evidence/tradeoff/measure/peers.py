@@ -2,10 +2,7 @@
 
 A peer is found by import in this environment, or as another Python named by an environment
 variable (PEERS below), e.g. `PEER_CHAOSPY=/path/to/venv/bin/python`: their pins clash. One that is
-not there becomes a skipped entry with the command that installs it.
-"""
-
-from __future__ import annotations
+not there becomes a skipped entry with the command that installs it."""
 
 import subprocess
 import tempfile
@@ -17,6 +14,8 @@ import numpy as np
 
 from deployable import intervals
 from evidence.peers import interpreter
+from evidence.search.boxes import Box, silent
+from evidence.search.study import find_bounds
 from evidence.tradeoff.measure.cases import CASES, Case, Choice
 from evidence.tradeoff.measure.points import design_of, scan_of
 from evidence.tradeoff.measure.runs import Runs, simulate
@@ -72,16 +71,14 @@ def _fit_ours(design, problem: dict) -> dict:
     start = time.perf_counter()
     surrogate = intervals.fit(design, problem["values"])
     seconds = time.perf_counter() - start
-    return _fit_error(
-        {"seconds": seconds, "predicted": surrogate.evaluate(problem["tested"])}, problem
-    )
+    answer = {"seconds": seconds, "predicted": surrogate.evaluate(problem["tested"])}
+    return _fit_error(answer, problem)
 
 
 def _fit_error(answer: dict, problem: dict) -> dict:
     """Seconds, and rms error at the tested points as a share of each response's spread, worst."""
-    errors = (answer["predicted"] - problem["truth"]).reshape(
-        len(problem["truth"]), len(problem["scales"]), -1
-    )
+    shape = len(problem["truth"]), len(problem["scales"]), -1
+    errors = (answer["predicted"] - problem["truth"]).reshape(shape)
     error = np.sqrt((errors**2).mean(axis=(0, 2))) / problem["scales"]
     return {
         "seconds": float(answer["seconds"]),
@@ -126,6 +123,7 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             method = f"{name}, order {order}" if name == "polynomial" else "spline, even points"
             row = _row("intervals", method, order + 1, seconds[name], errors(ends))
             table.append({**row, "model": name})
+    table.append(_search(line[:, 0], curves, errors))
     answer = run_peer("pyuncertainnumber", {"line": line[:, 0], "curves": curves})
     if "skipped" in answer:
         return [*table, {"by": "pyuncertainnumber", **answer}]
@@ -136,6 +134,19 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             method = name.replace("_", " ")
             table.append(_row("pyuncertainnumber", method, calls, seconds, errors(answer[key])))
     return table
+
+
+def _search(line: np.ndarray, curves: np.ndarray, errors: Callable) -> dict:
+    """Our search for the bounds of a quantity, the value at each instant (curves: G, n)."""
+    ends, calls, start = [], [], time.perf_counter()
+    for curve in curves.T:
+        function = silent(lambda u, curve=curve: np.interp(u[:, 0], line, curve))
+        bounds, values = find_bounds(Box("instant", 1, function))
+        ends.append((bounds.lower, bounds.upper))
+        calls.append(len(values))
+    seconds = (time.perf_counter() - start) / len(ends)
+    row = _row("intervals", "search", float(np.mean(calls)), seconds, errors(np.array(ends)))
+    return {**row, "model": "search"}
 
 
 def _row(tool: str, method: str, calls: float, seconds: float, errors: list[float]) -> dict:

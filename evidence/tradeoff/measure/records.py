@@ -2,10 +2,7 @@
 
 Two errors are told apart. The surrogate's: bounds against a dense scan of the same level, that is
 of the same mesh and step. The total: bounds against the dense scan of the finest level. Errors
-of single runs, from mesh and step alone, are measured beside them.
-"""
-
-from __future__ import annotations
+of single runs, from mesh and step alone, are measured beside them."""
 
 import math
 import time
@@ -57,11 +54,7 @@ def measure_case(case: Case, notify: Callable[[str], object] = print) -> dict:
 
 
 def _measure_level(
-    case: Case,
-    level: Level,
-    runs: Runs,
-    reference: bounds.Band,
-    phases: dict[str, np.ndarray],
+    case: Case, level: Level, runs: Runs, reference: bounds.Band, phases: dict[str, np.ndarray]
 ) -> list[dict]:
     hull = bounds.hull(runs) if level.scan else None
     records = []

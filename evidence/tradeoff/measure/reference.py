@@ -15,9 +15,8 @@ def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[Runs]]:
     rounds = [runs]
     for seed in range(level.rounds):
         last = rounds[-1]
-        points, _ = intervals.seek_points(
-            last.points, last.values, SEEK, candidates=8192, seed=seed + 1
-        )
+        options = {"candidates": 8192, "seed": seed + 1}
+        points, _ = intervals.seek_points(last.points, last.values, SEEK, **options)
         if not len(points):
             break
         rounds.append(last.with_runs(simulate(last.case, level.elements, level.safety, points)))
@@ -29,8 +28,7 @@ def missing(case: Case, level: Level, rounds: list[Runs], phases: dict) -> list[
 
     After rounds: the growth g of the last one, and of those that did not come: g q / (1 - q) if the
     growth goes on to fall by q = g / (growth of the round before), q from 0.5 to 0.95. Without
-    rounds: the growth from half the scan to all of it.
-    """
+    rounds: the growth from half the scan to all of it."""
     last = rounds[-1]
     if len(rounds) < 3:
         half = scan_of(case, level.scan)

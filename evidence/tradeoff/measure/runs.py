@@ -1,7 +1,5 @@
 """Runs of a case at one discretisation, timed, as the samples that the interval side takes."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, replace
@@ -25,8 +23,7 @@ _GAP = 0.02  # share of the duration
 class Runs:
     """Runs at unit points (R, k): responses values (R, n, T), and the events (e, 3) of each.
 
-    time (T,) s; step (s) and steps of the integration; cpu (s) of a full batch of LANES runs.
-    """
+    time (T,) s; step (s) and steps of the integration; cpu (s) of a full batch of LANES runs."""
 
     case: Case
     points: np.ndarray
@@ -46,7 +43,7 @@ class Runs:
         """Cpu time (s) of so many runs, in whole batches."""
         return math.ceil(runs / LANES) * self.cpu
 
-    def with_runs(self, runs: Runs) -> Runs:
+    def with_runs(self, runs: "Runs") -> "Runs":
         """These runs and more of the same level; the cost of a batch stays that of these."""
         return replace(
             self,
@@ -86,11 +83,10 @@ def _impacts(events: np.ndarray, gap: float) -> np.ndarray:
     return np.array(times)
 
 
-def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Runs:
+def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> "Runs":
     """Run the case at unit points (R, k), each once; the step serves the whole box.
 
-    RuntimeError if a run breaks down.
-    """
+    RuntimeError if a run breaks down."""
     kind = scene_type(case.scene)
     responses = [fpm.responses.parse(n, d, kind.sample) for n, d in case.responses.items()]
     box = box_of(case)
@@ -116,6 +112,5 @@ def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Ru
             events.append(outcome.events)
     batches = math.ceil(len(points) / LANES)
     last = outcomes[-1]
-    return Runs(
-        case, points, last.time, np.array(values), events, last.step, last.steps, cpu / batches
-    )
+    run = last.time, np.array(values), events, last.step, last.steps
+    return Runs(case, points, *run, cpu / batches)

@@ -1,9 +1,6 @@
 """The cases in which one key for accuracy is put beside designs and scans chosen by hand.
 
-Read by the workflow as well, so that this module imports nothing heavy.
-"""
-
-from __future__ import annotations
+Read by the workflow as well, so that this module imports nothing heavy."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

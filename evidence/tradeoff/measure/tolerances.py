@@ -1,10 +1,7 @@
 """One key for accuracy against designs and scans chosen by hand: what came of it, and its cost.
 
 All of them are whole campaigns without figures, in one process, so that the cost of each is that of
-everything: choosing runs, integrating, writing, bounds, checks.
-"""
-
-from __future__ import annotations
+everything: choosing runs, integrating, writing, bounds, checks."""
 
 import copy
 import json
@@ -34,9 +31,8 @@ def measure_targets(case: AccuracyCase, notify: Callable[[str], object] = print)
         record = {"case": case.name, "title": case.title, "reference_cpu": cpu}
         record |= {"responses": list(case.config["responses"]), "asked": [], "rivals": []}
         for share in case.shares:
-            change = {
-                "accuracy": {"tolerance": share, "max_core_minutes": MINUTES, "max_runs": RUNS}
-            }
+            limits = {"max_core_minutes": MINUTES, "max_runs": RUNS}
+            change = {"accuracy": {"tolerance": share, **limits}}
             row = _measure(case, change, reference, Path(folder))
             record["asked"].append({"share": share, **row})
             notify(f"{case.name}: accuracy {share}, {row['cpu']:.3g} s of cpu time")

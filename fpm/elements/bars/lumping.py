@@ -69,9 +69,8 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
         if weights[0] - shift < SMALLEST_END:
             spare = (weights[0] - SMALLEST_END) * (n - 1) / n
             largest = 1 + 2 * l**2 / radius2 * spare
-            raise SceneError(
-                "rotational inertia scale", scale, f"at most {largest:.4g} for {n} elements"
-            )
+            allowed = f"at most {largest:.4g} for {n} elements"
+            raise SceneError("rotational inertia scale", scale, allowed)
         weights[[0, -1]] -= shift
         weights[1] += shift
         weights[-2] += shift

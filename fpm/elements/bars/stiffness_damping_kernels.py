@@ -4,19 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.bars.beam_kernels import (
-    AXIAL,
-    BEND_Y,
-    BEND_Z,
-    TWIST,
-    FramedElements,
-    StraightElements,
-    bends_of,
-    chord_of,
-    end_axes,
-    push_ends,
-    twist_of,
-)
+from fpm.elements.bars import beam_kernels as beam
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 from fpm.kernels.vectors import kernel
@@ -32,7 +20,7 @@ class DampedElements(NamedTuple):
     Straight- or FramedElements, with beta times the stiffness in the place of the stiffness;
     history (d, 18, lanes): of their deformations; account: index of the loss in World.accounts."""
 
-    bars: StraightElements | FramedElements
+    bars: beam.StraightElements | beam.FramedElements
     history: np.ndarray
     account: int
 
@@ -64,12 +52,12 @@ def forces(part, world, timing):
     state, bars = world.state, part.bars
     total = load(world.accounts, 0, part.account)
     for e in range(bars.nodes.shape[0]):
-        n, inverse, _ = chord_of(bars, state, e)
-        axes = end_axes(bars, state, e)
-        (a2, a3, b2, b3), slopes = bends_of(n, axes)
-        axial, torsion = load(bars.beams, e, AXIAL), load(bars.beams, e, TWIST)
-        kz, ky = load(bars.beams, e, BEND_Z), load(bars.beams, e, BEND_Y)
-        twist = twist_of(axes[0], axes[1], axes[2], axes[3])
+        n, inverse, _ = beam.chord_of(bars, state, e)
+        axes = beam.end_axes(bars, state, e)
+        (a2, a3, b2, b3), slopes = beam.bends_of(n, axes)
+        axial, torsion = load(bars.beams, e, beam.AXIAL), load(bars.beams, e, beam.TWIST)
+        kz, ky = load(bars.beams, e, beam.BEND_Z), load(bars.beams, e, beam.BEND_Y)
+        twist = beam.twist_of(axes[0], axes[1], axes[2], axes[3])
         stretch_rate, loss1 = follow(part, timing, e, 0, 1.0 / inverse, axial)
         twist_rate, loss2 = follow(part, timing, e, 1, twist, torsion)
         # By the sum and the difference of the angles the energy of a plane is diagonal.
@@ -81,5 +69,5 @@ def forces(part, world, timing):
         first = 0.5 * (sum2 + change2), 0.5 * (sum3 + change3)
         second = 0.5 * (sum2 - change2), 0.5 * (sum3 - change3)
         loads = axial * stretch_rate, torsion * twist_rate, first + second
-        push_ends(bars, state, e, n, inverse, axes, slopes, loads)
+        beam.push_ends(bars, state, e, n, inverse, axes, slopes, loads)
     store(world.accounts, 0, part.account, total)

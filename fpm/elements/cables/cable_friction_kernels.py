@@ -8,45 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.cables.cable_kernels import (
-    DIRECTION,
-    EA,
-    LENGTH,
-    LONGER,
-    LONGER_BEFORE,
-    PULL,
-    TINY,
-    UNSTRAINED,
-    UNSTRAINED_BEFORE,
-    WINCH,
-    energy_of_cable,
-    find_pull,
-    find_unstrained_length,
-    list_excess,
-    measure_path,
-    note_events,
-    pull_points,
-    record_cable,
-    record_drum,
-    record_stretch,
-    turn_drum,
-    work_of_winch,
-)
-from fpm.elements.cables.cable_slip_kernels import (
-    CLOSE,
-    FREE_STRAIN,
-    INVERSE,
-    MATERIAL,
-    RATIO,
-    SLIP,
-    SLIP_BEFORE,
-    START,
-    TENSION,
-    TENSION_BEFORE,
-    find_free_strains,
-    positive,
-    strain_before,
-)
+from fpm.elements.cables import cable_kernels as cable
+from fpm.elements.cables import cable_slip_kernels as slips
 from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.angles import arctan2
 from fpm.kernels.events import note_crossings
@@ -55,7 +18,7 @@ from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_n
 from fpm.kernels.vectors import cross, dot, get3, kernel, larger
 from fpm.kernels.world import Log
 
-STICK = 10 * CLOSE
+STICK = 10 * slips.CLOSE
 """Largest slip in a step, as a share of the cable's unstrained length, that counts as none."""
 
 
@@ -105,7 +68,8 @@ def exponential(x):
 def turn_angle(part, j):
     """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends
     (index among all cables' points). part: arrays of all (RubbingCables), after `measure_path`."""
-    first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
+    first = get3(part.stretches, j - 1, cable.DIRECTION)
+    second = get3(part.stretches, j, cable.DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
 
@@ -114,8 +78,8 @@ def turn_angle(part, j):
 def length_at(part, j, soft, fraction):
     """Return the length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if
     it changed evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
-    length = load(part.slip, j, MATERIAL) * (1.0 + soft * load(part.slip, j, TENSION))
-    return length + fraction * (load(part.stretches, j, LENGTH) - length)
+    length = load(part.slip, j, slips.MATERIAL) * (1.0 + soft * load(part.slip, j, slips.TENSION))
+    return length + fraction * (load(part.stretches, j, cable.LENGTH) - length)
 
 
 @kernel
@@ -125,17 +89,17 @@ def slip(part, c, rest, excess, turn):
     cables (RubbingCables); rest: unstrained length now (m); excess: length less unstrained length a
     step ago (m); turn: fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
-    soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
+    soft, rest_sum = 1.0 / load(part.cables, c, cable.EA), 0.0 * rest
     for j in range(first + 1, last):
         ratio = exponential(load(part.friction, c, 0) * turn_angle(part, j))
-        store(part.slip, j, RATIO, ratio)
-        store(part.slip, j, INVERSE, 1.0 / ratio)
+        store(part.slip, j, slips.RATIO, ratio)
+        store(part.slip, j, slips.INVERSE, 1.0 / ratio)
         start = length_at(part, j, soft, turn)
-        start = where_negative(excess, start, load(part.slip, j, MATERIAL))
-        store(part.slip, j, START, start)
+        start = where_negative(excess, start, load(part.slip, j, slips.MATERIAL))
+        store(part.slip, j, slips.START, start)
         rest_sum = rest_sum + start
-    store(part.slip, first, START, rest - rest_sum)
-    find_free_strains(part, first, last, CLOSE * rest)
+    store(part.slip, first, slips.START, rest - rest_sum)
+    slips.find_free_strains(part, first, last, slips.CLOSE * rest)
 
 
 @kernel
@@ -145,20 +109,23 @@ def pull_on(part, c, excess, turn, slack):
     excess: length less unstrained length now (m); turn: fraction of the step after which the cable
     turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
-    stiffness = load(part.cables, c, EA)
-    soft, strain, inflow = 1.0 / stiffness, load(part.slip, last - 1, FREE_STRAIN), 0.0 * excess
+    stiffness = load(part.cables, c, cable.EA)
+    soft = 1.0 / stiffness
+    strain = load(part.slip, last - 1, slips.FREE_STRAIN)
+    inflow = 0.0 * excess
     for j in range(last - 1, first - 1, -1):
-        length, old_tension = load(part.stretches, j, LENGTH), load(part.slip, j, TENSION)
+        length = load(part.stretches, j, cable.LENGTH)
+        old_tension = load(part.slip, j, slips.TENSION)
         end = where_negative(excess, length_at(part, j, soft, turn), length / (1.0 + strain))
-        inflow = inflow + (end - load(part.slip, j, START))
+        inflow = inflow + (end - load(part.slip, j, slips.START))
         tension = where_negative(excess, 0.0, stiffness * strain)
-        store(part.slip, j, SLIP, inflow)
-        store(part.slip, j, MATERIAL, where_negative(excess, length, end))
-        store(part.slip, j, TENSION_BEFORE, old_tension)
-        store(part.slip, j, TENSION, tension)
-        store(part.stretches, j, PULL, tension - 0.5 * slack * (tension + old_tension))
+        store(part.slip, j, slips.SLIP, inflow)
+        store(part.slip, j, slips.MATERIAL, where_negative(excess, length, end))
+        store(part.slip, j, slips.TENSION_BEFORE, old_tension)
+        store(part.slip, j, slips.TENSION, tension)
+        store(part.stretches, j, cable.PULL, tension - 0.5 * slack * (tension + old_tension))
         if j > first:
-            strain = strain_before(part, j, strain)
+            strain = slips.strain_before(part, j, strain)
 
 
 @kernel
@@ -166,20 +133,21 @@ def find_tensions(part, world, timing, c):
     """Find and store in part.slip the tension (N) of every stretch of cable c, which has
     friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
     world (World): solver state; timing (StepTime): times of the step (s)."""
-    length = measure_path(part, world.state, c)
-    rest = find_unstrained_length(part, world, timing, c)
-    last, excess = load(part.state, c, LONGER), length - rest
-    reel_length = rest - load(part.state, c, UNSTRAINED)
-    store(part.state, c, LONGER_BEFORE, last)
-    store(part.state, c, LONGER, excess)
-    store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
-    store(part.state, c, UNSTRAINED, rest)
-    inverse = 1.0 / (absolute(last) + absolute(excess) + TINY)
-    turn, slack = inverse * absolute(last), inverse * (positive(-last) + positive(-excess))
+    length = cable.measure_path(part, world.state, c)
+    rest = cable.find_unstrained_length(part, world, timing, c)
+    last, excess = load(part.state, c, cable.LONGER), length - rest
+    reel_length = rest - load(part.state, c, cable.UNSTRAINED)
+    store(part.state, c, cable.LONGER_BEFORE, last)
+    store(part.state, c, cable.LONGER, excess)
+    store(part.state, c, cable.UNSTRAINED_BEFORE, load(part.state, c, cable.UNSTRAINED))
+    store(part.state, c, cable.UNSTRAINED, rest)
+    inverse = 1.0 / (absolute(last) + absolute(excess) + cable.TINY)
+    turn = inverse * absolute(last)
+    slack = inverse * (slips.positive(-last) + slips.positive(-excess))
     if any_negative(-larger(last, excess)):
         slip(part, c, rest, last, turn)
     pull_on(part, c, excess, turn, slack)
-    store(part.slip, part.start[c], SLIP, (1.0 - slack) * reel_length)
+    store(part.slip, part.start[c], slips.SLIP, (1.0 - slack) * reel_length)
 
 
 @hook(RubbingCables)
@@ -189,20 +157,20 @@ def forces(part, world, timing):
     for c in range(part.curve.shape[0]):
         if part.has_friction[c]:
             find_tensions(part, world, timing, c)
-            strain = load(part.slip, part.start[c], TENSION) / load(part.cables, c, EA)
-            pull = load(part.stretches, part.start[c], PULL) * (1.0 + 0.5 * strain)
-            store(part.state, c, WINCH, pull)
+            strain = load(part.slip, part.start[c], slips.TENSION) / load(part.cables, c, cable.EA)
+            pull = load(part.stretches, part.start[c], cable.PULL) * (1.0 + 0.5 * strain)
+            store(part.state, c, cable.WINCH, pull)
         else:
-            find_pull(part, world, timing, c)
-        pull_points(part, world.state, c)
-        turn_drum(part.openings, part, world.state, c, load(part.state, c, WINCH))
+            cable.find_pull(part, world, timing, c)
+        cable.pull_points(part, world.state, c)
+        cable.turn_drum(part.openings, part, world.state, c, load(part.state, c, cable.WINCH))
 
 
 @kernel
 def gain(part, j, soft):
     """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
     mean over both ends of the step that ends now. part: RubbingCables; soft: 1/EA (1/N)."""
-    tension, last = load(part.slip, j, TENSION), load(part.slip, j, TENSION_BEFORE)
+    tension, last = load(part.slip, j, slips.TENSION), load(part.slip, j, slips.TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
@@ -216,15 +184,15 @@ def work_before(part, world, timing):
     for c in range(part.curve.shape[0]):
         if not part.has_friction[c]:
             if part.curve[c] >= 0:
-                work = work + work_of_winch(part, c)
+                work = work + cable.work_of_winch(part, c)
             continue
-        first, soft = part.start[c], 1.0 / load(part.cables, c, EA)
+        first, soft = part.start[c], 1.0 / load(part.cables, c, cable.EA)
         last_gain = gain(part, first, soft)
         if part.curve[c] >= 0:
-            work = work - load(part.slip, first, SLIP) * last_gain
+            work = work - load(part.slip, first, slips.SLIP) * last_gain
         for j in range(first + 1, part.start[c + 1] - 1):
             factor = gain(part, j, soft)
-            loss = loss + load(part.slip, j, SLIP) * (factor - last_gain)
+            loss = loss + load(part.slip, j, slips.SLIP) * (factor - last_gain)
             last_gain = factor
     store(world.accounts, 0, part.account, work)
     store(world.accounts, 0, part.loss, loss)
@@ -233,13 +201,13 @@ def work_before(part, world, timing):
 @hook(RubbingCables)
 def energy_of(part, world, c):
     """Return the strain energy (J) of cable c. part: RubbingCables; world: not used."""
-    total = energy_of_cable(part, c)
+    total = cable.energy_of_cable(part, c)
     if part.has_friction[c]:
         total = 0.0 * total
         for j in range(part.start[c], part.start[c + 1] - 1):
-            tension = load(part.slip, j, TENSION)
-            total = total + tension * tension * load(part.slip, j, MATERIAL)
-        total = 0.5 / load(part.cables, c, EA) * total
+            tension = load(part.slip, j, slips.TENSION)
+            total = total + tension * tension * load(part.slip, j, slips.MATERIAL)
+        total = 0.5 / load(part.cables, c, cable.EA) * total
     return total
 
 
@@ -251,14 +219,14 @@ def record(part, world, row):
     count = part.curve.shape[0]
     for c in range(count):
         if not part.has_friction[c]:
-            record_cable(part, c, row)
+            cable.record_cable(part, c, row)
             continue
-        length = load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED)
-        store(part.track, row * count + c, 0, load(part.slip, part.start[c], TENSION))
+        length = load(part.state, c, cable.LONGER) + load(part.state, c, cable.UNSTRAINED)
+        store(part.track, row * count + c, 0, load(part.slip, part.start[c], slips.TENSION))
         store(part.track, row * count + c, 1, length)
         for j in range(part.start[c], part.start[c + 1] - 1):
-            record_stretch(part, j, row, load(part.slip, j, TENSION))
-        record_drum(part.openings, part, c)
+            cable.record_stretch(part, j, row, load(part.slip, j, slips.TENSION))
+        cable.record_drum(part.openings, part, c)
 
 
 @hook(RubbingCables, "note_events")
@@ -266,18 +234,19 @@ def note_slips(part, world, timing):
     """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
     and over which points they stick (0) or slip (1) from it on. part: arrays of all cables
     (RubbingCables); world: not used; timing (StepTime): times of the step (s)."""
-    note_events(part, world, timing)
+    cable.note_events(part, world, timing)
     number = part.curve.shape[0]
     for c in range(part.curve.shape[0]):
         if part.has_friction[c]:
-            tight = larger(load(part.state, c, LONGER), load(part.state, c, LONGER_BEFORE))
-            least = STICK * load(part.state, c, UNSTRAINED)
+            last = load(part.state, c, cable.LONGER_BEFORE)
+            tight = larger(load(part.state, c, cable.LONGER), last)
+            least = STICK * load(part.state, c, cable.UNSTRAINED)
             for j in range(part.start[c] + 1, part.start[c + 1] - 1):
-                size = where_negative(tight, 0.0, absolute(load(part.slip, j, SLIP)))
-                previous = load(part.slip, j, SLIP_BEFORE)
+                size = where_negative(tight, 0.0, absolute(load(part.slip, j, slips.SLIP)))
+                previous = load(part.slip, j, slips.SLIP_BEFORE)
                 note_crossings(part.log, number, least - previous, least - size, timing)
-                store(part.slip, j, SLIP_BEFORE, size)
+                store(part.slip, j, slips.SLIP_BEFORE, size)
                 number += 1
 
 
-hook(RubbingCables, "list_excess")(list_excess)
+hook(RubbingCables, "list_excess")(cable.list_excess)

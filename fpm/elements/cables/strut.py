@@ -92,9 +92,8 @@ class Strut(ElementType):
         return float(np.linalg.norm(self._chord(scene)))
 
     def _chord(self, places) -> np.ndarray:
-        first, second = (
-            places.position[b.particle] + places.frame[b.particle] @ b.arm for b in self.beams
-        )
+        x, axes = places.position, places.frame
+        first, second = (x[b.particle] + axes[b.particle] @ b.arm for b in self.beams)
         return second - first
 
     def force(self, length: float) -> float:

@@ -2,23 +2,7 @@
 Impulses are summed over a step only where a probe wants them: the solvers count where they push
 bodies; where sums are None nothing of it is compiled."""
 
-from fpm.elements.joints.hinge_arrays import (
-    COARSE_GAP,
-    DP,
-    FORCE1,
-    FORCE2,
-    GAP,
-    MOST_GAP,
-    MOST_TILT,
-    OLD_D2,
-    OLD_D3,
-    OLD_X,
-    SIDE_FORCE1,
-    SIDE_FORCE2,
-    SIDE_MOMENT1,
-    SIDE_MOMENT2,
-    TILT,
-)
+from fpm.elements.joints import hinge_arrays as hinge
 from fpm.elements.joints.joint_arrays import IMPULSE, TURN_IMPULSE
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store, where_negative
@@ -54,10 +38,10 @@ def count_hinge(sums, part, h, condition):
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
-        add_where(sums, h, SIDE_FORCE1, get3(w, h, FORCE1), lanes)
-        add_where(sums, h, SIDE_MOMENT1, get3(b, 2 * h, DP), lanes)
-        add_where(sums, h, SIDE_FORCE2, -1.0 * get3(w, h, FORCE2), lanes)
-        add_where(sums, h, SIDE_MOMENT2, get3(b, 2 * h + 1, DP), lanes)
+        add_where(sums, h, hinge.SIDE_FORCE1, get3(w, h, hinge.FORCE1), lanes)
+        add_where(sums, h, hinge.SIDE_MOMENT1, get3(b, 2 * h, hinge.DP), lanes)
+        add_where(sums, h, hinge.SIDE_FORCE2, -1.0 * get3(w, h, hinge.FORCE2), lanes)
+        add_where(sums, h, hinge.SIDE_MOMENT2, get3(b, 2 * h + 1, hinge.DP), lanes)
 
 
 @kernel
@@ -102,18 +86,18 @@ def save_pose(b, r, state, i, axes):
     """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
     of bodies (body_scratch), at the start of a step, for `restore_pose`. state: of the particles
     (World.state); axes: the particle's three unit vectors, global."""
-    put3(b, r, OLD_X, get3(state, i, X))
-    put3(b, r, OLD_D2, axes[1])
-    put3(b, r, OLD_D3, axes[2])
+    put3(b, r, hinge.OLD_X, get3(state, i, X))
+    put3(b, r, hinge.OLD_D2, axes[1])
+    put3(b, r, hinge.OLD_D3, axes[2])
 
 
 @kernel
 def restore_pose(b, r, state, i):
     """Set particle i back to the position and axes that `save_pose` saved in row r of `b`, bodies'
     working memory. i, r: indices or pairs of them; state: World.state, changed."""
-    put3(state, i, X, get3(b, r, OLD_X))
-    put3(state, i, D2, get3(b, r, OLD_D2))
-    put3(state, i, D3, get3(b, r, OLD_D3))
+    put3(state, i, X, get3(b, r, hinge.OLD_X))
+    put3(state, i, D2, get3(b, r, hinge.OLD_D2))
+    put3(state, i, D3, get3(b, r, hinge.OLD_D3))
 
 
 @kernel
@@ -131,7 +115,7 @@ def coarse(time, size):
     """Return the factor by which a joint's gap is multiplied to judge it: above 1 the step needs
     another round. It is time over the allowed gap, 5e-9 times size or 1 m, the smaller. time: 1.0
     for a gap (m), the time step (s) for its rate (m/s); size: scene's characteristic length (m)."""
-    return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
+    return (time / hinge.COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
 @kernel
@@ -140,8 +124,8 @@ def watch(part, gap2, tilt2):
     (squared sine of the axes' angle), both lanes (a number for each sample); returns these roots
     (m, sine). part: arrays of elements (Hinges, Joints or TurnedJoints)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
-    store(part.peaks, 0, GAP, larger(load(part.peaks, 0, GAP), gap))
-    store(part.peaks, 0, TILT, larger(load(part.peaks, 0, TILT), tilt))
+    store(part.peaks, 0, hinge.GAP, larger(load(part.peaks, 0, hinge.GAP), gap))
+    store(part.peaks, 0, hinge.TILT, larger(load(part.peaks, 0, hinge.TILT), tilt))
     return gap, tilt
 
 
@@ -161,8 +145,8 @@ def report_gaps(arrays, find):
             gap, tilt = find(part, world.state, i)
             gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
         gap, tilt = watch(part, gap2, tilt2)
-        store(part.gaps, row, GAP, gap)
-        store(part.gaps, row, TILT, tilt)
+        store(part.gaps, row, hinge.GAP, gap)
+        store(part.gaps, row, hinge.TILT, tilt)
 
     @hook(arrays)
     def list_excess(part, world):
@@ -170,6 +154,6 @@ def report_gaps(arrays, find):
         tilt over the allowed, summed, to name the worst. part: their arrays; world: state."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
-            size = MOST_GAP * load(world.size, 0, 0)
-            excess = gap2 / (size * size) + tilt2 * (1.0 / MOST_TILT**2)
+            size = hinge.MOST_GAP * load(world.size, 0, 0)
+            excess = gap2 / (size * size) + tilt2 * (1.0 / hinge.MOST_TILT**2)
             store(part.excess, part.names[i], 0, excess)

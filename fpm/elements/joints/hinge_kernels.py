@@ -13,43 +13,9 @@ The matrix of impulses (hinge_matrix.py) is built at the start of a step and ser
 A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
 not depend on theirs."""
 
-from fpm.elements.joints.closure import (
-    ALL,
-    clear,
-    coarse,
-    count_hinge,
-    mean_force,
-    report_gaps,
-    restore_pose,
-    turn_little,
-    watch,
-)
-from fpm.elements.joints.hinge_arrays import (
-    ARM,
-    AXIS,
-    COARSE_TILT,
-    DP,
-    DV,
-    GLOBAL_ARM,
-    GOAL,
-    INVERSE,
-    MISS,
-    NORMAL,
-    PA,
-    PLACE,
-    QA,
-    REF,
-    ROUNDS,
-    SUMS,
-    SUPPORTS,
-    Hinges,
-)
-from fpm.elements.joints.hinge_matrix import (
-    find_impulses,
-    prepare_bodies,
-    prepare_matrices,
-    prepare_supports,
-)
+from fpm.elements.joints import closure, hinge_matrix
+from fpm.elements.joints import hinge_arrays as hinge
+from fpm.elements.joints.hinge_arrays import Hinges
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import HALF, P, V, X
@@ -77,11 +43,11 @@ def prepare(part, world, timing):
     timing.kick; then apply impulses at the hinges that would keep them closed if the rates of their
     gaps stayed as they are over the step. part: arrays of all hinges (Hinges), whose working memory
     is filled; world (World): solver state, changed; timing (StepTime): times of the step (s)."""
-    clear(part.sums)
-    prepare_bodies(world, part, timing.kick)
-    prepare_matrices(part)
+    closure.clear(part.sums)
+    hinge_matrix.prepare_bodies(world, part, timing.kick)
+    hinge_matrix.prepare_matrices(part)
     if part.has_supports:
-        prepare_supports(part)
+        hinge_matrix.prepare_supports(part)
     aim(part, world.state)
 
 
@@ -94,34 +60,34 @@ def aim(part, state):
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1
         i, k = ends[row1], ends[row2]
-        spin1 = symmetric(get6(b, row1, INVERSE), get3(state, i, P))
-        spin2 = symmetric(get6(b, row2, INVERSE), get3(state, k, P))
-        point = get3(state, i, V) + cross(spin1, get3(b, row1, GLOBAL_ARM))
-        v2 = get3(state, k, V) + cross(spin2, get3(b, row2, GLOBAL_ARM))
+        spin1 = symmetric(get6(b, row1, hinge.INVERSE), get3(state, i, P))
+        spin2 = symmetric(get6(b, row2, hinge.INVERSE), get3(state, k, P))
+        point = get3(state, i, V) + cross(spin1, get3(b, row1, hinge.GLOBAL_ARM))
+        v2 = get3(state, k, V) + cross(spin2, get3(b, row2, hinge.GLOBAL_ARM))
         turn = spin1 - spin2
-        put3(w, h, GOAL, (v2 - point) + get3(w, h, MISS))
-        store(w, h, GOAL + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISS + 3))
-        store(w, h, GOAL + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISS + 4))
-        put3(w, h, GOAL + 5, get3(w, h, MISS + 5) - point)
-    find_impulses(part)
+        put3(w, h, hinge.GOAL, (v2 - point) + get3(w, h, hinge.MISS))
+        store(w, h, hinge.GOAL + 3, dot(turn, get3(w, h, hinge.PA)) + load(w, h, hinge.MISS + 3))
+        store(w, h, hinge.GOAL + 4, dot(turn, get3(w, h, hinge.QA)) + load(w, h, hinge.MISS + 4))
+        put3(w, h, hinge.GOAL + 5, get3(w, h, hinge.MISS + 5) - point)
+    hinge_matrix.find_impulses(part)
     for h in range(w.shape[0]):
         push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
-        count_hinge(part.sums, part, h, ALL)
+        closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @kernel
 def push(state, i, r, b):
     """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in rows r of `b`, the
     bodies' working memory (body_scratch), to particles i in `state`. i, r: indices or pairs."""
-    add3(state, i, V, get3(b, r, DV))
-    add3(state, i, P, get3(b, r, DP))
+    add3(state, i, V, get3(b, r, hinge.DV))
+    add3(state, i, P, get3(b, r, hinge.DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
     """Add changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, bodies'
     working memory (body_scratch), to particle i in `state`, where `condition` (lanes) < 0."""
-    for k, change in ((V, DV), (P, DP)):
+    for k, change in ((V, hinge.DV), (P, hinge.DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
 
@@ -135,11 +101,11 @@ def gaps(part, state, h):
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
-    point = get3(state, i, X) + to_global(first, get3(bodies, row1, ARM))
-    point2 = get3(state, k, X) + to_global(second, get3(bodies, row2, ARM))
+    point = get3(state, i, X) + to_global(first, get3(bodies, row1, hinge.ARM))
+    point2 = get3(state, k, X) + to_global(second, get3(bodies, row2, hinge.ARM))
     # The second's axis in the first's frame, where what it is compared with is constant.
-    axis = to_local(first, to_global(second, get3(bodies, row2, AXIS)))
-    ep, eq = -dot(get3(bodies, row1, NORMAL), axis), dot(get3(bodies, row1, REF), axis)
+    axis = to_local(first, to_global(second, get3(bodies, row2, hinge.AXIS)))
+    ep, eq = -dot(get3(bodies, row1, hinge.NORMAL), axis), dot(get3(bodies, row1, hinge.REF), axis)
     return point, point - point2, ep, eq
 
 
@@ -159,8 +125,8 @@ def nudge(state, i, r, b, step):
     of `b`, the bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by
     what these give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
     push(state, i, r, b)
-    put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
-    turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
+    put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
+    closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
 
 
 @kernel
@@ -170,11 +136,11 @@ def set_goal(part, state, h, rate):
     distance of its point from where it is held (m). part: Hinges; state: World.state."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
-    put3(w, h, GOAL, -rate * gap)
-    store(w, h, GOAL + 3, -rate * ep)
-    store(w, h, GOAL + 4, -rate * eq)
-    offset = point - get3(part.hinges, h, PLACE)
-    put3(w, h, GOAL + 5, -rate * times(get3(part.hinges, h, SUPPORTS), offset))
+    put3(w, h, hinge.GOAL, -rate * gap)
+    store(w, h, hinge.GOAL + 3, -rate * ep)
+    store(w, h, hinge.GOAL + 4, -rate * eq)
+    offset = point - get3(part.hinges, h, hinge.PLACE)
+    put3(w, h, hinge.GOAL + 5, -rate * times(get3(part.hinges, h, hinge.SUPPORTS), offset))
 
 
 @hook(Hinges)
@@ -186,38 +152,39 @@ def move(part, world, timing):
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
     rate = 1.0 / timing.step
-    for n in range(ROUNDS):
+    for n in range(hinge.ROUNDS):
         for h in range(w.shape[0]):
             if open_[h]:
                 pair = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
-                    restore_pose(b, (2 * h, 2 * h + 1), state, pair)
+                    closure.restore_pose(b, (2 * h, 2 * h + 1), state, pair)
                 move_bodies(state, world.particles, pair, timing.step)
         for h in range(w.shape[0]):
             if open_[h]:
                 set_goal(part, state, h, rate)
                 if n == 0:
                     for k in range(8):
-                        store(w, h, MISS + k, load(w, h, MISS + k) + load(w, h, GOAL + k))
-        find_impulses(part)
+                        miss = load(w, h, hinge.MISS + k) + load(w, h, hinge.GOAL + k)
+                        store(w, h, hinge.MISS + k, miss)
+        hinge_matrix.find_impulses(part)
         is_open = False
         for h in range(w.shape[0]):
             if open_[h]:
                 margin = distance(w, h, timing.step, load(world.size, 0, 0))
                 open_[h] = any_negative(margin)
-                if open_[h] and n + 1 == ROUNDS:
+                if open_[h] and n + 1 == hinge.ROUNDS:
                     open_[h] = False
-                    watch(part, *gap_squares(part, state, h))
+                    closure.watch(part, *gap_squares(part, state, h))
                 if open_[h]:
                     is_open = True
-                    for r in (2 * h, 2 * h + 1):
-                        push_where_far(state, ends[r], r, b, margin)
-                    count_hinge(part.sums, part, h, margin)
+                    push_where_far(state, ends[2 * h], 2 * h, b, margin)
+                    push_where_far(state, ends[2 * h + 1], 2 * h + 1, b, margin)
+                    closure.count_hinge(part.sums, part, h, margin)
         if not is_open:
             break
     for h in range(w.shape[0]):
         nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, timing.step)
-        count_hinge(part.sums, part, h, ALL)
+        closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @hook(Hinges)
@@ -234,13 +201,13 @@ def look_back(part, world, timing):
         half = -1.0 * get3(world.particles, pair, HALF)
         turn_frame(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
         set_goal(part, start, h, 0.5 / timing.step)
-    find_impulses(part)
+    hinge_matrix.find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):
         pair, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
-        add3(start, pair, V, -2.0 * get3(b, rows, DV))
-        add3(start, pair, P, -2.0 * get3(b, rows, DP))
-        restore_pose(b, rows, start, pair)
-        count_hinge(part.sums, part, h, ALL)
+        add3(start, pair, V, -2.0 * get3(b, rows, hinge.DV))
+        add3(start, pair, P, -2.0 * get3(b, rows, hinge.DP))
+        closure.restore_pose(b, rows, start, pair)
+        closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @kernel
@@ -251,7 +218,8 @@ def gap_squares(part, state, h):
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.has_supports:
-        offset = times(get3(part.hinges, h, SUPPORTS), point - get3(part.hinges, h, PLACE))
+        offset = point - get3(part.hinges, h, hinge.PLACE)
+        offset = times(get3(part.hinges, h, hinge.SUPPORTS), offset)
         gap2 = larger(gap2, dot(offset, offset))
     return gap2, ep * ep + eq * eq
 
@@ -262,15 +230,15 @@ def distance(w, h, step, size):
     that impulses must produce): 1 where it is closed, above 0 where a last small correction
     (`nudge`) suffices, below 0 in samples that need one. w: working memory of the hinges
     (hinge_scratch); step: time step (s); size: characteristic length of the scene (m)."""
-    most = coarse(step, size)
-    gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
-    ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
+    most = closure.coarse(step, size)
+    gap, gap2 = get3(w, h, hinge.GOAL), get3(w, h, hinge.GOAL + 5)
+    ep, eq = load(w, h, hinge.GOAL + 3), load(w, h, hinge.GOAL + 4)
     margin = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
-    tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
+    tilt = 1.0 - (ep * ep + eq * eq) * (step / hinge.COARSE_TILT) ** 2
     return where_negative(tilt, tilt, margin)
 
 
-report_gaps(Hinges, gap_squares)
+closure.report_gaps(Hinges, gap_squares)
 
 
 @hook(Hinges)
@@ -290,5 +258,6 @@ def record_sums(sums, forces, row, timing, world):
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):
-            for k in range(SUMS):
-                store(forces, row * count + h, k, mean_force(world, timing) * load(sums, h, k))
+            for k in range(hinge.SUMS):
+                force = closure.mean_force(world, timing) * load(sums, h, k)
+                store(forces, row * count + h, k, force)

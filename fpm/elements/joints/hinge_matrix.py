@@ -8,33 +8,8 @@ complement), then the supports. hinge.py uses it. The two particles of hinge h a
 with a short chain of operations, so that the processor works on several at once. Kernels take a
 named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it."""
 
+from fpm.elements.joints import hinge_arrays as hinge
 from fpm.elements.joints.closure import save_pose
-from fpm.elements.joints.hinge_arrays import (
-    ARM,
-    AXIS_IM,
-    DP,
-    DV,
-    FORCE1,
-    FORCE2,
-    GLOBAL_ARM,
-    GOAL,
-    HOLD,
-    INVERSE,
-    MP,
-    NORMAL,
-    OLD_X,
-    PA,
-    QA,
-    REF,
-    RESPONSE,
-    SPINS,
-    TILTS,
-    C,
-    E,
-    G,
-    S,
-    Y,
-)
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import IJ, KICK, F, M, P, V, X
 from fpm.kernels.rotation import frame
@@ -61,11 +36,11 @@ def solve(w, h, g, ep, eq):
     """Return an impulse (3, N s) and two moment impulses about p and q (N m s; the directions
     normal to the axis) that change the gap rate of hinge h by g (3, m/s) and its tilt rates by ep,
     eq (rad/s). w: working memory of the hinges (hinge_scratch), with the factorised matrices."""
-    cpp, cqq, cpq = load(w, h, C), load(w, h, C + 1), load(w, h, C + 2)
-    rp, rq = get3(w, h, E), get3(w, h, E + 3)
+    cpp, cqq, cpq = load(w, h, hinge.C), load(w, h, hinge.C + 1), load(w, h, hinge.C + 2)
+    rp, rq = get3(w, h, hinge.E), get3(w, h, hinge.E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq
     rhs = g - (ep * rp + eq * rq)
-    force = symmetric(get6(w, h, S), rhs)
+    force = symmetric(get6(w, h, hinge.S), rhs)
     return force, yp - dot(rp, force), yq - dot(rq, force)
 
 
@@ -87,7 +62,7 @@ def response(b, h, axis):
     """Return the velocity (3, m/s per N s) of the point of hinge h on body 1 by a unit impulse
     there along the global `axis` (0, 1, 2: x, y, z). b: working memory of bodies (body_scratch)."""
     x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
-    row, k = 2 * h, RESPONSE
+    row, k = 2 * h, hinge.RESPONSE
     return vector(load(b, row, k + x), load(b, row, k + y), load(b, row, k + z))
 
 
@@ -99,7 +74,7 @@ def speed_of(part, h, axis, force, mp, mq):
     axis; part: all hinges (Hinges). By symmetry, what a unit of mp or mq gives is also the rate of
     the tilt about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
     w = part.hinge_scratch
-    p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
+    p, q = load(w, h, hinge.TILTS + 2 * axis), load(w, h, hinge.TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
 
 
@@ -112,23 +87,23 @@ def prepare_supports(part):
         if not is_held(part, h):
             continue
         for k in range(6):  # axes that are free have a unit diagonal and no coupling
-            store(w, h, G + k, 1.0 if k < 3 else 0.0)
+            store(w, h, hinge.G + k, 1.0 if k < 3 else 0.0)
         for axis in range(3):
             if axes[h, axis]:
-                spin = get3(b, 2 * h, SPINS + 3 * axis)
-                p, q = -dot(get3(w, h, PA), spin), -dot(get3(w, h, QA), spin)
-                store(w, h, TILTS + 2 * axis, p)
-                store(w, h, TILTS + 2 * axis + 1, q)
+                spin = get3(b, 2 * h, hinge.SPINS + 3 * axis)
+                p, q = -dot(get3(w, h, hinge.PA), spin), -dot(get3(w, h, hinge.QA), spin)
+                store(w, h, hinge.TILTS + 2 * axis, p)
+                store(w, h, hinge.TILTS + 2 * axis + 1, q)
                 force, mp, mq = solve(w, h, response(b, h, axis), p, q)
-                put3(w, h, Y + 5 * axis, force)
-                store(w, h, Y + 5 * axis + 3, mp)
-                store(w, h, Y + 5 * axis + 4, mq)
+                put3(w, h, hinge.Y + 5 * axis, force)
+                store(w, h, hinge.Y + 5 * axis + 3, mp)
+                store(w, h, hinge.Y + 5 * axis + 4, mq)
                 for axis2 in range(axis + 1):
                     if axes[h, axis2]:
                         k = entry(axis, axis2)
                         change = speed_of(part, h, axis2, force, mp, mq)
-                        store(w, h, G + k, load(b, 2 * h, RESPONSE + k) - change)
-        put6(w, h, G, invert(get6(w, h, G)))
+                        store(w, h, hinge.G + k, load(b, 2 * h, hinge.RESPONSE + k) - change)
+        put6(w, h, hinge.G, invert(get6(w, h, hinge.G)))
 
 
 @kernel
@@ -136,22 +111,22 @@ def hold_point(part, h):
     """Add the impulses that hold the point of hinge h along global axes, and correct those that
     close it: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: all hinges (Hinges)."""
     axes, w = part.fixed_axes, part.hinge_scratch
-    force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
+    force, mp, mq = get3(w, h, hinge.FORCE1), load(w, h, hinge.MP), load(w, h, hinge.MP + 1)
     for axis in range(3):
         if axes[h, axis]:
             speed = speed_of(part, h, axis, force, mp, mq)
-            store(w, h, HOLD + axis, load(w, h, GOAL + 5 + axis) - speed)
-    put3(w, h, HOLD, symmetric(get6(w, h, G), get3(w, h, HOLD)))
+            store(w, h, hinge.HOLD + axis, load(w, h, hinge.GOAL + 5 + axis) - speed)
+    put3(w, h, hinge.HOLD, symmetric(get6(w, h, hinge.G), get3(w, h, hinge.HOLD)))
     for axis in range(3):
         if axes[h, axis]:
-            impulse = load(w, h, HOLD + axis)
-            force = force - impulse * get3(w, h, Y + 5 * axis)
-            mp = mp - impulse * load(w, h, Y + 5 * axis + 3)
-            mq = mq - impulse * load(w, h, Y + 5 * axis + 4)
-    put3(w, h, FORCE2, force)
-    put3(w, h, FORCE1, force + get3(w, h, HOLD))
-    store(w, h, MP, mp)
-    store(w, h, MP + 1, mq)
+            impulse = load(w, h, hinge.HOLD + axis)
+            force = force - impulse * get3(w, h, hinge.Y + 5 * axis)
+            mp = mp - impulse * load(w, h, hinge.Y + 5 * axis + 3)
+            mq = mq - impulse * load(w, h, hinge.Y + 5 * axis + 4)
+    put3(w, h, hinge.FORCE2, force)
+    put3(w, h, hinge.FORCE1, force + get3(w, h, hinge.HOLD))
+    store(w, h, hinge.MP, mp)
+    store(w, h, hinge.MP + 1, mq)
 
 
 @kernel
@@ -215,23 +190,24 @@ def prepare_bodies(world, part, kick):
         put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
         for k in range(6):
             store(state, i, F + k, 0.0)
-        arm = to_global(axes, get3(bodies, r, ARM))
-        inverse_mass = get3(bodies, r, AXIS_IM)
+        arm = to_global(axes, get3(bodies, r, hinge.ARM))
+        inverse_mass = get3(bodies, r, hinge.AXIS_IM)
         j = world_inverse(axes, get3(world.particles, i, IJ))
         lever = arm
         if r % 2 == 0:
-            put3(part.hinge_scratch, r // 2, PA, to_global(axes, get3(bodies, r, REF)))
-            put3(part.hinge_scratch, r // 2, QA, to_global(axes, get3(bodies, r, NORMAL)))
+            h, scratch = r // 2, part.hinge_scratch
+            put3(scratch, h, hinge.PA, to_global(axes, get3(bodies, r, hinge.REF)))
+            put3(scratch, h, hinge.QA, to_global(axes, get3(bodies, r, hinge.NORMAL)))
         else:
             # Both impulses act at the first body's point: they make no moment if the hinge gapes.
-            lever = get3(w, r - 1, OLD_X) + get3(w, r - 1, GLOBAL_ARM) - x
-        put3(w, r, GLOBAL_ARM, lever)
-        put6(w, r, INVERSE, j)
+            lever = get3(w, r - 1, hinge.OLD_X) + get3(w, r - 1, hinge.GLOBAL_ARM) - x
+        put3(w, r, hinge.GLOBAL_ARM, lever)
+        put6(w, r, hinge.INVERSE, j)
         columns = spins(j, arm)  # the lever differs by the gap, which the rounds close
-        put3(w, r, SPINS, columns[0])
-        put3(w, r, SPINS + 3, columns[1])
-        put3(w, r, SPINS + 6, columns[2])
-        put6(w, r, RESPONSE, point_response(inverse_mass, columns, arm))
+        put3(w, r, hinge.SPINS, columns[0])
+        put3(w, r, hinge.SPINS + 3, columns[1])
+        put3(w, r, hinge.SPINS + 6, columns[2])
+        put6(w, r, hinge.RESPONSE, point_response(inverse_mass, columns, arm))
 
 
 @kernel
@@ -258,24 +234,24 @@ def prepare_matrices(part):
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1
-        p, q = get3(w, h, PA), get3(w, h, QA)
-        j = pair_sum(b, h, INVERSE)
+        p, q = get3(w, h, hinge.PA), get3(w, h, hinge.QA)
+        j = pair_sum(b, h, hinge.INVERSE)
         jp, jq = symmetric(j, p), symmetric(j, q)
         pp, qq, pq = dot(p, jp), dot(q, jq), dot(p, jq)
         det = 1.0 / (pp * qq - pq * pq)
         cpp, cqq, cpq = det * qq, det * pp, -det * pq
         # Tilts by unit forces between the bodies: these turn them against each other.
-        ux = get3(b, row1, SPINS) + get3(b, row2, SPINS)
-        uy = get3(b, row1, SPINS + 3) + get3(b, row2, SPINS + 3)
-        uz = get3(b, row1, SPINS + 6) + get3(b, row2, SPINS + 6)
+        ux = get3(b, row1, hinge.SPINS) + get3(b, row2, hinge.SPINS)
+        uy = get3(b, row1, hinge.SPINS + 3) + get3(b, row2, hinge.SPINS + 3)
+        uz = get3(b, row1, hinge.SPINS + 6) + get3(b, row2, hinge.SPINS + 6)
         bp = opposite(to_local((ux, uy, uz), p))
         bq = opposite(to_local((ux, uy, uz), q))
         ep = cpp * bp + cpq * bq
         eq = cpq * bp + cqq * bq
-        put3(w, h, C, vector(cpp, cqq, cpq))
-        put3(w, h, E, ep)
-        put3(w, h, E + 3, eq)
-        k = pair_sum(b, h, RESPONSE)
+        put3(w, h, hinge.C, vector(cpp, cqq, cpq))
+        put3(w, h, hinge.E, ep)
+        put3(w, h, hinge.E + 3, eq)
+        k = pair_sum(b, h, hinge.RESPONSE)
         schur = (
             k[0] - (bp.x * ep.x + bq.x * eq.x),
             k[1] - (bp.y * ep.y + bq.y * eq.y),
@@ -284,7 +260,7 @@ def prepare_matrices(part):
             k[4] - (bp.x * ep.z + bq.x * eq.z),
             k[5] - (bp.y * ep.z + bq.y * eq.z),
         )
-        put6(w, h, S, invert(schur))
+        put6(w, h, hinge.S, invert(schur))
 
 
 @kernel
@@ -295,12 +271,12 @@ def find_impulses(part):
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:
-            ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
-            force, mp, mq = solve(w, h, get3(w, h, GOAL), ep, eq)
-            put3(w, h, FORCE1, force)
-            put3(w, h, FORCE2, force)
-            store(w, h, MP, mp)
-            store(w, h, MP + 1, mq)
+            ep, eq = load(w, h, hinge.GOAL + 3), load(w, h, hinge.GOAL + 4)
+            force, mp, mq = solve(w, h, get3(w, h, hinge.GOAL), ep, eq)
+            put3(w, h, hinge.FORCE1, force)
+            put3(w, h, hinge.FORCE2, force)
+            store(w, h, hinge.MP, mp)
+            store(w, h, hinge.MP + 1, mq)
     if part.has_supports:
         for h in range(w.shape[0]):
             if open_[h] and is_held(part, h):
@@ -308,10 +284,10 @@ def find_impulses(part):
     for h in range(w.shape[0]):
         if open_[h]:
             row1, row2 = 2 * h, 2 * h + 1
-            force1, force2 = get3(w, h, FORCE1), get3(w, h, FORCE2)
-            mp, mq = load(w, h, MP), load(w, h, MP + 1)
-            moment = mp * get3(w, h, PA) + mq * get3(w, h, QA)
-            put3(b, row1, DV, times(get3(bodies, row1, AXIS_IM), force1))
-            put3(b, row1, DP, cross(get3(b, row1, GLOBAL_ARM), force1) - moment)
-            put3(b, row2, DV, times(get3(bodies, row2, AXIS_IM), opposite(force2)))
-            put3(b, row2, DP, moment - cross(get3(b, row2, GLOBAL_ARM), force2))
+            force1, force2 = get3(w, h, hinge.FORCE1), get3(w, h, hinge.FORCE2)
+            mp, mq = load(w, h, hinge.MP), load(w, h, hinge.MP + 1)
+            moment = mp * get3(w, h, hinge.PA) + mq * get3(w, h, hinge.QA)
+            put3(b, row1, hinge.DV, times(get3(bodies, row1, hinge.AXIS_IM), force1))
+            put3(b, row1, hinge.DP, cross(get3(b, row1, hinge.GLOBAL_ARM), force1) - moment)
+            put3(b, row2, hinge.DV, times(get3(bodies, row2, hinge.AXIS_IM), opposite(force2)))
+            put3(b, row2, hinge.DP, moment - cross(get3(b, row2, hinge.GLOBAL_ARM), force2))

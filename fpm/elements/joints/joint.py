@@ -111,9 +111,8 @@ class Joint(JointBase):
         indices; point (3,) m, axis (3,), global: of the line of sliding; opening: now (m)."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
-        hinge = Hinge(
-            name, joint.beams, joint.axes, joint.references, 0.0, "", "prismatic", float(opening)
-        )
+        frames = joint.beams, joint.axes, joint.references
+        hinge = Hinge(name, *frames, 0.0, "", "prismatic", float(opening))
         return replace(hinge, opening=opening_at(scene, hinge))
 
     @staticmethod

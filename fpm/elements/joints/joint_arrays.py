@@ -14,10 +14,8 @@ THREAD = 128  # the way along the axis by the turn about it
 SUPPORT = 256  # a point of the first, along global axes, where it was at the start
 OPENING = 512  # the opening of a hinge, where something holds it (turn.py)
 SLIDE = 1024  # the same of a slide
-CONDITIONS = {POINT: 3, PARALLEL: 2}
-CONDITIONS |= dict.fromkeys(
-    (ACROSS_AXIS, ACROSS_X, ACROSS_Y, CROSS, TWIST, THREAD, OPENING, SLIDE), 1
-)
+SCALARS = ACROSS_AXIS, ACROSS_X, ACROSS_Y, CROSS, TWIST, THREAD, OPENING, SLIDE
+CONDITIONS = {POINT: 3, PARALLEL: 2, **dict.fromkeys(SCALARS, 1)}
 """Numbers of scalar constraint equations."""
 
 # Constants of a body: a particle that joints act on.

@@ -5,51 +5,11 @@ their rates do not change over the step, less what was missing so in the step be
 the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
 by small turns on top. All joints of a sample are solved together, and go the same rounds."""
 
-from fpm.elements.joints.closure import (
-    ALL,
-    clear,
-    coarse,
-    count_joints,
-    mean_force,
-    report_gaps,
-    restore_pose,
-    save_pose,
-    turn_little,
-    watch,
-)
-from fpm.elements.joints.hinge_arrays import (
-    COARSE_TILT,
-    OLD_D2,
-    OLD_D3,
-    OLD_X,
-    ROUNDS,
-    SIDE_FORCE1,
-    SIDE_FORCE2,
-    SIDE_MOMENT1,
-    SIDE_MOMENT2,
-)
+from fpm.elements.joints import closure
+from fpm.elements.joints import hinge_arrays as hinge
+from fpm.elements.joints import joint_arrays as joint
 from fpm.elements.joints.hinge_matrix import world_inverse
-from fpm.elements.joints.joint_arrays import (
-    ALL_FORCE,
-    ALL_MOMENT,
-    AXIS_IM,
-    DIRECTION,
-    FORCE,
-    HIJ,
-    IMPULSE,
-    INVERSE,
-    LAST_SPIN,
-    LAST_V,
-    MISS,
-    MOMENT,
-    RESIDUAL,
-    SPIN,
-    TURN1,
-    TURN2,
-    TURNS,
-    WORK_DUE,
-    Joints,
-)
+from fpm.elements.joints.joint_arrays import Joints
 from fpm.elements.joints.joint_matrix import build, factorise, substitute
 from fpm.elements.joints.joint_rows import find_gaps, find_rows
 from fpm.kernels.hooks import hook
@@ -77,7 +37,7 @@ def prepare(part, world, timing):
     """Update the momenta of all joints' bodies by the forces, summed before, over timing.kick, and
     apply impulses that would keep the joints closed if rates of gaps stayed as they are. part:
     arrays of all joints (Joints); world (World): solver state, changed; timing: StepTime (s)."""
-    clear(part.sums)
+    closure.clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
     build(part)
@@ -96,12 +56,12 @@ def kick_bodies(part, state, kick):
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         axes = frame(state, i)
-        save_pose(b, s, state, i, axes)
-        put6(b, s, INVERSE, world_inverse(axes, get3(bodies, s, HIJ)))
-        for k in (ALL_FORCE, ALL_MOMENT):
+        closure.save_pose(b, s, state, i, axes)
+        put6(b, s, joint.INVERSE, world_inverse(axes, get3(bodies, s, joint.HIJ)))
+        for k in (joint.ALL_FORCE, joint.ALL_MOMENT):
             put3(b, s, k, 0.0 * axes[1])
         if not part.is_driven[s]:
-            v = get3(state, i, V) + kick * times(get3(bodies, s, AXIS_IM), get3(state, i, F))
+            v = get3(state, i, V) + kick * times(get3(bodies, s, joint.AXIS_IM), get3(state, i, F))
             put3(state, i, V, v)
             put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
             for k in range(6):
@@ -112,10 +72,10 @@ def kick_bodies(part, state, kick):
 def find_spin(part, state, s):
     """Return the angular velocity (rad/s, 3, global) of body s, about axes about which it may turn;
     if a drive moves it, of the last step. part: all joints (Joints); state: World.state."""
-    b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
+    b, turns = part.body_scratch, get3(part.bodies, s, joint.TURNS)
     if part.is_driven[s]:
-        return get3(b, s, LAST_SPIN)
-    return times(turns, symmetric(get6(b, s, INVERSE), get3(state, part.particle[s], P)))
+        return get3(b, s, joint.LAST_SPIN)
+    return times(turns, symmetric(get6(b, s, joint.INVERSE), get3(state, part.particle[s], P)))
 
 
 @kernel
@@ -125,17 +85,18 @@ def find_rates(part, state):
     that was left after the motion, over the time step. part: Joints; state: World.state."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
-        put3(b, s, SPIN, find_spin(part, state, s))
+        put3(b, s, joint.SPIN, find_spin(part, state, s))
     for j in range(part.types.shape[0]):
         slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
-        v, w1 = get3(state, part.particle[slot1], V), get3(b, slot1, SPIN)
+        v, w1 = get3(state, part.particle[slot1], V), get3(b, slot1, joint.SPIN)
         w2 = 0.0 * w1
         if slot2 >= 0:
             v = v - get3(state, part.particle[slot2], V)
-            w2 = get3(b, slot2, SPIN)
+            w2 = get3(b, slot2, joint.SPIN)
         for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-            turn = dot(get3(rows, r, TURN1), w1) - dot(get3(rows, r, TURN2), w2)
-            store(rows, r, RESIDUAL, dot(get3(rows, r, DIRECTION), v) + turn + load(rows, r, MISS))
+            turn = dot(get3(rows, r, joint.TURN1), w1) - dot(get3(rows, r, joint.TURN2), w2)
+            rate = dot(get3(rows, r, joint.DIRECTION), v) + turn + load(rows, r, joint.MISS)
+            store(rows, r, joint.RESIDUAL, rate)
 
 
 @kernel
@@ -144,7 +105,7 @@ def push_all(part, state):
     sums. part: arrays of all joints (Joints); state: of the particles (World.state), changed."""
     for s in range(part.particle.shape[0]):
         push(part, state, s)
-    count_joints(part, ALL)
+    closure.count_joints(part, closure.ALL)
 
 
 @kernel
@@ -154,26 +115,26 @@ def find_impulses(part, factor):
     part.body_scratch. part: all joints (Joints); factor: a number, as -1 or -1/step (1/s)."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for r in range(rows.shape[0]):
-        store(rows, r, IMPULSE, factor * load(rows, r, RESIDUAL))
+        store(rows, r, joint.IMPULSE, factor * load(rows, r, joint.RESIDUAL))
     substitute(part)
     for s in range(part.particle.shape[0]):
-        zero = 0.0 * get3(b, s, OLD_X)
-        put3(b, s, FORCE, zero)
-        put3(b, s, MOMENT, zero)
+        zero = 0.0 * get3(b, s, hinge.OLD_X)
+        put3(b, s, joint.FORCE, zero)
+        put3(b, s, joint.MOMENT, zero)
     for j in range(part.types.shape[0]):
         slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
-        force = 0.0 * get3(b, slot1, OLD_X)
+        force = 0.0 * get3(b, slot1, hinge.OLD_X)
         first, second = force, force
         for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-            impulse = load(rows, r, IMPULSE)
-            force = force + impulse * get3(rows, r, DIRECTION)
-            first = first + impulse * get3(rows, r, TURN1)
-            second = second + impulse * get3(rows, r, TURN2)
-        add3(b, slot1, FORCE, force)
-        add3(b, slot1, MOMENT, first)
+            impulse = load(rows, r, joint.IMPULSE)
+            force = force + impulse * get3(rows, r, joint.DIRECTION)
+            first = first + impulse * get3(rows, r, joint.TURN1)
+            second = second + impulse * get3(rows, r, joint.TURN2)
+        add3(b, slot1, joint.FORCE, force)
+        add3(b, slot1, joint.MOMENT, first)
         if slot2 >= 0:
-            add3(b, slot2, FORCE, -1.0 * force)
-            add3(b, slot2, MOMENT, -1.0 * second)
+            add3(b, slot2, joint.FORCE, -1.0 * force)
+            add3(b, slot2, joint.MOMENT, -1.0 * second)
 
 
 @kernel
@@ -181,12 +142,12 @@ def push(part, state, s):
     """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless a
     drive moves it, and to its sums of the step. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
-    force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
+    force, moment = get3(b, s, joint.FORCE), get3(b, s, joint.MOMENT)
     if not part.is_driven[s]:
-        add3(state, i, V, times(get3(part.bodies, s, AXIS_IM), force))
+        add3(state, i, V, times(get3(part.bodies, s, joint.AXIS_IM), force))
         add3(state, i, P, moment)
-    add3(b, s, ALL_FORCE, force)
-    add3(b, s, ALL_MOMENT, moment)
+    add3(b, s, joint.ALL_FORCE, force)
+    add3(b, s, joint.ALL_MOMENT, moment)
 
 
 @kernel
@@ -194,13 +155,13 @@ def push_where_far(part, state, s, condition):
     """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in samples
     where `condition` (lanes) is below 0. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
-    inverse_mass = get3(part.bodies, s, AXIS_IM)
-    force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
+    inverse_mass = get3(part.bodies, s, joint.AXIS_IM)
+    force, moment = get3(b, s, joint.FORCE), get3(b, s, joint.MOMENT)
     if not part.is_driven[s]:
         add_where(state, i, V, times(inverse_mass, force), condition)
         add_where(state, i, P, moment, condition)
-    add_where(b, s, ALL_FORCE, force, condition)
-    add_where(b, s, ALL_MOMENT, moment, condition)
+    add_where(b, s, joint.ALL_FORCE, force, condition)
+    add_where(b, s, joint.ALL_MOMENT, moment, condition)
 
 
 @kernel
@@ -212,10 +173,10 @@ def move_bodies(part, state, repeat, step):
         i = part.particle[s]
         if not part.is_driven[s]:
             if repeat:
-                restore_pose(b, s, state, i)
+                closure.restore_pose(b, s, state, i)
             put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
             axes = frame(state, i)
-            rate = (0.5 * step) * get3(part.bodies, s, HIJ)
+            rate = (0.5 * step) * get3(part.bodies, s, joint.HIJ)
             half = half_turn(to_local(axes, get3(state, i, P)), rate)
             turn_frame(state, i, axes, half)
 
@@ -227,9 +188,10 @@ def nudge(part, state, s, step):
     b, i = part.body_scratch, part.particle[s]
     push(part, state, s)
     if not part.is_driven[s]:
-        shift = step * times(get3(part.bodies, s, AXIS_IM), get3(b, s, FORCE))
+        shift = step * times(get3(part.bodies, s, joint.AXIS_IM), get3(b, s, joint.FORCE))
         put3(state, i, X, get3(state, i, X) + shift)
-        turn_little(state, i, step * symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT)))
+        spin = symmetric(get6(b, s, joint.INVERSE), get3(b, s, joint.MOMENT))
+        closure.turn_little(state, i, step * spin)
 
 
 @hook(Joints)
@@ -239,31 +201,31 @@ def move(part, world, timing):
     (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
-    most = coarse(1.0, load(world.size, 0, 0))
-    for n in range(ROUNDS):
+    most = closure.coarse(1.0, load(world.size, 0, 0))
+    for n in range(hinge.ROUNDS):
         move_bodies(part, state, n > 0, timing.step)
         margin = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
             value = 1.0 - gap2 * (most * most)
             margin = where_negative(value, value, margin)
-            value = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
+            value = 1.0 - tilt2 * (1.0 / hinge.COARSE_TILT**2)
             margin = where_negative(value, value, margin)
-            if n + 1 == ROUNDS:
-                watch(part, gap2, tilt2)
+            if n + 1 == hinge.ROUNDS:
+                closure.watch(part, gap2, tilt2)
         if n == 0:
             for r in range(rows.shape[0]):
-                miss = inverse_step * load(rows, r, RESIDUAL) + load(rows, r, MISS)
-                store(rows, r, MISS, miss)
+                miss = inverse_step * load(rows, r, joint.RESIDUAL) + load(rows, r, joint.MISS)
+                store(rows, r, joint.MISS, miss)
         find_impulses(part, -inverse_step)
-        if n + 1 == ROUNDS or not any_negative(margin):
+        if n + 1 == hinge.ROUNDS or not any_negative(margin):
             break
         for s in range(part.particle.shape[0]):
             push_where_far(part, state, s, margin)
-        count_joints(part, margin)
+        closure.count_joints(part, margin)
     for s in range(part.particle.shape[0]):
         nudge(part, state, s, timing.step)
-    count_joints(part, ALL)
+    closure.count_joints(part, closure.ALL)
 
 
 @hook(Joints)
@@ -291,7 +253,8 @@ def move_back(part, start, step):
         i = part.particle[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
         axes = frame(start, i)
-        body, rate = to_local(axes, get3(start, i, P)), -0.5 * step * get3(part.bodies, s, HIJ)
+        body = to_local(axes, get3(start, i, P))
+        rate = -0.5 * step * get3(part.bodies, s, joint.HIJ)
         if part.is_driven[s]:  # by its spin, which stands there
             turn_frame(start, i, axes, (-0.5 * step) * body)
         else:
@@ -308,14 +271,14 @@ def close_before(part, start, step):
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.particle.shape[0]):
-        i, force, moment = part.particle[s], get3(b, s, FORCE), get3(b, s, MOMENT)
+        i, force, moment = part.particle[s], get3(b, s, joint.FORCE), get3(b, s, joint.MOMENT)
         if not part.is_driven[s]:
-            add3(start, i, V, -2.0 * times(get3(part.bodies, s, AXIS_IM), force))
+            add3(start, i, V, -2.0 * times(get3(part.bodies, s, joint.AXIS_IM), force))
             add3(start, i, P, -2.0 * moment)
-        add3(b, s, ALL_FORCE, force)
-        add3(b, s, ALL_MOMENT, moment)
-        restore_pose(b, s, start, i)
-    count_joints(part, ALL)
+        add3(b, s, joint.ALL_FORCE, force)
+        add3(b, s, joint.ALL_MOMENT, moment)
+        closure.restore_pose(b, s, start, i)
+    closure.count_joints(part, closure.ALL)
 
 
 @hook(Joints)
@@ -328,24 +291,25 @@ def work_after(part, world, timing):
     for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
             i = part.particle[s]
-            v = (1.0 / timing.step) * (get3(state, i, X) - get3(b, s, OLD_X))
+            v = (1.0 / timing.step) * (get3(state, i, X) - get3(b, s, hinge.OLD_X))
             axes = frame(state, i)
-            first = cross(get3(b, s, OLD_D2), get3(b, s, OLD_D3))
-            rotation = cross(first, axes[0]) + cross(get3(b, s, OLD_D2), axes[1])
-            rotation = rotation + cross(get3(b, s, OLD_D3), axes[2])
+            first = cross(get3(b, s, hinge.OLD_D2), get3(b, s, hinge.OLD_D3))
+            rotation = cross(first, axes[0]) + cross(get3(b, s, hinge.OLD_D2), axes[1])
+            rotation = rotation + cross(get3(b, s, hinge.OLD_D3), axes[2])
             spin = (0.5 / timing.step) * rotation
-            force, moment = get3(b, s, ALL_FORCE), get3(b, s, ALL_MOMENT)
+            force, moment = get3(b, s, joint.ALL_FORCE), get3(b, s, joint.ALL_MOMENT)
             # An impulse acts over the half steps before and after an instant, the first one only
             # after: what it did before is due at the instant, which is recorded already.
             work = -1.0 * (dot(force, v) + dot(moment, spin))
             work_due = 0.0 * work
             if timing.kick == timing.step:
-                work_due = dot(force, get3(b, s, LAST_V)) + dot(moment, get3(b, s, LAST_SPIN))
+                work_due = dot(force, get3(b, s, joint.LAST_V))
+                work_due = work_due + dot(moment, get3(b, s, joint.LAST_SPIN))
                 work, work_due = 0.5 * work, -0.5 * work_due
             total = total + work + work_due
-            store(b, s, WORK_DUE, work_due)
-            put3(b, s, LAST_V, v)
-            put3(b, s, LAST_SPIN, spin)
+            store(b, s, joint.WORK_DUE, work_due)
+            put3(b, s, joint.LAST_V, v)
+            put3(b, s, joint.LAST_SPIN, spin)
     work_sum = load(world.accounts, 0, part.account)
     store(world.accounts, 0, part.account, work_sum + total)
 
@@ -358,11 +322,11 @@ def work_due(part, world, energies, row):
     account = ACCOUNTS + part.account
     for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
-            work = load(energies, row, account) + load(part.body_scratch, s, WORK_DUE)
+            work = load(energies, row, account) + load(part.body_scratch, s, joint.WORK_DUE)
             store(energies, row, account, work)
 
 
-report_gaps(Joints, find_gaps)
+closure.report_gaps(Joints, find_gaps)
 
 
 @hook(Joints)
@@ -382,15 +346,15 @@ def record_sums(sums, part, row, timing, world):
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):
-            force = 0.0 * get3(rows, 0, DIRECTION)
+            force = 0.0 * get3(rows, 0, joint.DIRECTION)
             first, second = force, force
             for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                impulse = mean_force(world, timing) * load(sums, r, 0)
-                force = force + impulse * get3(rows, r, DIRECTION)
-                first = first + impulse * get3(rows, r, TURN1)
-                second = second + impulse * get3(rows, r, TURN2)
+                impulse = closure.mean_force(world, timing) * load(sums, r, 0)
+                force = force + impulse * get3(rows, r, joint.DIRECTION)
+                first = first + impulse * get3(rows, r, joint.TURN1)
+                second = second + impulse * get3(rows, r, joint.TURN2)
             index = row * count + part.names[j]
-            put3(part.forces, index, SIDE_FORCE1, force)
-            put3(part.forces, index, SIDE_MOMENT1, first)
-            put3(part.forces, index, SIDE_FORCE2, -1.0 * force)
-            put3(part.forces, index, SIDE_MOMENT2, -1.0 * second)
+            put3(part.forces, index, hinge.SIDE_FORCE1, force)
+            put3(part.forces, index, hinge.SIDE_MOMENT1, first)
+            put3(part.forces, index, hinge.SIDE_FORCE2, -1.0 * force)
+            put3(part.forces, index, hinge.SIDE_MOMENT2, -1.0 * second)

@@ -31,9 +31,8 @@ def build(part):
             shift = sign * times(inverse_mass, get3(rows, r, DIRECTION))
             turn = sign * get3(rows, r, ROOT1 + 3 * s1)
             for c in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                entry = dot(shift, get3(rows, c, DIRECTION)) + dot(
-                    turn, get3(rows, c, ROOT1 + 3 * s2)
-                )
+                entry = dot(shift, get3(rows, c, DIRECTION))
+                entry = entry + dot(turn, get3(rows, c, ROOT1 + 3 * s2))
                 store(matrix, index, 0, load(matrix, index, 0) + entry)
                 index += 1
     for j in range(pattern.count.shape[0]):
@@ -55,9 +54,8 @@ def factorise(part):
             for r in range(c, size):
                 entry = load(matrix, start + r * size + c, 0)
                 for m in range(c):
-                    entry = entry - load(matrix, start + r * size + m, 0) * load(
-                        matrix, start + c * size + m, 0
-                    )
+                    factor = load(matrix, start + r * size + m, 0)
+                    entry = entry - factor * load(matrix, start + c * size + m, 0)
                 if r == c:
                     diagonal = load(rows, first + c, PIVOT)
                     entry = larger(entry, part.ease * diagonal)
@@ -73,9 +71,8 @@ def factorise(part):
                 for c in range(size):
                     entry = load(matrix, block + r * size + c, 0)
                     for m in range(c):
-                        entry = entry - load(matrix, block + r * size + m, 0) * load(
-                            matrix, start + c * size + m, 0
-                        )
+                        factor = load(matrix, block + r * size + m, 0)
+                        entry = entry - factor * load(matrix, start + c * size + m, 0)
                     pivot = load(rows, first + c, PIVOT)
                     store(matrix, block + r * size + c, 0, pivot * entry)
         for n in range(pattern.update_start[j], pattern.update_start[j + 1]):
@@ -86,9 +83,8 @@ def factorise(part):
                 for c in range(width):
                     entry = load(matrix, target + r * width + c, 0)
                     for m in range(size):
-                        entry = entry - load(matrix, lhs + r * size + m, 0) * load(
-                            matrix, rhs + c * size + m, 0
-                        )
+                        factor = load(matrix, lhs + r * size + m, 0)
+                        entry = entry - factor * load(matrix, rhs + c * size + m, 0)
                     store(matrix, target + r * width + c, 0, entry)
 
 

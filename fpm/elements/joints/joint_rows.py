@@ -2,48 +2,15 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import (
-    ACROSS_AXIS,
-    ACROSS_X,
-    ACROSS_Y,
-    ARM,
-    AXIS,
-    CROSS,
-    DIRECTION,
-    HOLDS,
-    LEAD,
-    MISS,
-    PARALLEL,
-    POINT,
-    REFERENCE,
-    RESIDUAL,
-    ROOT,
-    ROOT1,
-    SLIDE,
-    SUPPORT,
-    TARGET,
-    THREAD,
-    TURN1,
-    TURNS,
-    TWIST,
-)
+from fpm.elements.joints import joint_arrays as joint
 from fpm.kernels.angles import arctan2
 from fpm.kernels.lanes import floor, load, store, where_negative
 from fpm.kernels.layout import X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import (
-    cross,
-    dot,
-    get3,
-    kernel,
-    put3,
-    times,
-    to_global,
-    to_local,
-    vector,
-)
+from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local, vector
 
 FULL = 2 * math.pi
+PLANES = joint.ACROSS_X, joint.ACROSS_Y, joint.ACROSS_AXIS
 
 
 @kernel
@@ -51,7 +18,7 @@ def put_row(part, state, j, r, linear, turn1, turn2):
     """Store constraint equation r of joint j in part.rows: the unit direction `linear` (0 if none)
     and the moments turn1, turn2 (3 each, global) that its unit impulse puts on the joint's first
     and second body. part: arrays of all joints (Joints); state: of the particles (World.state)."""
-    put3(part.rows, r, DIRECTION, linear)
+    put3(part.rows, r, joint.DIRECTION, linear)
     put_turn(part, state, part.slots[2 * j], r, 0, turn1)
     if part.slots[2 * j + 1] >= 0:
         put_turn(part, state, part.slots[2 * j + 1], r, 3, turn2)
@@ -63,10 +30,10 @@ def put_turn(part, state, slot, r, k, turn):
     `slot` (index), and its product with the root of the body's inverse inertia, in the body's own
     axes, so that the matrix of these is never negative. part: arrays of all joints (Joints); state:
     of the particles (World.state); k: 0 for the joint's first side, 3 for its second."""
-    turn = times(get3(part.bodies, slot, TURNS), turn)
+    turn = times(get3(part.bodies, slot, joint.TURNS), turn)
     local_turn = to_local(frame(state, part.particle[slot]), turn)
-    put3(part.rows, r, TURN1 + k, turn)
-    put3(part.rows, r, ROOT1 + k, times(get3(part.bodies, slot, ROOT), local_turn))
+    put3(part.rows, r, joint.TURN1 + k, turn)
+    put3(part.rows, r, joint.ROOT1 + k, times(get3(part.bodies, slot, joint.ROOT), local_turn))
 
 
 @kernel
@@ -77,15 +44,15 @@ def place(part, state, j, side):
     i = part.particle[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
-    return x, axes, x + to_global(axes, get3(part.sides, 2 * j + side, ARM))
+    return x, axes, x + to_global(axes, get3(part.sides, 2 * j + side, joint.ARM))
 
 
 @kernel
 def directions(part, j, first):
     """Return the axis of joint j, its reference direction (normal to it), and the direction normal
     to both: global unit vectors on its first side. part: Joints; first: axes of that particle."""
-    axis = to_global(first, get3(part.sides, 2 * j, AXIS))
-    p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
+    axis = to_global(first, get3(part.sides, 2 * j, joint.AXIS))
+    p = to_global(first, get3(part.sides, 2 * j, joint.REFERENCE))
     return axis, p, cross(axis, p)
 
 
@@ -107,53 +74,45 @@ def find_rows(part, state):
             continue
         kind, r = part.types[j], part.pattern.first[j]
         x1, first, point = place(part, state, j, 0)
-        ex, ey, ez = unit_vectors(x1.x)
-        if kind == SUPPORT:
+        units = unit_vectors(x1.x)
+        if kind == joint.SUPPORT:
             arm = point - x1
-            if part.fixed_axes[j, 0]:
-                put_row(part, state, j, r, ex, cross(arm, ex), 0.0 * ex)
-                r += 1
-            if part.fixed_axes[j, 1]:
-                put_row(part, state, j, r, ey, cross(arm, ey), 0.0 * ey)
-                r += 1
-            if part.fixed_axes[j, 2]:
-                put_row(part, state, j, r, ez, cross(arm, ez), 0.0 * ez)
+            for k in range(3):
+                if part.fixed_axes[j, k]:
+                    put_row(part, state, j, r, units[k], cross(arm, units[k]), 0.0 * units[k])
+                    r += 1
             continue
         x2, second, x3 = place(part, state, j, 1)
         axis, p, q = directions(part, j, first)
-        if kind & POINT:
+        if kind & joint.POINT:
             # Both at the first's point: they make no moment if the joint gapes.
             arm1, arm2 = point - x1, point - x2
-            put_row(part, state, j, r, ex, cross(arm1, ex), cross(arm2, ex))
-            put_row(part, state, j, r + 1, ey, cross(arm1, ey), cross(arm2, ey))
-            put_row(part, state, j, r + 2, ez, cross(arm1, ez), cross(arm2, ez))
-            r += 3
+            for e in units:
+                put_row(part, state, j, r, e, cross(arm1, e), cross(arm2, e))
+                r += 1
         # Impulses act where the second's point is, which slides on the first.
         arm1, arm2 = x3 - x1, x3 - x2
-        if kind & ACROSS_X:
-            put_row(part, state, j, r, p, cross(arm1, p), cross(arm2, p))
-            r += 1
-        if kind & ACROSS_Y:
-            put_row(part, state, j, r, q, cross(arm1, q), cross(arm2, q))
-            r += 1
-        if kind & ACROSS_AXIS:
-            put_row(part, state, j, r, axis, cross(arm1, axis), cross(arm2, axis))
-            r += 1
+        normals = p, q, axis
+        for k in range(3):
+            if kind & PLANES[k]:
+                normal = normals[k]
+                put_row(part, state, j, r, normal, cross(arm1, normal), cross(arm2, normal))
+                r += 1
         zero = 0.0 * p
-        axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
-        if kind & CROSS:
+        axis2 = to_global(second, get3(part.sides, 2 * j + 1, joint.AXIS))
+        if kind & joint.CROSS:
             turn = cross(axis, axis2)
             put_row(part, state, j, r, zero, turn, turn)
-        if kind & PARALLEL:
+        if kind & joint.PARALLEL:
             about_p, about_q = cross(p, axis2), cross(q, axis2)
             put_row(part, state, j, r, zero, about_p, about_p)
             put_row(part, state, j, r + 1, zero, about_q, about_q)
             r += 2
-        if kind & TWIST:
-            turn = cross(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
+        if kind & joint.TWIST:
+            turn = cross(q, to_global(second, get3(part.sides, 2 * j + 1, joint.REFERENCE)))
             put_row(part, state, j, r, zero, turn, turn)
-        if kind & THREAD:
-            turn = load(part.sides, 2 * j, LEAD) * axis
+        if kind & joint.THREAD:
+            turn = load(part.sides, 2 * j, joint.LEAD) * axis
             put_row(part, state, j, r, axis, cross(arm1, axis) - turn, cross(arm2, axis) - turn)
 
 
@@ -164,87 +123,65 @@ def find_gaps(part, state, j):
     part: arrays of all joints (Joints); state: of the particles (World.state)."""
     if is_opening(part.turns, part, j):
         gap = opening_gap(part.turns, part, state, j)
-        store(part.rows, part.pattern.first[j], RESIDUAL, gap)
-        if part.types[j] == SLIDE:
+        store(part.rows, part.pattern.first[j], joint.RESIDUAL, gap)
+        if part.types[j] == joint.SLIDE:
             return gap * gap, 0.0 * gap
         return 0.0 * gap, gap * gap
     rows, kind, r = part.rows, part.types[j], part.pattern.first[j]
     _, first, point = place(part, state, j, 0)
-    if kind == SUPPORT:
+    if kind == joint.SUPPORT:
         if part.slots[2 * j + 1] >= 0:
             gap = point - place(part, state, j, 1)[2]
         else:
             gap = point - get3(part.places, j, 0)
-        gap2 = 0.0 * gap.x
-        if part.fixed_axes[j, 0]:
-            store(rows, r, RESIDUAL, gap.x)
-            gap2 = gap2 + gap.x * gap.x
-            r += 1
-        if part.fixed_axes[j, 1]:
-            store(rows, r, RESIDUAL, gap.y)
-            gap2 = gap2 + gap.y * gap.y
-            r += 1
-        if part.fixed_axes[j, 2]:
-            store(rows, r, RESIDUAL, gap.z)
-            gap2 = gap2 + gap.z * gap.z
+        gap2, components = 0.0 * gap.x, (gap.x, gap.y, gap.z)
+        for k in range(3):
+            if part.fixed_axes[j, k]:
+                store(rows, r, joint.RESIDUAL, components[k])
+                gap2 = gap2 + components[k] * components[k]
+                r += 1
         return gap2, 0.0 * gap2
     _, second, point2 = place(part, state, j, 1)
     axis, p, q = directions(part, j, first)
     gap = point - point2
     gap2 = 0.0 * gap.x
-    if kind & POINT:
-        put_gap(rows, r, gap)
+    if kind & joint.POINT:
+        store(rows, r, joint.RESIDUAL, gap.x)
+        store(rows, r + 1, joint.RESIDUAL, gap.y)
+        store(rows, r + 2, joint.RESIDUAL, gap.z)
         gap2 = dot(gap, gap)
         r += 3
-    if kind & ACROSS_X:
-        u = dot(p, gap)
-        store(rows, r, RESIDUAL, u)
-        gap2 = u * u
-        r += 1
-    if kind & ACROSS_Y:
-        u = dot(q, gap)
-        store(rows, r, RESIDUAL, u)
-        gap2 = gap2 + u * u
-        r += 1
-    if kind & ACROSS_AXIS:
-        u = dot(axis, gap)
-        store(rows, r, RESIDUAL, u)
-        gap2 = gap2 + u * u
-        r += 1
+    normals = p, q, axis
+    for k in range(3):
+        if kind & PLANES[k]:
+            u = dot(normals[k], gap)
+            store(rows, r, joint.RESIDUAL, u)
+            gap2 = gap2 + u * u
+            r += 1
     tilt2 = 0.0 * gap2
-    axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
-    if kind & CROSS:
+    axis2 = to_global(second, get3(part.sides, 2 * j + 1, joint.AXIS))
+    if kind & joint.CROSS:
         tilt = dot(axis, axis2)
-        store(rows, r, RESIDUAL, tilt)
+        store(rows, r, joint.RESIDUAL, tilt)
         tilt2 = tilt * tilt
-    if kind & PARALLEL:
+    if kind & joint.PARALLEL:
         u, v = dot(p, axis2), dot(q, axis2)
-        store(rows, r, RESIDUAL, u)
-        store(rows, r + 1, RESIDUAL, v)
+        store(rows, r, joint.RESIDUAL, u)
+        store(rows, r + 1, joint.RESIDUAL, v)
         tilt2 = u * u + v * v
         r += 2
-    if kind & TWIST:
-        tilt = dot(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
-        store(rows, r, RESIDUAL, tilt)
+    if kind & joint.TWIST:
+        tilt = dot(q, to_global(second, get3(part.sides, 2 * j + 1, joint.REFERENCE)))
+        store(rows, r, joint.RESIDUAL, tilt)
         tilt2 = tilt2 + tilt * tilt
-    if kind & THREAD:
-        lead = load(part.sides, 2 * j, LEAD)
-        reference = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
+    if kind & joint.THREAD:
+        lead = load(part.sides, 2 * j, joint.LEAD)
+        reference = to_global(second, get3(part.sides, 2 * j + 1, joint.REFERENCE))
         u = dot(axis, gap) + lead * arctan2(dot(q, reference), dot(p, reference))
         u = u - FULL * lead * floor(u / (FULL * lead) + 0.5)  # all turns of a thread are alike
-        store(rows, r, RESIDUAL, u)
+        store(rows, r, joint.RESIDUAL, u)
         gap2 = gap2 + u * u
     return gap2, tilt2
-
-
-@kernel
-def put_gap(rows, r, gap):
-    """Store a joint's gap, its first body's point less its second's, in field RESIDUAL of the three
-    constraint equations from r on. rows: Joints.rows, changed; r: index of the first of the three;
-    gap: vector of lanes, components x, y, z (m, global axes)."""
-    store(rows, r, RESIDUAL, gap.x)
-    store(rows, r + 1, RESIDUAL, gap.y)
-    store(rows, r + 2, RESIDUAL, gap.z)
 
 
 # -- openings that are held: nothing is compiled of these where none is --------------------------
@@ -287,14 +224,14 @@ def put_held_row(part, state, j):
     r = part.pattern.first[j]
     x1, first, _ = place(part, state, j, 0)
     axis, _, _ = directions(part, j, first)
-    holds = where_negative(load(part.turns.state, t, HOLDS), 1.0, 0.0)
+    holds = where_negative(load(part.turns.state, t, joint.HOLDS), 1.0, 0.0)
     turn = (-1.0 * holds) * axis
-    if part.types[j] == SLIDE:
+    if part.types[j] == joint.SLIDE:
         x2, _, point2 = place(part, state, j, 1)
         put_row(part, state, j, r, turn, cross(point2 - x1, turn), cross(point2 - x2, turn))
     else:
         put_row(part, state, j, r, 0.0 * axis, turn, turn)
-    store(part.rows, r, MISS, holds * load(part.rows, r, MISS))
+    store(part.rows, r, joint.MISS, holds * load(part.rows, r, joint.MISS))
     return True
 
 
@@ -308,10 +245,10 @@ def find_lock_gap(part, state, j):
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)
     axis, p, q = directions(part, j, first)
-    if part.types[j] == SLIDE:
-        gap = dot(axis, end - point) - load(part.turns.state, t, TARGET)
-        return where_negative(load(part.turns.state, t, HOLDS), gap, 0.0)
-    reference = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
-    angle = arctan2(dot(q, reference), dot(p, reference)) - load(part.turns.state, t, TARGET)
+    if part.types[j] == joint.SLIDE:
+        gap = dot(axis, end - point) - load(part.turns.state, t, joint.TARGET)
+        return where_negative(load(part.turns.state, t, joint.HOLDS), gap, 0.0)
+    reference = to_global(second, get3(part.sides, 2 * j + 1, joint.REFERENCE))
+    angle = arctan2(dot(q, reference), dot(p, reference)) - load(part.turns.state, t, joint.TARGET)
     angle = angle - FULL * floor((1.0 / FULL) * angle + 0.5)
-    return where_negative(load(part.turns.state, t, HOLDS), angle, 0.0)
+    return where_negative(load(part.turns.state, t, joint.HOLDS), angle, 0.0)

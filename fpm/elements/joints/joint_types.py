@@ -42,6 +42,7 @@ class JointType(NamedTuple):
 
 
 ANGLE, TURN = OpeningType(), OpeningType("_turn")
+IN_PLANE = TURN, OpeningType("_x", "x"), OpeningType("_y", "y")
 TYPES = {
     "revolute": JointType(POINT + PARALLEL, (ANGLE,)),
     "spherical": JointType(POINT),
@@ -49,12 +50,8 @@ TYPES = {
     "universal": JointType(POINT + arrays.CROSS, (OpeningType("_axis"), OpeningType("_other"))),
     "prismatic": JointType(ACROSS_X + ACROSS_Y + PARALLEL + TWIST, (OpeningType("", "axis"),)),
     "cylindrical": JointType(ACROSS_X + ACROSS_Y + PARALLEL, (TURN, OpeningType("_slide", "axis"))),
-    "planar": JointType(
-        ACROSS_AXIS + PARALLEL, (TURN, OpeningType("_x", "x"), OpeningType("_y", "y"))
-    ),
-    "pin with play": JointType(
-        ACROSS_AXIS + PARALLEL, (TURN, OpeningType("_x", "x"), OpeningType("_y", "y"))
-    ),
+    "planar": JointType(ACROSS_AXIS + PARALLEL, IN_PLANE),
+    "pin with play": JointType(ACROSS_AXIS + PARALLEL, IN_PLANE),
     "pin in slot": JointType(ACROSS_Y + ACROSS_AXIS + PARALLEL, (TURN, OpeningType("_slide", "x"))),
     "screw": JointType(ACROSS_X + ACROSS_Y + PARALLEL + THREAD, (ANGLE,)),
     "held": JointType(arrays.SUPPORT),

@@ -32,17 +32,10 @@ import numpy as np
 
 from fpm.elements.fields import index, number, topology, word
 from fpm.elements.joints.turn import ExactConnector
+from fpm.elements.openings import opening
 from fpm.elements.openings.friction import SWEEP_DEFLECTION, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
-from fpm.elements.openings.opening import (
-    JOINT_LOSS,
-    moving_at_start,
-    on_hinge,
-    start_angles,
-    turning_at_start,
-    unit_of,
-)
 from fpm.elements.openings.release import AnyRelease
 from fpm.errors import SceneError
 
@@ -69,7 +62,7 @@ class RigidMotor(AnyMotor, Rigid):
     a curve of time (rad; m on a slide). hinge, curve: indices in the scene (curve -1: constant 1);
     by_rate: whether turn (rad/s) times the curve is the rate instead, from `start` on."""
 
-    hinge: int = on_hinge()
+    hinge: int = opening.on_hinge()
     start: float = number("rad", words="opening of {title}", is_shown=False)
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)
@@ -95,7 +88,7 @@ class RigidMotor(AnyMotor, Rigid):
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
-            unit = unit_of(scene, self.hinge, "rad")
+            unit = opening.unit_of(scene, self.hinge, "rad")
             allowed = f"{hinge.opening:g} {unit}, where the hinge is then, or a drive train"
             subject = f"opening of {self.title(scene)} at the start"
             raise SceneError(subject, self.target(scene, 0.0), allowed)
@@ -111,7 +104,7 @@ class RigidRelease(AnyRelease, Rigid):
     or when a latch catches. hinge, watch: indices in the scene (watch -1: none); latch: name of the
     latch, "": none."""
 
-    hinge: int = on_hinge()
+    hinge: int = opening.on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
     level: float = number("rad", default=0.0, is_shown=False)
@@ -130,7 +123,7 @@ class RigidLatch(AnyLatch, Rigid):
     caught it: within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
     "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: "": the hinge's."""
 
-    hinge: int = on_hinge()
+    hinge: int = opening.on_hinge()
     angle: float = number("rad")
     capture_range: float = number("rad", 0.0, default=0.0, zero=False)
     side: str = word(SIDES, default="either")
@@ -146,7 +139,7 @@ class RigidLatch(AnyLatch, Rigid):
         has looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
-            array[:, cls.kernels().SEARCH_END] = start_angles(batch, cls)
+            array[:, cls.kernels().SEARCH_END] = opening.start_angles(batch, cls)
         return array
 
 
@@ -155,10 +148,10 @@ class RigidFriction(Rigid):
     """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
     sticks): it holds the joint coordinate up to `moment` (N m), and slips against that above."""
 
-    hinge: int = on_hinge(only_angles=True)
+    hinge: int = opening.on_hinge(only_angles=True)
     moment: float = number("N m", 0.0)
 
-    takes = JOINT_LOSS
+    takes = opening.JOINT_LOSS
     acts_as = "friction"
     noun = "friction"
     resists_as = "FR"
@@ -170,8 +163,8 @@ class RigidFriction(Rigid):
         return [Friction(f.hinge, f.moment, SWEEP_DEFLECTION, 0.0) for f in cls.find(scene)]
 
     def held_at_start(self, scene):
-        (rate,) = turning_at_start(scene, [self.hinge])
-        fastest = np.abs(moving_at_start(scene).spin).max(initial=0.0)
+        (rate,) = opening.turning_at_start(scene, [self.hinge])
+        fastest = np.abs(opening.moving_at_start(scene).spin).max(initial=0.0)
         return scene.hinges[self.hinge].opening if abs(rate) <= RATE_TOL * fastest else None
 
     @classmethod
@@ -191,7 +184,7 @@ class RigidFriction(Rigid):
 
         def starts(scene):
             state = np.zeros((count, kernels.STATE))
-            rates = turning_at_start(scene, [f.hinge for f in cls.find(scene)])
+            rates = opening.turning_at_start(scene, [f.hinge for f in cls.find(scene)])
             state[:, kernels.SIGN] = np.where(np.array(rates) < 0, -1.0, 1.0)
             return state
 

@@ -6,20 +6,7 @@ import numpy as np
 
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import HOLD_FIELDS, end_work, moment_of, register_work_hooks
-from fpm.elements.openings.latch_kernels import (
-    CATCH_RATE,
-    CATCH_TIME,
-    IMPULSE,
-    IS_CAUGHT,
-    MOMENT,
-    NEWS,
-    note_events,
-    pass_by,
-    reach_of,
-)
-from fpm.elements.openings.latch_kernels import HOLD_ANGLE as PLACE
-from fpm.elements.openings.latch_kernels import NUMBERS as LATCH_NUMBERS
-from fpm.elements.openings.latch_kernels import STATE as LATCH
+from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NEW, Openings
@@ -29,14 +16,14 @@ from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
 # State of a rigid latch, behind that of all latches.
-WORKS = LATCH  # of turn_kernels
+WORKS = latch.STATE  # of turn_kernels
 AGE = WORKS + HOLD_FIELDS  # steps in which it has held
 IMPACT = AGE + 1  # impulse with which it caught
 PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
 SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
 STATE = SEARCH_END + 1
 
-NUMBERS = LATCH_NUMBERS[:4]  # how it catches
+NUMBERS = latch.NUMBERS[:4]  # how it catches
 TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
@@ -62,7 +49,7 @@ class RigidLatches(NamedTuple):
     track: np.ndarray  # ((instants + 1) l, TRACK, lanes)
 
 
-hook(RigidLatches, "note_events")(note_events)
+hook(RigidLatches, "note_events")(latch.note_events)
 
 
 register_work_hooks(RigidLatches, WORKS, -1.0)
@@ -96,22 +83,22 @@ def decide(part, world, timing):
         t = part.turn[i]
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
-        reach = reach_of(part, i, start, prediction)
-        open_ = 0.5 - load(part.state, i, IS_CAUGHT) - load(part.state, i, NEWS)
+        reach = latch.reach_of(part, i, start, prediction)
+        open_ = 0.5 - load(part.state, i, latch.IS_CAUGHT) - load(part.state, i, latch.NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
             end = timing.time + timing.step
             for s in range(part.state.shape[2]):
-                if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
-                    psi_start, psi_end = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
+                if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
+                    first, last = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
                     rate = part.rates[i, LAST, s]
                     if timing.time == 0.0:
-                        pass_by(part, i, s, psi_start, psi_start, rate, 0.0, timing.step)
-                    if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
-                        pass_by(part, i, s, psi_start, psi_end, rate, end, timing.step)
-                    if part.state[i, IS_CAUGHT, s] > 0.0:
+                        latch.pass_by(part, i, s, first, first, rate, 0.0, timing.step)
+                    if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
+                        latch.pass_by(part, i, s, first, last, rate, end, timing.step)
+                    if part.state[i, latch.IS_CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
-                        part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
-                        fraction = (part.state[i, CATCH_TIME, s] - timing.time) / timing.step
+                        part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
+                        fraction = (part.state[i, latch.CATCH_TIME, s] - timing.time) / timing.step
                         part.turns.impact[0, 0, s] = fraction
                         world.undecided[0] = 1
 
@@ -126,12 +113,12 @@ def work_after(part, world, timing):
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing, world)
         impulse = timing.kick * moment
-        store(part.state, i, MOMENT, moment)
-        store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
-        age = load(part.state, i, AGE) + load(part.state, i, IS_CAUGHT)
+        store(part.state, i, latch.MOMENT, moment)
+        store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)
+        age = load(part.state, i, AGE) + load(part.state, i, latch.IS_CAUGHT)
         store(part.state, i, AGE, age)
         store(part.state, i, SEARCH_END, predict(part, i, timing))
-        time = timing.time - 0.5 * timing.step - load(part.state, i, CATCH_TIME)
+        time = timing.time - 0.5 * timing.step - load(part.state, i, latch.CATCH_TIME)
         impact = where_negative(age - 2.5, impulse, -1.0 * time * moment)
         impact = where_negative(age - 3.5, impact, 0.0)
         store(part.state, i, IMPACT, load(part.state, i, IMPACT) + impact)
@@ -144,9 +131,9 @@ def record_step(part, world, row, timing):
     (RigidLatches); world: not used; row: index of the recorded instant; timing: StepTime (s)."""
     count = part.hinge.shape[0]
     for i in range(count):
-        index, moment = row * count + i, load(part.state, i, MOMENT)
+        index, moment = row * count + i, load(part.state, i, latch.MOMENT)
         impulse = 0.5 * timing.step * moment  # of the kick from now on
         store(part.track, index, 0, moment)
-        store(part.track, index, 1, load(part.state, i, IMPULSE) - impulse)
-        store(part.track, index, 2, load(part.state, i, CATCH_RATE))
+        store(part.track, index, 1, load(part.state, i, latch.IMPULSE) - impulse)
+        store(part.track, index, 2, load(part.state, i, latch.CATCH_RATE))
         store(part.track, index, 3, load(part.state, i, IMPACT))

@@ -56,10 +56,8 @@ class Turn(ElementType):
                 for opening in angles
             ]
 
-        return Turns(
-            state=batch.stack(len(cls.find(batch.scene)), TURN, starts),
-            impact=batch.blank(1, 1),
-        )
+        state = batch.stack(len(cls.find(batch.scene)), TURN, starts)
+        return Turns(state=state, impact=batch.blank(1, 1))
 
 
 class ExactConnector(Connector):

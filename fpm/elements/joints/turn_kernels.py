@@ -29,14 +29,6 @@ from fpm.elements.joints.joint_arrays import (
     TURNS,
     TurnedJoints,
 )
-from fpm.elements.joints.joint_kernels import (
-    close_before,
-    find_impulses,
-    find_rates,
-    kick_bodies,
-    move_back,
-    push_all,
-)
 from fpm.elements.joints.joint_matrix import build, factorise
 from fpm.elements.joints.joint_rows import find_gaps, find_lock_gap, find_rows, place
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
@@ -149,7 +141,7 @@ def prepare(part, world, timing):
     timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
     all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
     clear(part.sums)
-    kick_bodies(part, world.state, timing.kick)
+    joint_kernels.kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
     for t in range(part.turn_at.shape[0]):
         store(part.turns.state, t, TURN_IMPULSE, 0.0)
@@ -163,12 +155,12 @@ def solve(part, world, timing):
     find_rows(part, world.state)
     build(part)
     factorise(part)
-    find_rates(part, world.state)
+    joint_kernels.find_rates(part, world.state)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
         r, gap = part.pattern.first[j], find_lock_gap(part, world.state, j)
         store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
-    find_impulses(part, -1.0)
+    joint_kernels.find_impulses(part, -1.0)
     store_rates(part, world.state)
 
 
@@ -211,7 +203,7 @@ def velocity(part, state, s, point):
 def move(part, world, timing):
     """Apply the impulses to the bodies, move them by a step, and close the joints at its end. part:
     all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
-    push_all(part, world.state)
+    joint_kernels.push_all(part, world.state)
     joint_kernels.move(part, world, timing)
 
 
@@ -227,7 +219,7 @@ def look_back(part, world, timing):
         if not part.is_driven[s]:
             total = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), total))
         put3(b, s, SPIN, total)
-    move_back(part, start, timing.step)
+    joint_kernels.move_back(part, start, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, start, j)
     for t in range(part.turn_at.shape[0]):
@@ -239,7 +231,7 @@ def look_back(part, world, timing):
         rate = rate + dot(get3(part.rows, r, TURN1), get3(b, slot1, SPIN))
         rate = rate - dot(get3(part.rows, r, TURN2), get3(b, slot2, SPIN))
         store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + timing.step * rate)
-    close_before(part, start, timing.step)
+    joint_kernels.close_before(part, start, timing.step)
 
 
 for _name in ("work_after", "work_due", "record_step"):

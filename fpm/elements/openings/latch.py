@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import damping, number, stiffness, topology, word
-from fpm.elements.kind import Energy, Series
+from fpm.elements.kind import Energy, Gate, Series
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
     ONSET,
@@ -63,6 +63,10 @@ class AnyLatch(Connector):
 
     def label(self, scene):
         return self.name or super().label(scene)
+
+    def gate(self):
+        largest_rate = self.max_capture_rate if np.isfinite(self.max_capture_rate) else 0.0
+        return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
 
     @classmethod
     def read_records(cls, part, scene, lane):

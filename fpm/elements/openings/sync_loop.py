@@ -40,11 +40,7 @@ class SyncLoop(ConnectorElement):
         "rad", default=(0.0, 0.0), count=2, text="openings without slip"
     )
     preload: float = number(
-        "N",
-        0.0,
-        finite=False,
-        default=np.inf,
-        text="tension of each strand; left out: never slack",
+        "N", 0.0, finite=False, default=np.inf, text="tension of each strand; left out: never slack"
     )
     backlash: float | None = number(
         "m",

@@ -49,9 +49,8 @@ def move(part, world, timing):
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):
         i = part.about_two[n]
-        carry(
-            state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step
-        )
+        v = load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
+        carry(state, i, v, timing.step)
         p, axis = timing.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
         axes, rate = frame(state, i), get3(particles, i, HALF)
         local_axis = to_local(axes, axis)

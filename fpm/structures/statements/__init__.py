@@ -5,6 +5,4 @@ from fpm.structures.statements import connectors, joints, loads, parts, struts
 
 __all__ = ["GROUPS", "STATEMENTS", "connectors", "joints", "loads", "parts", "struts"]
 
-STATEMENTS: tuple[Statement, ...] = tuple(
-    statement for kinds in GROUPS.values() for statement in kinds.values()
-)
+STATEMENTS: tuple[Statement, ...] = tuple(s for kinds in GROUPS.values() for s in kinds.values())

@@ -4,38 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fpm.elements import (
-    Contact,
-    Damper,
-    Friction,
-    Latch,
-    Motor,
-    Release,
-    RigidFriction,
-    RigidLatch,
-    RigidMotor,
-    RigidRelease,
-    Stop,
-    SyncLoop,
-    TableSpring,
-    TorqueMotor,
-    TorsionSpring,
-)
+from fpm import elements
 from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.journal import PIN
 from fpm.elements.openings.opening import unit_of
 from fpm.elements.openings.release import latch_rows
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
-from fpm.structures.statement import (
-    CLASS,
-    JOINT,
-    connector,
-    element,
-    key_of,
-    statement,
-    whole,
-)
+from fpm.structures.statement import CLASS, JOINT, connector, element, key_of, statement, whole
 
 ANGLE_JOINT = replace(JOINT, slides=False)
 
@@ -58,8 +34,8 @@ def _of_slide(key: NumberKey) -> NumberKey:
 
 
 SPRING = {
-    "stiffness": key_of(TorsionSpring, "stiffness"),
-    "rest": key_of(TorsionSpring, "rest"),
+    "stiffness": key_of(elements.TorsionSpring, "stiffness"),
+    "rest": key_of(elements.TorsionSpring, "rest"),
     "preload": NumberKey(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
     **CLASS,
 }
@@ -84,7 +60,7 @@ def torsion_spring(build, args):
         if not args.stiffness > 0:
             build.refuse("stiffness", args.stiffness, "above 0, with a `preload`")
         rest = _at_start(build, args.joint) + args.preload / args.stiffness
-    build.scene.add(element(TorsionSpring, args, rest=rest))
+    build.scene.add(element(elements.TorsionSpring, args, rest=rest))
 
 
 statement(
@@ -95,12 +71,12 @@ statement(
     **{name: key if name in CLASS else _of_slide(key) for name, key in SPRING.items()},
 )(torsion_spring.build)
 
-whole(Contact)
-whole(Damper)
+whole(elements.Contact)
+whole(elements.Damper)
 
 
 @connector(
-    Friction,
+    elements.Friction,
     default_texts={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
     sticks=ChoiceKey(
         "bristle", "`exactly`: without any deflection", options=("bristle", "exactly")
@@ -115,19 +91,25 @@ def friction(build, args):
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
-            build.refuse(
-                "sticks", args.sticks, "bristle, or neither `bristle_deflection` nor `damping`"
-            )
+            allowed = "bristle, or neither `bristle_deflection` nor `damping`"
+            build.refuse("sticks", args.sticks, allowed)
         if slides:
             build.refuse("sticks", args.sticks, "bristle, on a slide")
-        build.scene.add(element(RigidFriction, args))
+        build.scene.add(element(elements.RigidFriction, args))
         return
     deflection = args.bristle_deflection or _deflection(build.scene, args.joint)
-    build.scene.add(element(Friction, args, bristle_deflection=deflection))
+    build.scene.add(element(elements.Friction, args, bristle_deflection=deflection))
 
 
 def _deflection(scene, hinge: int) -> float:
     return SLIDE_DEFLECTION if scene.hinges[hinge].slides else DEFLECTION
+
+
+DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
+BEARING_LOAD = (
+    "force that the joint bears as a rule, at which it gives by `bristle_deflection` before it "
+    "slips; left out: it counts in margins only, and a motion has none of it"
+)
 
 
 @statement(
@@ -136,15 +118,9 @@ def _deflection(scene, hinge: int) -> float:
     joint=JOINT,
     mu=NumberKey(text="coefficient of friction", least=0),
     radius=NumberKey(None, "at which it rubs; of hinges only", unit="m", above=0),
-    load=NumberKey(
-        None, "force that the joint bears as a rule, at which it gives by `bristle_deflection` "
-        "before it slips; left out: it counts in margins only, and a motion has none of it",
-        unit="N", above=0,
-    ),
-    bristle_deflection=key_of(
-        Friction, "bristle_deflection", default=None, text="left out: as that of friction"
-    ),
-)  # fmt: skip
+    load=NumberKey(None, BEARING_LOAD, unit="N", above=0),
+    bristle_deflection=replace(DEFLECTION_KEY, text="left out: as that of friction"),
+)
 def bearing(build, args):
     """Friction by the force that a joint itself bears; a couple that it bears is not counted.
 
@@ -165,11 +141,11 @@ def bearing(build, args):
         scene.bearings[args.joint] += lever
         return
     deflection = args.bristle_deflection or _deflection(scene, args.joint)
-    scene.add(Friction(args.joint, lever * args.load, deflection, load=args.load))
+    scene.add(elements.Friction(args.joint, lever * args.load, deflection, load=args.load))
 
 
 @connector(
-    Stop,
+    elements.Stop,
     exclusions=("angle", "side"),
     lower=NumberKey(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
     upper=NumberKey(None, "opening above which it acts", unit="rad"),
@@ -187,11 +163,11 @@ def stop(build, args):
         build.refuse("lower", args.lower, f"an opening below `upper`, {args.upper:g} {unit}")
     for angle, side in ((args.lower, "below"), (args.upper, "above")):
         if angle is not None:
-            build.scene.add(element(Stop, args, angle=angle, side=side))
+            build.scene.add(element(elements.Stop, args, angle=angle, side=side))
 
 
 @connector(
-    Latch,
+    elements.Latch,
     exclusions=("one_sided", "name"),
     default_texts={"stiffness": "it holds exactly"},
     holds=ChoiceKey(
@@ -207,7 +183,8 @@ def latch(build, args):
     stiffness and others: the fields of Latch."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
-    build.scene.add(element(RigidLatch if rigid else Latch, args, one_sided=one_sided))
+    kind = elements.RigidLatch if rigid else elements.Latch
+    build.scene.add(element(kind, args, one_sided=one_sided))
 
 
 MOMENTS = ListKey(
@@ -224,12 +201,12 @@ MOMENTS = ListKey(
     back=replace(
         MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
     ),
-    bristle_deflection=key_of(
-        Friction, "bristle_deflection", default=None,
+    bristle_deflection=replace(
+        DEFLECTION_KEY,
         text="half of the way from one branch to the other; left out: as that of friction",
     ),
     **CLASS,
-)  # fmt: skip
+)
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
@@ -241,17 +218,18 @@ def tabulated_spring(build, args):
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
         build.refuse("back", args.back, "one for each opening, none below that on the way there")
-    scene.add(element(TableSpring, args, moments=tuple((loading + unloading) / 2)))
+    scene.add(element(elements.TableSpring, args, moments=tuple((loading + unloading) / 2)))
     if args.back is not None:
         most = float((unloading - loading).max() / 2)
         shares = tuple((unloading - loading) / 2 / (most or 1.0))
         deflection = args.bristle_deflection or _deflection(scene, args.joint)
-        drag = Friction(args.joint, most, deflection, angles=tuple(args.angles), shares=shares)
-        scene.classes[Friction, scene.add(drag)] = "HY"
+        table = {"angles": tuple(args.angles), "shares": shares}
+        drag = elements.Friction(args.joint, most, deflection, **table)
+        scene.classes[elements.Friction, scene.add(drag)] = "HY"
 
 
 @connector(
-    SyncLoop,
+    elements.SyncLoop,
     exclusions=("hinges", "name"),
     default_texts={"rest": "those at the start"},
     joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two on which its pulleys sit"),
@@ -263,14 +241,14 @@ def loop(build, args):
     entry: joints (indices of two hinges), rest (joint coordinates without moment, rad, or None:
     those at the start), and the fields of SyncLoop."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
-    build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
+    build.scene.add(element(elements.SyncLoop, args, hinges=args.joints, rest=rest))
 
 
 @connector(
-    Motor,
+    elements.Motor,
     exclusions=("by_rate",),
     default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
-    damping=key_of(Motor, "damping", default=0.0),
+    damping=key_of(elements.Motor, "damping", default=0.0),
     turn=NumberKey(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
     rate=NumberKey(None, "how fast it turns, times `curve`", unit="rad/s"),
     curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
@@ -286,20 +264,20 @@ def motor(build, args):
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
     rigid = _rigid(build, args, damping=args.damping > 0, backlash=args.backlash is not None)
-    kind = RigidMotor if rigid else Motor
+    kind = elements.RigidMotor if rigid else elements.Motor
     by_rate = args.turn is None
     turn = args.rate if by_rate else args.turn
     build.scene.add(element(kind, args, start=start, turn=turn, by_rate=by_rate))
 
 
-whole(TorqueMotor)
+whole(elements.TorqueMotor)
 
 
 @connector(
-    Release,
+    elements.Release,
     exclusions=("latch",),
     default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},
-    damping=key_of(Release, "damping", default=0.0),
+    damping=key_of(elements.Release, "damping", default=0.0),
     watch=WatchKey(
         None, "another joint, whose opening passes `level` then, or a latch, which catches then"
     ),
@@ -329,11 +307,10 @@ def release(build, args):
         build.openings[args.joint] = hold
     elif rigid and abs(hold - start) > AT_START:
         unit = unit_of(build.scene, args.joint, "rad")
-        build.refuse(
-            "hold",
-            hold,
-            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`",
+        allowed = (
+            f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`"
         )
+        build.refuse("hold", hold, allowed)
     watch = None if latch else args.watch
-    kind = RigidRelease if rigid else Release
+    kind = elements.RigidRelease if rigid else elements.Release
     build.scene.add(element(kind, args, hold=hold, watch=watch, latch=latch))

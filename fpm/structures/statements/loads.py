@@ -6,13 +6,13 @@ from itertools import compress
 
 import numpy as np
 
+from fpm.arithmetic.expressions import Expression, ExpressionError
 from fpm.elements import Drag, Load
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.expressions import Expression, ExpressionError
 from fpm.structures.keys import (
     ChoiceKey,
     CurveExpressionKey,
@@ -273,9 +273,8 @@ def _lead(build, args, particle: int, arm) -> None:
     if np.any(args.spin):
         build.refuse("spin", args.spin.tolist(), "none with `rotations: none`")
     place = scene.position[particle] + scene.frame[particle] @ arm.arm  # where parts assembled
-    constraints = [
-        j for j in scene.kinds.get(Joint, []) if j.type == "held" and j.particles[0] == particle
-    ]
+    joints = (joint for joint in scene.kinds.get(Joint, []) if joint.type == "held")
+    constraints = [joint for joint in joints if joint.particles[0] == particle]
     is_same = [np.allclose(joint.beams[0].arm, arm.arm) for joint in constraints]
     axes_held = "".join(compress((j.support_axes for j in constraints), is_same))
     if not np.any(arm.arm):

@@ -176,9 +176,8 @@ def _height_axis(build, args, directions) -> np.ndarray:
 
 def _straight(scene, args, points, directions, normal) -> list[int]:
     """A bar between two points; the particles at both."""
-    link = scene.add_link(
-        *points, normal, args.section, args.material, args.elements, args.name, args.inertia_scale
-    )
+    shape = args.section, args.material, args.elements, args.name, args.inertia_scale
+    link = scene.add_link(*points, normal, *shape)
     return [int(link.particles[0]), int(link.particles[-1])]
 
 
@@ -195,15 +194,13 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
         # The end of the stretch before, and the start of the one after.
         ends = [(*lumps[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
         inertia, frame = _sum_inertias([(inertias[i], basis) for _, inertias, basis, i in ends])
-        node = scene.add_particles(
-            point, sum(masses[i] for masses, _, _, i in ends), inertia, frame
-        )
+        mass = sum(masses[i] for masses, _, _, i in ends)
+        node = scene.add_particles(point, mass, inertia, frame)
         if k:
             line = np.array([nodes[-1], *inner, node[0]])
             label = f"{args.name} from {args.through[k - 1].name.rpartition('.')[2]}"
-            scene.add_beams(
-                np.column_stack([line[:-1], line[1:]]), args.section, args.material, normal, label
-            )
+            pairs = np.column_stack([line[:-1], line[1:]])
+            scene.add_beams(pairs, args.section, args.material, normal, label)
         nodes.append(int(node[0]))
         if k < len(axes):
             masses, inertias = lumps[k]
@@ -321,8 +318,9 @@ MASS = {
     "mass": replace(_size("its mass, evenly in it; this or `density`", "kg"), default=None),
     "density": replace(_size("of its material, in the place of `mass`", "kg/m3"), default=None),
 }
-LINE = {"from": replace(POINT, text="one of its points, an end of its axis"),
-        "to": replace(POINT, text="the other end"), **MASS}  # fmt: skip
+END_TEXTS = {"from": "one of its points, an end of its axis", "to": "the other end"}
+LINE = {**{key: replace(POINT, text=text) for key, text in END_TEXTS.items()}, **MASS}
+ROD_DIAMETER = "of a solid round rod; left out: a line, which nothing may turn about itself"
 
 
 def _mass_of(build, args, volume: float, remedy: str) -> float:
@@ -356,10 +354,9 @@ def _cylinder(build, args, section: Section | None) -> Body:
     "bodies",
     "rod",
     **LINE,
-    diameter=replace(_size("of a solid round rod; left out: a line, which nothing may turn about "
-                           "itself"), default=None),
+    diameter=NumberKey(None, ROD_DIAMETER, "m", above=0),
     points=POINTS,
-)  # fmt: skip
+)
 def rod(build, args):
     """A straight rigid rod between two points, its mass evenly along it.
 

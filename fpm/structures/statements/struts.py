@@ -23,8 +23,7 @@ def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
     beams = tuple(build.scene.arm_to(particle, place) for particle, place in points)
-    strut = Strut(args.name, beams, tuple(lengths), tuple(forces), slopes, args.damping)
-    build.scene.add(strut)
+    build.scene.add(Strut(args.name, beams, tuple(lengths), tuple(forces), slopes, args.damping))
 
 
 def _length(build, args) -> float:

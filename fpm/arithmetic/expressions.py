@@ -12,13 +12,13 @@ import operator
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
 
+from fpm.arithmetic.units import BARE, CHAIN, NUMBER, Dimension, Unit, power, product, unit
 from fpm.errors import number_hint
-from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
 
 LONGEST = 500
 """Number of characters that an expression may have."""
@@ -47,6 +47,11 @@ def _interpolate(x: float, *points: float) -> float:
     k = min(max(bisect_right(places, x), 1), len(places) - 1)
     weight = min(max((x - places[k - 1]) / (places[k] - places[k - 1]), 0.0), 1.0)
     return (1.0 - weight) * values[k - 1] + weight * values[k]
+
+
+def _choose(choice: Callable, *values: float) -> float:
+    """The least or largest of those values that are numbers; NaN without any."""
+    return choice((value for value in values if not math.isnan(value)), default=math.nan)
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -79,8 +84,8 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
     "sqrt": (math.sqrt, 1, 1),
     "exp": (math.exp, 1, 1),
     "abs": (abs, 1, 1),
-    "min": (min, 2, 20),
-    "max": (max, 2, 20),
+    "min": (partial(_choose, min), 2, 20),
+    "max": (partial(_choose, max), 2, 20),
     "interpolate": (_interpolate, 5, 41),
 }
 RESERVED_NAMES = (*_FUNCTIONS, "pi")
@@ -112,7 +117,7 @@ class Expression:
     def __init__(self, text: str):
         self.text = text
         self.names: set[str] = set()
-        self._quantities: dict[str, tuple[float, Dimension]] = {}
+        self.constants: dict[str, tuple[float, Unit]] = {}
         self._divisors: set[str] = set()  # those right behind a slash, but for rad
         if len(text) > LONGEST:
             raise ExpressionError(f"longer than {LONGEST} characters; allowed: several under `let`")
@@ -149,7 +154,7 @@ class Expression:
 
     def _quantity(self, match: re.Match) -> str:
         """A name for a number with a unit, which what stands beside it must leave together."""
-        name = f"_{len(self._quantities)}_"
+        name = f"_{len(self.constants)}_"
         prefix, suffix = match["before"] or "", match["after"] or ""
         number, chain = match["number"], match["unit"]
         if suffix:
@@ -160,7 +165,7 @@ class Expression:
         if prefix.startswith("**"):
             raise ExpressionError(f"**{number} {chain}: an exponent is a number without unit")
         chain_unit = unit(chain)
-        self._quantities[name] = chain_unit.si(float(number)), chain_unit.dimension
+        self.constants[name] = chain_unit.si(float(number)), chain_unit
         if prefix and chain_unit.si(1.0) != 1.0:
             self._divisors.add(name)
         return f"{prefix} {name} "
@@ -212,9 +217,10 @@ class Expression:
         raise ExpressionError(f"not arithmetic{number_hint(self.text) or f'; allowed: {ALLOWED}'}")
 
     def _name(self, name: str) -> tuple[Evaluator, Measure]:
-        if name == "pi" or name in self._quantities:
-            value, dimension = self._quantities.get(name, (math.pi, NUMBER))
-            return (lambda names: value), (lambda names: dimension)
+        if name == "pi" or name in self.constants:
+            value, constant_unit = self.constants.get(name, (math.pi, None))
+            dimension = constant_unit.dimension if constant_unit else NUMBER
+            return (lambda names: value), (lambda names: names.get(name, dimension))
         if name.startswith("_") or name in _FUNCTIONS:
             raise ExpressionError(f"{name} is not a value; allowed: {ALLOWED}")
         self.names.add(name)

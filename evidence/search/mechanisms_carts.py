@@ -1,0 +1,312 @@
+"""Carts on slides and flaps on hinges, with latches, stops, friction and loads: closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from evidence.search.mechanisms import Mechanism
+
+UNITS = {"k": "N/m", "k2": "N/m", "r": "m", "r2": "m", "v": "m/s", "mass": "kg", "c": "N s/m",
+         "F": "N", "d": "m", "q": "N/m", "idle": "kg", "kt": "N m/rad", "M": "N m", "h": "N m",
+         "phi": "rad"}  # fmt: skip
+PHASES, WEIGHTS = np.polynomial.legendre.leggauss(160)
+SPRING = "push: {type: spring, joint: rail, stiffness: k, rest: %s}; "
+PIN = "pin: {type: latch, joint: rail, position: %s, side: below}"
+SLOW = ", max_capture_rate: %s m/s}"
+X, RATE = {"opening": "rail"}, {"opening_rate": "rail"}
+CATCH = {"event": "latches", "of": "pin"}
+Values = np.ndarray
+
+
+def structure(intervals: dict, actions: str, bodies: str = "", joints: str = "", top: str = "",
+              opening: str = "0 m") -> str:  # fmt: skip
+    """Text of a cart on the slide `rail`, or of a flap on a hinge, and what acts on it."""
+    parameters = "".join(
+        f"  {name}: {{value: {sum(ends) / 2!r}, unit: {UNITS[name]}, description: {name}}}\n"
+        for name, ends in intervals.items()
+    )
+    kind = "revolute" if "kt" in intervals else "prismatic"
+    mass = "mass" if "mass" in intervals else "1 kg"
+    start = "opening_rates: {go: {joint: rail, rate: v}}" if "v" in intervals else ""
+    pull = "loads: {pull: {part: cart, at: a, force: [-F, 0, 0]}}" if "F" in intervals else ""
+    blocks = (
+        f"name: cart\nparameters:\n{parameters}points: "
+        "{a: [0, 0, 0], b: [0, 2, 0], e: [0, 4, 0]}",
+        f"bodies:\n  cart: {{mass: {mass}, centre: a, inertia: [1, 1, 1]}}; {bodies}",
+        f"joints:\n  rail: {{type: {kind}, parts: [ground, cart], at: a, "
+        f"axis: x, opening: {opening}}}; {joints}",
+        f"actions:\n  {actions}",
+        start, pull, top,
+    )  # fmt: skip
+    return "\n".join(block.rstrip("; ").replace("; ", "\n  ") for block in blocks if block) + "\n"
+
+
+def box(name: str, intervals: dict, quantities: dict, model, actions: str, responses=None,
+        duration: float = 3.0, instants: int = 401, margins=None,
+        **texts: str) -> Mechanism:  # fmt: skip
+    """A mechanism by its intervals and what acts."""
+    text = structure(intervals, actions, **texts)
+    responses = {"x": X} if responses is None else responses
+    return Mechanism(name, text, intervals, responses, quantities, model, duration, instants,
+                     margins=margins or {})  # fmt: skip
+
+
+def reach(x: Values, v: Values, w: Values, level: Values) -> Values:
+    """Time at which a harmonic motion, from x below a level with rate v, first reaches it."""
+    radius = np.hypot(x, v / w)
+    ratio = np.where(radius >= level, level / radius, np.nan)
+    return np.mod(np.arctan2(v / w, x) - np.arccos(ratio), 2 * np.pi) / w
+
+
+def columns(*values: Values) -> Values:
+    """Values as columns."""
+    return np.stack(np.broadcast_arrays(*values), axis=1)
+
+
+def when(condition: Values, values: Values) -> Values:
+    """Values where something holds."""
+    return np.where(condition, values, np.nan)
+
+
+def race(v: Values, r: Values, k: Values) -> Values:
+    """Times of the first of two latches, 0.5 ahead and 0.4 behind, and of each."""
+    w = np.sqrt(k)
+    up, down = reach(-r, v, w, 0.5 - r), reach(r, -v, w, 0.4 + r)
+    first = np.fmin(up, down)
+    return columns(first, when(up == first, up), when(down == first, down))
+
+
+def ratchet(v: Values, k: Values, r: Values) -> Values:
+    """Times of the second and third tooth, and where it comes to rest on one."""
+    w = np.sqrt(k)
+    second, third = (reach(r, v, w, r + level) for level in (0.4, 0.6))
+    tooth = 0.2 + 0.2 * np.isfinite(second) + 0.2 * np.isfinite(third)
+    return columns(second, third, (20e3 * tooth - k * r) / (20e3 + k))
+
+
+def stick(kt: Values, M: Values, phi: Values) -> Values:
+    """Where a flap that dry friction holds stops, its highest rate, and when it passes 0.2."""
+    reach_half = np.maximum(phi - M / kt, 0.0)
+    passes = np.arccos(1 - np.where(reach_half > 0.1, 0.2 / reach_half, np.nan)) / np.sqrt(kt)
+    return columns(2 * reach_half, reach_half * np.sqrt(kt), passes)
+
+
+def latch(k: Values, r: Values, d: Values = 1.0) -> Values:
+    """Time and rate with which a cart is caught that a spring pushes from rest."""
+    w = np.sqrt(k)
+    time = reach(-r, 0 * r, w, d - r)
+    rate = w * np.sqrt(np.maximum(2 * r * d - d * d, 0))
+    return columns(time, np.where(np.isfinite(time), rate, 0.0))
+
+
+def driven(k: Values, c: Values, m: Values = 1.0) -> Values:
+    """Root mean square, over 12 s, of what sin(10 t) drives from rest."""
+    k, c, m = np.broadcast_arrays(k, c, m)
+    t, decay = 6 * (PHASES + 1), c / (2 * m)
+    size = 1 / (k - 100 * m + 10j * c)
+    w = np.sqrt(k / m - decay**2)
+    x = -size.imag
+    v = -10 * size.real + decay * x
+    forced = (size[:, None] * np.exp(10j * t)).imag
+    own = np.exp(-decay[:, None] * t) * (
+        x[:, None] * np.cos(w[:, None] * t) + (v / w)[:, None] * np.sin(w[:, None] * t)
+    )
+    return np.sqrt((forced + own) ** 2 @ WEIGHTS / 2)[:, None]
+
+
+def corner(v: Values, k: Values, F: Values) -> Values:
+    """Time and rate at 0.62, reached against a spring and a load."""
+    w, behind = np.sqrt(k), F / k
+    time = reach(behind, v, w, 0.62 + behind)
+    left = v**2 - k * 0.62**2 - 2 * F * 0.62
+    return columns(time, when(np.isfinite(time), np.sqrt(np.maximum(left, 0))))
+
+
+def plateau(v: Values, m: Values) -> Values:
+    """How far a cart goes into a spring of two slopes, up to a latch at 0.5."""
+    energy = m * v**2 / 2
+    bent = np.minimum(2 * np.sqrt(0.9 + energy) - 1.8, 0.5)  # 1 + energy - 0.1 under the root
+    return columns(np.where(energy < 0.1, np.sqrt(energy / 2.5), bent))
+
+
+def humps(k: Values, c: Values) -> Values:
+    """Where a cart let go at 1 is after 2 s."""
+    w = np.sqrt(k - c**2 / 4)
+    return columns(np.exp(-c) * (np.cos(2 * w) + c / (2 * w) * np.sin(2 * w)))
+
+
+def stop(v: Values, k: Values) -> Values:
+    """When a stop at 0.25 is hit, how far it is pressed in, and its force."""
+    w, q = np.sqrt(k), 400.0
+    time = reach(0 * v, v, w, 0.25)
+    over = np.maximum(v**2 - k * 0.0625, 0)
+    deep = (np.sqrt(k**2 * 0.0625 + (k + q) * over) - 0.25 * k) / (k + q)
+    return columns(time, np.where(over > 0, 0.25 + deep, v / w), -q * deep)
+
+
+def rebound(v: Values, c: Values, m: Values) -> Values:
+    """Rate with which a damped stop at 0.1 throws a cart back."""
+    z = c / (2 * np.sqrt(400 * m)) + 0j
+    s = np.sqrt(1 - z**2 + 1e-14)
+    angle = np.log((z - 1j * s) / (z + 1j * s)) / -2j
+    angle = np.where(z.real < 1, np.arctan2(s.real, z.real), angle)
+    return columns(-v * np.exp(-2 * z / s * angle).real)
+
+
+def margin(kt: Values, M: Values, h: Values) -> Values:
+    """Least margin of a spring against friction and a harness, at 0.7 rad or at the end."""
+    return columns(kt / 3 * np.minimum(1.8 / (M + h), (2.5 - np.pi / 2) / M) - 1)
+
+
+def relay(k: Values, k2: Values, r2: Values, idle: Values) -> Values:
+    """Times of two latches, the first of which lets the second cart go."""
+    first = np.arccos(1 - 0.3 / 0.5) / np.sqrt(k)
+    return columns(first, first + reach(-r2, 0 * r2, np.sqrt(k2), 0.3 - r2) + 0 * idle)
+
+
+def separatrix(v: Values, q: Values) -> Values:
+    """Time at which a cart that is pushed back before 0, and away behind it, comes to 0.5."""
+    w = np.sqrt(q)
+    ahead, behind = (v / w - 0.5) / 2, (-0.5 - v / w) / 2
+    ahead = np.where(ahead > 0, ahead, np.nan)
+    times = [
+        np.log((level + np.sqrt(level**2 - 4 * ahead * behind)) / (2 * ahead)) / w
+        for level in (0.45, 0.5)
+    ]
+    return columns(*(when(time <= 3, time) for time in times))
+
+
+def slow(v: Values, c: Values, m: Values) -> Values:
+    """Time at which a cart that a damper brakes is caught at 0.6, and where it is after 3 s."""
+    far, rate = m * v / c, c / m
+    time = -np.log(np.where(far > 0.6, 1 - 0.6 / far, np.nan)) / rate
+    return columns(when(time <= 3, time), np.minimum(far * (1 - np.exp(-3 * rate)), 0.6))
+
+
+def missed(v: Values, k: Values) -> Values:
+    """Times at which a latch at 0.3 catches, and at which it is passed too fast."""
+    time = reach(0 * v, v, np.sqrt(k), 0.3)
+    fast = v**2 - 0.09 * k > 0.64
+    return columns(when(~fast, time), when(fast, time))
+
+
+def swings(v: Values, k: Values, c: Values) -> Values:
+    """Time at which a damped cart comes up to 0.2 slowly enough, at most 0.9, and how fast."""
+    a = c / 2
+    w = np.sqrt(k - a**2)
+    x = lambda t: v / w * np.exp(-a * t) * np.sin(w * t)  # noqa: E731
+    rate = lambda t: v * np.exp(-a * t) * (np.cos(w * t) - a / w * np.sin(w * t))  # noqa: E731
+    caught = np.full(len(v), np.nan)
+    for number in range(4):
+        peak = (np.arctan2(w, a) + 2 * np.pi * number) / w
+        low = np.maximum(peak - np.pi / w, 0)
+        high, is_up = peak, x(peak) >= 0.2
+        for _ in range(60):
+            middle = (low + high) / 2
+            above = x(middle) >= 0.2
+            low, high = np.where(above, low, middle), np.where(above, middle, high)
+        catches = is_up & (rate(high) <= 0.9) & np.isnan(caught) & (high <= 3)
+        caught = np.where(catches, high, caught)
+    return columns(caught, np.where(np.isfinite(caught), rate(caught), 0.0))
+
+
+def swing(v: Values, k: Values, m: Values, F: Values) -> Values:
+    """How far a cart goes against a spring and a load."""
+    return columns(np.sqrt((F / k) ** 2 + m * v**2 / k) - F / k)
+
+
+def of_columns(function):
+    """A model of points (P, k) from a function of their columns."""
+    return lambda points: function(*np.asarray(points, dtype=float).T)
+
+
+RACE = ("up: {type: latch, joint: rail, position: 0.5 m, side: below}; "
+        "down: {type: latch, joint: rail, position: -0.4 m, side: above}")  # fmt: skip
+FIRST = {"first": {"event": "latches"}, "ahead": {"event": "latches", "of": "up"},
+         "behind": {"event": "latches", "of": "down"}}  # fmt: skip
+TEETH = "; ".join(
+    f"{name}: {{type: latch, joint: rail, position: {level} m, side: below, holds: one way, "
+    "stiffness: 20 kN/m, damping: 100 N s/m}"
+    for name, level in (("one", 0.2), ("two", 0.4), ("three", 0.6))
+)
+CAUGHT = {"t": CATCH, "rate": {"final": "caught"}}
+WITH_RATE = {"x": X, "caught": {"latch_rate": "pin"}}
+DRIVE = ("curves: {wave: {expression: sin(10 rad/s * t), over: [0, 12 s]}}\n"
+         "loads: {push: {part: cart, at: a, force: [1 N, 0, 0], curve: wave}}")  # fmt: skip
+DAMPER = "oil: {type: damper, joint: rail, damping: c}"
+RMS = {"size": {"rms": "x"}}
+
+BOXES = (
+    box("race of two latches", {"v": (-2, 2), "r": (-0.1, 0.25)}, FIRST,
+        of_columns(lambda v, r: race(v, r, 9.0)),
+        SPRING.replace("stiffness: k", "stiffness: 9 N/m") % "r" + RACE),
+    box("race, three parameters", {"v": (0.4, 2.2), "r": (-0.2, 0.2), "k": (6, 12)}, FIRST,
+        of_columns(race), SPRING % "r" + RACE),
+    box("ratchet", {"v": (1.3, 2.2), "k": (4, 8), "r": (0.1, 0.3)},
+        {"t2": {"event": "latches", "of": "two"}, "t3": {"event": "latches", "of": "three"},
+         "end": {"final": "x"}}, of_columns(ratchet), SPRING % "-r" + TEETH),
+    box("stick and slip", {"kt": (2, 4), "M": (0.6, 1.5), "phi": (0.35, 0.45)},
+        {"end": {"final": "x"}, "fastest": {"largest": "w"},
+         "passes": {"crossing": "x", "level": 0.2, "way": "rising"}}, of_columns(stick),
+        "push: {type: torsion spring, joint: rail, stiffness: kt, rest: phi}; "
+        "dry: {type: friction, joint: rail, moment: M, sticks: exactly}",
+        {"x": X, "w": RATE}, opening="0"),
+    box("latch in 60 %", {"k": (15, 25), "r": (0.4, 0.65)}, CAUGHT, of_columns(latch),
+        SPRING % "r" + PIN % "1 m", WITH_RATE),
+    box("latch in 5 %", {"k": (15, 25), "r": (0.4, 0.54), "d": (1.0, 1.2)}, CAUGHT,
+        of_columns(latch), SPRING % "r" + PIN % "d", WITH_RATE),
+    box("needle", {"k": (60, 140)}, RMS, of_columns(lambda k: driven(k, 0.3)),
+        (SPRING % "0 m" + DAMPER).replace("damping: c", "damping: 0.3 N s/m"), duration=12,
+        instants=1201, top=DRIVE),
+    box("needle, two parameters", {"k": (60, 140), "c": (0.2, 0.6)}, RMS, of_columns(driven),
+        SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
+    box("resonance inside", {"k": (60, 140), "c": (1.5, 2.5), "mass": (0.9, 1.1)}, RMS,
+        of_columns(driven), SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
+    box("corner", {"v": (1.0, 1.6), "k": (4, 8), "F": (0.2, 1.0)},
+        {"t": CATCH, "rate": {"value": "w", "at": "t"}}, of_columns(corner),
+        SPRING % "0 m" + PIN % "0.62 m", {"x": X, "w": RATE}),
+    box("plateau", {"v": (0.3, 1.1), "mass": (0.8, 1.2)}, {"far": {"largest": "x"}},
+        of_columns(plateau), "bent: {type: tabulated spring, joint: rail, "
+        "positions: [0 m, 0.2 m, 0.6 m], forces: [0 N, -1 N, -1.2 N]}; " + PIN % "0.5 m"),
+    box("two humps", {"k": (4, 60), "c": (0.1, 0.6)}, {"end": {"final": "x"}}, of_columns(humps),
+        SPRING % "0 m" + DAMPER, duration=2, opening="1 m"),
+    box("stop hit or not", {"v": (0.4, 1.2), "k": (4, 8)},
+        {"t": {"event": "hits"}, "far": {"largest": "x"}, "force": {"smallest": "f"}},
+        of_columns(stop), SPRING % "0 m"
+        + "end: {type: stop, joint: rail, upper: 0.25 m, stiffness: 400 N/m}",
+        {"x": X, "f": {"joint_moment": "rail", "part": "stop"}}, duration=1.2),
+    box("rebound", {"v": (0.5, 1.5), "c": (2, 60), "mass": (0.8, 1.2)}, {"back": {"final": "w"}},
+        of_columns(rebound),
+        "end: {type: stop, joint: rail, upper: 0.1 m, stiffness: 400 N/m, damping: c}",
+        {"x": X, "w": RATE}, duration=1.0),
+    box("margin", {"kt": (0.8, 1.2), "M": (0.1, 0.2), "h": (0.05, 0.25)}, {}, of_columns(margin),
+        "push: {type: torsion spring, joint: rail, stiffness: kt, rest: 2.5 rad}; "
+        "dry: {type: friction, joint: rail, moment: M}; wires: {type: tabulated spring, "
+        "joint: rail, angles: [0, 0.7 rad, 1.4 rad], moments: [0, -h, 0]}", {}, duration=0.001,
+        opening="0",
+        margins={"sheet": {"along": "rail", "to": "90 deg", "standard": "nasa-std-5017b"}}),
+    box("relay", {"k": (8, 12), "k2": (8, 12), "r2": (0.14, 0.2), "idle": (0.5, 2)},
+        {"t": CATCH, "t2": {"event": "latches", "of": "second"}}, of_columns(relay),
+        SPRING % "0.5 m" + PIN % "0.3 m" + "; go: {type: release, joint: other, watch: pin}; "
+        "push2: {type: spring, joint: other, stiffness: k2, rest: r2}; "
+        "second: {type: latch, joint: other, position: 0.3 m, side: below}",
+        bodies="two: {mass: 1 kg, centre: b, inertia: [1, 1, 1]}; "
+        "three: {mass: idle, centre: e, inertia: [1, 1, 1]}",
+        joints="other: {type: prismatic, parts: [ground, two], at: b, axis: x}; "
+        "third: {type: prismatic, parts: [ground, three], at: e, axis: x}"),
+    box("separatrix", {"v": (0.8, 1.6), "q": (3.5, 4.5)},
+        {"t": {"crossing": "x", "level": 0.45, "way": "rising"}, "t2": CATCH},
+        of_columns(separatrix), "away: {type: tabulated spring, joint: rail, "
+        "positions: [-1 m, 1 m], forces: [-q*(1 m), q*(1 m)]}; " + PIN % "0.5 m", opening="-0.5 m"),
+    box("slows down", {"v": (0.8, 1.2), "c": (1, 2), "mass": (0.9, 1.1)},
+        {"t": CATCH, "end": {"final": "x"}}, of_columns(slow), DAMPER + "; " + PIN % "0.6 m"),
+    box("passed too fast", {"v": (0.6, 1.4), "k": (2, 6)},
+        {"t": CATCH, "missed": {"event": "misses"}}, of_columns(missed),
+        SPRING % "0 m" + (PIN % "0.3 m").replace("}", SLOW % 0.8), duration=1),
+    box("caught by a later swing", {"v": (0.8, 2), "k": (9, 16), "c": (0.4, 0.8)}, CAUGHT,
+        of_columns(swings),
+        SPRING % "0 m" + DAMPER + "; " + (PIN % "0.2 m").replace("}", SLOW % 0.9),
+        WITH_RATE),
+    box("swing of four", {"v": (1, 2), "k": (4, 8), "mass": (0.8, 1.2), "F": (0.1, 0.6)},
+        {"far": {"largest": "x"}}, of_columns(swing), SPRING % "0 m", duration=1.5),
+)  # fmt: skip

@@ -287,11 +287,13 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     """Further runs at the ends of quantities may show more, or less, than the rounds knew."""
     found, text = told(True, 0.04, 0.16, None)
     assert (found["met"], found["unmet"]) == (False, ["y", "z"])
-    assert "is not met by y (16 % for 5 %), z (unknown for 5 %) and is by all others" in text
+    assert "is not met by y (16 % for 5 %), z (unknown for 5 %); 1 other within" in text
     assert "the rounds found it met; runs for the ends of quantities showed more" in text
     found, text = told(False, 0.06)
     assert (found["met"], found["reason"]) == (False, "the budget is spent")
-    assert "and is by" not in text
+    assert "other" not in text
+    found, text = told(False, 0.05004, 0.0506)  # as printed, 5 and 5.06 %
+    assert found["unmet"] == ["y"] and "y (5.06 % for 5 %); 1 other" in text
     found, text = told(False, 0.02, 0.04, "none")
     assert (found["met"], found["unmet"]) == (True, [])
     assert "is met, after 1 round" in text

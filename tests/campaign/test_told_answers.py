@@ -322,6 +322,8 @@ def test_two_tolerances_that_help_as_much_are_two_sentences():
     facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
     text = sentence("tolerance", facts)
     assert text.count("half as wide") == 2 and ". The k2" in text
+    text = sentence("tolerance", facts | {"choice": {"kept": True, "limits": [{}]}})
+    assert text.count("may stay as they are.") == 2 and "are. The k2" in text
 
 
 @pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])

@@ -371,6 +371,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     return {
         "met": not unmet,
         "unmet": unmet,
+        "others": len(intervals) - len(unmet),
         "reason": reason,
         "rounds": len(plan.adaptive.rounds),
         "mesh": {mesh: experiment.scene.parameters[mesh]} if mesh else {},
@@ -380,7 +381,8 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
 
 
 def _is_met(errors: Mapping[str, float | None]) -> bool:
-    return errors["share"] is not None and errors["share"] <= errors["target"]
+    """As it is printed: with three digits."""
+    return errors["share"] is not None and float(f"{errors['share']:.3g}") <= errors["target"]
 
 
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:

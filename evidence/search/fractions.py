@@ -5,17 +5,20 @@ by levels, by times, and only by whether it happens."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 import scipy
 
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import Limit, fit_scalar, share_of_box
+from evidence.results import Report, table
+from evidence.rows import at_least, at_most
 
 DIMENSIONS, TYPES = (1, 2, 3, 4, 6), ("happens", "margin", "level", "time")
 RUNS = 20  # for each parameter
 _POINTS = 2**18  # of a Sobol sequence, for true fractions
+_FLOOR, _TOLD = 5e-4, 1e-3  # errors of true fractions; errors whose size should be told
 
 Margin = Callable[[np.ndarray], np.ndarray]
 
@@ -82,3 +85,17 @@ def measure_fractions(quick: bool = False) -> list[FractionCheck]:
         for number, kind in enumerate(TYPES)
         for shape, margin in make_margins(k, np.random.default_rng(10 * k + number)).items()
     ]
+
+
+def report_fractions(checks: list[FractionCheck]) -> Report:
+    """What is asked of the uncertainty of volume fractions, and all of them as a table."""
+    coverage = [c.error <= c.uncertainty + _FLOOR for c in checks]
+    ratios = [c.uncertainty / c.error for c in checks if c.error > _TOLD]
+    rows = [
+        at_least("true fractions within the uncertainty", float(np.mean(coverage)), 0.95),
+        at_most("uncertainty over the true error (median)", float(np.median(ratios)), 3.0),
+    ]
+    lines = [(c.name, *(100 * x for x in (c.true, c.error, c.uncertainty))) for c in checks]
+    header = ("part of the box", "true (%)", "off (%)", "uncertainty (%)")
+    text = "\n## Volume fractions\n\nIn percent of the box.\n\n" + table(header, lines)
+    return Report(rows, {"fractions": [asdict(c) for c in checks]}, text)

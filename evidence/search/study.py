@@ -18,6 +18,7 @@ from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most
 from evidence.search import mechanisms
 from evidence.search.boxes import BOXES, Box
+from evidence.search.fractions import measure_fractions, report_fractions
 from evidence.search.rivals import CLOSE, rival_runs
 
 ITERATIONS = 6  # as `verify.max_iterations`
@@ -114,6 +115,7 @@ def measure_rivals(quick: bool = False) -> list[dict[str, float]]:
 PARTS = {
     "boxes": measure_all,
     "rivals": measure_rivals,
+    "fractions": measure_fractions,
     **{
         part: partial(mechanisms.measure, f"mechanisms_{part}")
         for part in ("carts", "slides", "chains")
@@ -123,11 +125,13 @@ PARTS = {
 
 def report(parts: Mapping[str, list]) -> Report:
     """What the study claims of functions and of mechanisms, and all as tables."""
-    checks = [c for name, part in parts.items() if name not in ("boxes", "rivals") for c in part]
+    functions = ("boxes", "rivals", "fractions")
+    checks = [c for name, part in parts.items() if name not in functions for c in part]
     reports = []
     if "boxes" in parts:
         rivals = [min(runs.values()) for runs in parts.get("rivals", [])]
         reports.append(_report_boxes(parts["boxes"], rivals))
+    reports += [report_fractions(parts["fractions"])] if "fractions" in parts else []
     reports += [mechanisms.report(checks)] if checks else []
     return Report(
         [row for part in reports for row in part.rows],

@@ -112,15 +112,18 @@ class _Climbs:
     def missing_points(self, surrogates: Sequence[Any]) -> np.ndarray:
         """Points (P, k) of runs that tell whether searches missed a part of the box: none where all
         quantities are smooth; else the corners, if these are few, and points spread over the
-        box, so that there are eight runs for each parameter; where a quantity has no value in any
-        run four times as many, eight for each parameter at a time."""
+        box, so that there are eight runs for each parameter; where a quantity has no value and no
+        margin in any run four times as many, eight for each parameter at a time."""
         model = self.model
         if not self.climbs or not any(map(_is_rough, surrogates)):
             return model.points[:0]
         box = model.experiment.box
         corners = box.corners() if box.free.sum() <= _CORNER_DIRECTIONS else model.points[:0]
         corners = [point for point in corners if model.nearest(point)[1] > SAME_POINT]
-        is_blank = any(s.fit is None for s in surrogates)
+        is_blank = any(
+            s.fit is None and not np.isfinite(margin).all()
+            for s, margin in zip(surrogates, model.margins.T, strict=True)
+        )
         total = _PARAMETER_RUNS * int(box.free.sum())
         present = len(model.points) + len(corners)
         count = min((_MOST_SPREAD if is_blank else 1) * total - present, total)

@@ -129,14 +129,13 @@ class Occurrence:
         return self._level_points(_LEVELS)
 
     def _level_points(self, levels: Sequence[float]) -> np.ndarray:
-        """Unit points (P, k) just above each level of the decision value over its scale, each
+        """Unit points (P, k) just above each level of the decision value over its band, each
         between two points of the box of which one is above and one below all levels."""
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        decision = self.decision(spread)
-        highs = spread[decision > max(levels) * self._scale]
-        lows = spread[decision < min(levels) * self._scale]
+        ratios = self._ratios(spread)
+        highs, lows = spread[ratios > max(levels)], spread[ratios < min(levels)]
         if not len(highs) or not len(lows):
             return spread[:0]
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
@@ -144,15 +143,14 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                happens = (self.decision(middle) >= level * self._scale)[:, None]
+                happens = (self._ratios(middle) >= level)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
             border_points.append(high)
         return np.concatenate(border_points)
 
-    @property
-    def _scale(self) -> float:
-        """Size of the decision value next to the border."""
-        return 1.0
+    def _ratios(self, points: np.ndarray) -> np.ndarray:
+        """Decision values (P) over the half-widths of the undecided band at points (P, k)."""
+        return self.decision(points) / np.maximum(self.band(points), np.finfo(float).tiny)
 
     @cached_property
     def _free(self) -> np.ndarray:
@@ -272,7 +270,3 @@ class FittedOccurrence(Occurrence):
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
         uncertain: everywhere the median leave-one-out error of the fit."""
         return np.full(len(points), self.fit.median_error)
-
-    @property
-    def _scale(self) -> float:
-        return self.error

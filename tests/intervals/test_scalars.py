@@ -20,6 +20,7 @@ from deployable.intervals.scalars import (
     find_safest,
     fit_scalar,
     share_of_box,
+    shares_of_box,
     sub_box,
 )
 
@@ -405,3 +406,17 @@ def test_the_limit_that_breaks_first_bounds_the_largest_box_whichever_is_stated_
     assert share == pytest.approx(0.6, abs=1e-6) and order[first] == 2
     np.testing.assert_allclose(at, [0.6, 0.6], atol=1e-6)
     assert find_max_scale([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)
+
+
+def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_once(monkeypatch):
+    points = scan_points(np.ones(2, bool), 20)
+    surrogate = fit_scalar(points, points @ [1.0, 0.3])
+    limits = [Limit(surrogate, "at_most", level) for level in (-0.5, 0.0, 0.5)]
+    sets, calls = [*([limit] for limit in limits), limits[1:]], []
+    alone = [share_of_box(some, np.ones(2)) for some in sets]
+    predict = type(surrogate).predict
+    monkeypatch.setattr(
+        type(surrogate), "predict", lambda s, x: calls.append(len(x)) or predict(s, x)
+    )
+    assert shares_of_box(sets, np.ones(2)) == alone
+    assert sum(calls) < 2048 * 65 * 1.01

@@ -33,26 +33,21 @@ def bounds_dataset(
 
     Parameters
     ----------
-    samples
-        Dimensions run, response, time, parameter; variables ``values`` (run, response, time),
+    samples: dimensions run, response, time, parameter; variables ``values`` (run, response, time),
         ``normalized`` (-1 to 1) and ``value`` (run, parameter), ``role`` (run); coordinates
         ``time`` (s) and ``response`` (names), and ``response_units``, ``response_long_name``
         (response) to be taken over. Running bounds may stand in the place of values, for the model
         "scan" (see `read_samples`).
-    design
-        Its points must be among the runs (recognised by their unit coordinates, in any order). All
-        other runs, whatever their role, test the polynomial. A scan without order has none: its
+    design: its points must be among the runs (recognised by their unit coordinates, in any order).
+        All other runs, whatever their role, test the polynomial. A scan without order has none: its
         model is "scan". Splines and scans take all runs, and need no design (None).
-    responses
-        Names of those wanted; None: all.
-    model
-        One of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
+    responses: names of those wanted; None: all.
+    model: one of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
         one cubic spline through all runs, those of a scan or held out included; "scan", the least
         and the largest sample.
-    window
-        Half width (s) of the time in which the largest error counts; None: 0.5 % of the duration.
-    options
-        Keyword-only arguments of the model's constructor, as `tolerance` of `PolynomialModel`.
+    window: half width (s) of the time in which the largest error counts; None: 0.5 % of the
+        duration.
+    options: keyword-only arguments of the model's constructor, as `tolerance` of `PolynomialModel`.
 
     Returns
     -------
@@ -245,12 +240,9 @@ def compare_bounds(
 
     Parameters
     ----------
-    time
-        Instants (T), s.
-    lower, upper
-        Bounds (T).
-    reference_lower, reference_upper
-        Bounds (T) that are taken as true.
+    time: instants (T), s.
+    lower, upper: bounds (T).
+    reference_lower, reference_upper: bounds (T) that are taken as true.
 
     Returns
     -------
@@ -285,10 +277,8 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
 
     Parameters
     ----------
-    lower, upper
-        Bounds (T) of one response.
-    values
-        That response (H, T) in H runs at the same T instants."""
+    lower, upper: bounds (T) of one response.
+    values: that response (H, T) in H runs at the same T instants."""
     distances = np.maximum(lower - values, values - upper)
     if not distances.size:
         return {"coverage": float("nan"), "worst_violation": 0.0}

@@ -26,10 +26,8 @@ class Box:
 
     Attributes
     ----------
-    names
-        Names of the k parameters, each once.
-    lower, upper
-        Bounds (k) in the units of the parameters, lower <= upper."""
+    names: names of the k parameters, each once.
+    lower, upper: bounds (k) in the units of the parameters, lower <= upper."""
 
     names: tuple[str, ...]
     lower: np.ndarray

@@ -118,16 +118,11 @@ def fit_curves(
 
     Parameters
     ----------
-    test
-        Its instants are those at which the errors count.
-    points, curves
-        Coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
-    times
-        Recorded instants (R) in s, at least four.
-    hull
-        Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
-    run_errors
-        Errors (n, T) of the runs themselves, such as those of their time step."""
+    test: its instants are those at which the errors count.
+    points, curves: coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
+    times: recorded instants (R) in s, at least four.
+    hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
+    run_errors: errors (n, T) of the runs themselves, such as those of their time step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     x = (points - center) / half
     rows = np.flatnonzero((np.abs(x) <= 1.0 + 2 * _WIDER).all(axis=1))
@@ -524,25 +519,17 @@ def calibrate(
 
     Parameters
     ----------
-    tests
-        At least one.
-    times
-        Recorded instants (R) of runs in s, which span the instants of all tests and delays.
-    evaluate
-        Function of the number of a test and coordinates (N, p), -1 to 1 in its box and starts, that
-        returns the curves (N, n, R) of runs there.
-    finer
-        Function of the number of a test and coordinates (p) that returns the curves (n, R) of a run
-        there with half the step.
-    hull
-        Part of the box (2, k) in which to look, -1 to 1.
-    data
-        Runs of each test that were made before; none if it is empty.
-    waves, most
-        Largest numbers of waves of runs, and of runs of each test; twice both where no point
-        explains.
-    notify
-        Called with messages."""
+    tests: at least one.
+    times: recorded instants (R) of runs in s, which span the instants of all tests and delays.
+    evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in its box and
+        starts, that returns the curves (N, n, R) of runs there.
+    finer: function of the number of a test and coordinates (p) that returns the curves (n, R) of a
+        run there with half the step.
+    hull: part of the box (2, k) in which to look, -1 to 1.
+    data: runs of each test that were made before; none if it is empty.
+    waves, most: largest numbers of waves of runs, and of runs of each test; twice both where no
+        point explains.
+    notify: called with messages."""
     state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves, most)

@@ -86,24 +86,19 @@ def make_design(
 
     Parameters
     ----------
-    method
-        ``tensor_roots`` (full grid of (n + 1)^k Chebyshev roots), ``tensor_lobatto`` (full grid of
-        extreme points; nested when the order doubles, corners included), ``smolyak`` (sparse grid
-        of nested Lobatto rules), ``sobol`` (corners and a Sobol sequence), each in up to 8
+    method: ``tensor_roots`` (full grid of (n + 1)^k Chebyshev roots), ``tensor_lobatto`` (full grid
+        of extreme points; nested when the order doubles, corners included), ``smolyak`` (sparse
+        grid of nested Lobatto rules), ``sobol`` (corners and a Sobol sequence), each in up to 8
         directions; ``screening`` (centre, ends one at a time, a two-level design with its
         fold-over) in up to 60.
-    box
-        A Box, or a number of directions that all have a width.
-    order
-        Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). ``sobol``
-        may have none: then there is no surrogate, only the least and largest sample. With one, the
-        polynomials of that total degree are fitted by least squares. ``screening`` takes none: its
-        polynomials are sums of quadratic ones of one parameter each.
-    max_runs
-        Largest number of points that is allowed.
-    options
-        Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0). Of
-        ``screening``: ``samples``, the most points that are allowed (1024)."""
+    box: a Box, or a number of directions that all have a width.
+    order: polynomial order n >= 1, or one for each direction (0 keeps a direction constant).
+        ``sobol`` may have none: then there is no surrogate, only the least and largest sample. With
+        one, the polynomials of that total degree are fitted by least squares. ``screening`` takes
+        none: its polynomials are sums of quadratic ones of one parameter each.
+    max_runs: largest number of points that is allowed.
+    options: of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence
+        (0). Of ``screening``: ``samples``, the most points that are allowed (1024)."""
     kind = METHODS[check_choice("method", method, METHODS)]
     if isinstance(box, Box):
         free = box.free

@@ -81,14 +81,10 @@ def seek_points(
 
     Parameters
     ----------
-    points, values
-        Points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
-    count
-        Largest number of points to be returned.
-    candidates
-        Number of points at which the spline is evaluated.
-    seed
-        Random seed of the candidates; should differ from iteration to iteration.
+    points, values: points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
+    count: largest number of points to be returned.
+    candidates: number of points at which the spline is evaluated.
+    seed: random seed of the candidates; should differ from iteration to iteration.
 
     Returns
     -------

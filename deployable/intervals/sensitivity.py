@@ -64,13 +64,10 @@ def sensitivity_dataset(
 
     Parameters
     ----------
-    samples
-        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+    samples: runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
         (run, parameter).
-    design
-        Points among the runs, and the polynomials that are fitted to these runs.
-    responses
-        Names of the responses that are wanted; None: all.
+    design: points among the runs, and the polynomials that are fitted to these runs.
+    responses: names of the responses that are wanted; None: all.
 
     Returns
     -------
@@ -127,11 +124,9 @@ def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
 
     Parameters
     ----------
-    samples
-        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+    samples: runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
         (run, parameter).
-    design
-        Points among the runs, and the polynomials that are fitted to these runs.
+    design: points among the runs, and the polynomials that are fitted to these runs.
 
     Returns
     -------

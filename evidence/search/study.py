@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.answers.evaluations import ModelEvaluator
-from deployable.campaign.answers.quantity_bounds import converge_bounds
+from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.intervals.box import Box as ParameterBox
 from deployable.intervals.box import corner_points
 from deployable.intervals.designs import scan_points
@@ -28,7 +28,7 @@ MOST_RATIO = 1.5  # of the runs to those of the best rival
 @dataclass(frozen=True)
 class BoxCheck:
     """The bounds of a box: true, reported, of the runs and their errors (2 each), and the runs.
-    found: number of runs after which both bounds were close and stayed so, else infinite."""
+    search_runs: number of runs after which both bounds were close and stayed so, else infinite."""
 
     name: str
     runs: int
@@ -36,7 +36,7 @@ class BoxCheck:
     outer_bounds: tuple[float, float]
     attained: tuple[float, float]
     errors: tuple[float, float]
-    found: float = np.nan
+    search_runs: float = np.nan
 
     @property
     def width(self) -> float:
@@ -82,17 +82,23 @@ class _BoxEvaluator(ModelEvaluator):
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
 
-def search(box: Box) -> BoxCheck:
-    """Search the bounds of a box as a campaign does."""
+def find_bounds(box: Box) -> tuple[QuantityBounds, np.ndarray]:
+    """Bounds of a box, sought as a campaign does, and the values (R) of all runs in their order."""
     model = _BoxEvaluator(box)
     (bounds,) = converge_bounds(model, ITERATIONS)
-    errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
-    attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(model.points)
+    return bounds, model.numbers[:, 0]
+
+
+def search(box: Box) -> BoxCheck:
+    """Search the bounds of a box, and compare them with the true ones."""
+    bounds, values = find_bounds(box)
+    errors = tuple(max(e.error, bounds.surrogate.bound_error) for e in bounds.estimates)
+    attained, true, count = (bounds.lower, bounds.upper), box.true_bounds(), len(values)
     check = BoxCheck(box.name, count, true, bounds.outer, attained, errors)
-    close = np.abs(np.subtract.outer(true, model.numbers[:, 0])) <= CLOSE * check.width  # (2, R)
+    close = np.abs(np.subtract.outer(true, values)) <= CLOSE * check.width  # (2, R)
     counts = np.where(close.any(axis=1), close.argmax(axis=1) + 1.0, count)
     is_found = (check.misses() <= CLOSE * check.width).all()
-    return replace(check, found=float(counts.max()) if is_found else np.inf)
+    return replace(check, search_runs=float(counts.max()) if is_found else np.inf)
 
 
 def measure_all(quick: bool = False) -> list[BoxCheck]:
@@ -144,17 +150,19 @@ def _report_boxes(boxes: list[BoxCheck], rivals: list[float]) -> Report:
         at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.95),
         at_most("reported bounds worse than those of the runs", float(np.sum(worse)), 0.0),
     ]
-    ratios = [b.found / best for b, best in zip(boxes, rivals, strict=False) if np.isfinite(best)]
+    ratios = [
+        b.search_runs / best for b, best in zip(boxes, rivals, strict=False) if np.isfinite(best)
+    ]
     if ratios:
         is_near = [ratio <= MOST_RATIO for ratio in ratios]
-        lost = float(np.isinf(ratios).sum())
+        misses = float(np.isinf(ratios).sum())
         rows += [
             at_most("runs until both are, over the best rival's", float(np.median(ratios)), 1.0),
             at_least(f"boxes with at most {MOST_RATIO:g} of that", float(np.mean(is_near)), 0.9),
-            at_most("boxes where a rival finds both, and this does not", lost, 0.0),
+            at_most("boxes where a rival finds both, and this does not", misses, 0.0),
         ]
     lines = [
-        (b.name, b.runs, b.found, rival, *(f"{v:.4g}" for v in (*b.true, *b.outer_bounds)),
+        (b.name, b.runs, b.search_runs, rival, *(f"{v:.4g}" for v in (*b.true, *b.outer_bounds)),
          *(100 * b.misses() / b.width), *(100 * np.divide(b.errors, b.width)))
         for b, rival in zip(boxes, rivals or itertools.repeat(np.nan), strict=False)
     ]  # fmt: skip

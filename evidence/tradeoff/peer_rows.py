@@ -36,15 +36,12 @@ def _fit_rows(row: dict, fit: dict) -> list[Row]:
 
 
 def _bound_rows(row: dict, bounds: list[dict]) -> list[Row]:
-    """A peer's bounds against ours of each model, from as many runs at most."""
+    """A peer's bounds against the least wrong of ours from as many runs at most."""
     if "skipped" in row:
         return [skip_row(f"one: bounds of a few instants, {row['by']}", row["skipped"])]
-    rows = []
-    for model in ("polynomial", "spline"):
-        fewer = [m for m in bounds if m["calls"] <= row["calls"] and m["model"] == model]
-        if fewer:
-            rows.append(_bound_row(row, max(fewer, key=lambda m: m["calls"])))
-    return rows
+    count = len(row["errors"])
+    fewer = [m for m in bounds if m["calls"] <= row["calls"]]
+    return [_bound_row(row, min(fewer, key=lambda m: sum(m["errors"][:count])))]
 
 
 def _bound_row(row: dict, bound: dict) -> Row:
@@ -52,11 +49,13 @@ def _bound_row(row: dict, bound: dict) -> Row:
     peer_error, error = (sum(m["errors"][:count]) / count for m in (row, bound))
     text = (
         f"one: bounds of vBz at an instant, error of {row['by']} {row['method']} "
-        f"over our {bound['model']}'s"
+        "over the least of ours"
     )
     note = (
         f"{row['calls']:.0f} runs, error {peer_error:.3g} of the width, mean of {count} "
         f"instants, {row['seconds']:.2g} s an instant beside the runs; ours "
         f"{bound['method']}: {bound['calls']:.0f} runs, {error:.3g}, {bound['seconds']:.2g} s"
     )
-    return at_least(text, peer_error / error, 1.0, "the same runs or fewer, side by side", note)
+    return at_least(
+        text, peer_error / max(error, 1e-15), 1.0, "the same runs or fewer, side by side", note
+    )

@@ -193,8 +193,8 @@ def flying_beam(bench: Bench) -> None:
     free = smooth & (time > stop)
     bench.check_small("angular momentum once free", drift(angular[free]), 1e-10, source, "it")
     ends = [outcome.points[f"{p}"][0][-1] for p in (particles[0], particles[-1])]
-    names, known = ("pushed end", "other end"), ((5.623, 4.767), (15.413, 4.259))
-    for name, end, published in zip(names, ends, known, strict=True):
+    names, places = ("pushed end", "other end"), ((5.623, 4.767), (15.413, 4.259))
+    for name, end, published in zip(names, ends, places, strict=True):
         for axis, value, reference in zip("xy", end, published, strict=False):
             bench.check(f"{name} at 5 s, {axis} (m)", value, reference, 0.02, FLYING_SOURCE,
                         length, "share of L")  # fmt: skip

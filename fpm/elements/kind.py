@@ -70,13 +70,34 @@ class Series(NamedTuple):
         return self._replace(values=values, labels=series.labels + self.labels)
 
 
+class Gate(NamedTuple):
+    """The opening (joint coordinate) at which an element's event occurs, as a latch's. opening: rad
+    or m; side: 1: as it rises, -1: as it falls, 0: either; reach: by how much earlier (rad or m);
+    largest_rate: above which it does not occur (rad/s or m/s), 0: none; slides: whether it is on a
+    slide."""
+
+    opening: float
+    side: float
+    reach: float = 0.0
+    largest_rate: float = 0.0
+    slides: bool = False
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether the event occurs at this opening or not at all: a latch with a reach and a
+        largest rate catches later, too."""
+        return not (self.reach and self.largest_rate)
+
+
 class Eventful(NamedTuple):
     """An element that has events. name: the element's; events: names of its events, at the index by
-    which kernels note each; joint: name of the joint on which it is, "": none."""
+    which kernels note each; joint: name of the joint on which it is, "": none; gate: where that is
+    when it latches, hits or closes, None: not known by an opening."""
 
     name: str
     events: tuple[str, ...]
     joint: str = ""
+    gate: Gate | None = None
 
 
 class Deformations(NamedTuple):

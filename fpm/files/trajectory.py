@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fpm.elements.cross import columns as stack_columns
-from fpm.elements.kind import Eventful
+from fpm.elements.kind import Eventful, Gate
 from fpm.files import classic, seals
 
 if TYPE_CHECKING:
@@ -31,6 +31,9 @@ CODE = "code"
 
 Column = tuple[str, str]
 """Of what is recorded beside points and energies: a variable, and a label along its dimension."""
+
+_NO_SIDE = 2.0
+"""Side, in a file, of the gate of an element that has none."""
 
 IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 """Events at which velocities change all at once, and those that end what they begin."""
@@ -200,9 +203,15 @@ def _events(outcome) -> dict[str, classic.NetcdfVariable]:
     (time, element, number), eventful = outcome.events.T, outcome.eventful
     element, number = element.astype(np.int32), number.astype(np.int8)
     event_names = (" ".join(e.events) for e in eventful)
+    gates = np.array(
+        [e.gate[:4] if e.gate else (0.0, _NO_SIDE, 0.0, 0.0) for e in eventful]
+    ).reshape(-1, 4)
+    text = "where it latches, hits, closes: opening, side (2: not known), reach, largest rate"
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
         **_names("event_element", event_names, "events of the element, by number", "event_names"),
+        **_names("event_element", (e.joint for e in eventful), "joint it is on", "event_joint"),
+        "event_gate": _variable(("event_element", "gate_number"), gates, "", text),
         "event_time": _variable("event", time, "s", "time of an event"),
         "event_of": _variable("event", element, "1", "index of the event's element"),
         "event_number": _variable("event", number, "1", "number of the event"),
@@ -324,8 +333,19 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             },
             events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),
             eventful=tuple(
-                Eventful(name, tuple(text.split(" ")))
-                for name, text in zip(names("event_element"), names("event_names"), strict=True)
+                Eventful(
+                    name,
+                    tuple(text.split(" ")),
+                    joint,
+                    None if gate[1] == _NO_SIDE else Gate(*gate),
+                )
+                for name, text, joint, gate in zip(
+                    names("event_element"),
+                    names("event_names"),
+                    names("event_joint"),
+                    values("event_gate").tolist() if "event_gate" in variables else (),
+                    strict=True,
+                )
             ),
             dropped_events=int(attributes.get("events_dropped", 0)),
             step=float(attributes["time_step"]),

@@ -57,6 +57,34 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)
 
 
+def peak(values: np.ndarray) -> float:
+    """Return the largest of values (t,) at equal time steps: the top of the parabola through the
+    largest and its two neighbours, above it by at most an eighth of the larger drop to them; at the
+    first or last instant the value itself."""
+    i = int(values.argmax())
+    top = float(values[i])
+    if 0 < i < len(values) - 1:
+        drop1, drop2 = top - values[i - 1], top - values[i + 1]
+        if drop1 + drop2 > 0:
+            top += float((drop1 - drop2) ** 2 / (8 * (drop1 + drop2)))
+    return top
+
+
+def find_root(time: np.ndarray, values: np.ndarray, i: int) -> float:
+    """Return the time (s) at which values (t,) at instants `time` (t,) s vanish between the
+    instants of indices i and i + 1, at which they differ in sign, by a cubic through four."""
+    cubic = cubic_through(time, values, i + 2)
+    low, high = float(time[i]), float(time[i + 1])
+    is_rising = bool(values[i + 1] > 0)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if (cubic(middle) > 0) == is_rising:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
+
+
 def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
     """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
     constituents; None where these are not recorded, or predict the last of five worse than a

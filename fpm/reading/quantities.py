@@ -8,9 +8,10 @@ from typing import NamedTuple, Union
 
 import numpy as np
 
-from fpm.files.trajectory import Curves
+from fpm.files.trajectory import IMPACTS, Curves
 from fpm.reading import margins
-from fpm.reading.events import cubic_through, value_at
+from fpm.reading.event_margins import gate_margin
+from fpm.reading.events import find_root, peak, value_at
 from fpm.reading.responses import Response
 
 
@@ -20,10 +21,11 @@ class Quantity:
 
     kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and long_name: of the number;
     response: the function of time that it is read off, None for events; instant: of a value, its
-    time (s) or the quantity that gives it; target: target of settling or overshoot, None: the last
-    value; tolerance: largest deviation from it after settling; level, direction ("rising",
-    "falling", "either"): of a crossing; number: n, from 1, of the nth crossing or event; event: its
-    name; places: elements whose events count, (): none. target, tolerance, level: in its unit."""
+    time (s) or the quantity that gives it; of an event margin, the quantity that has it; target:
+    target of settling or overshoot, None: the last value; tolerance: largest deviation from it
+    after settling; level, direction ("rising", "falling", "either"): of a crossing; number: n, from
+    1, of the nth crossing or event; event: its name; places: elements whose events count, (): none.
+    target, tolerance, level: in its unit."""
 
     name: str
     kind: str
@@ -56,14 +58,15 @@ class Quantity:
         """Physical lower bound of the quantity, in its unit; None where there is none."""
         if self.kind == "smallest_at":  # a time, or a place along the response
             return None if self.response.along else 0.0
-        return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
+        is_positive = self.is_time or KINDS[self.kind].positive
+        return 0.0 if is_positive else self.response and self.response.least
 
     @property
     def always_exists(self) -> bool:
         """Whether every run has the quantity, as a peak, unlike an event or a crossing."""
-        if isinstance(self.instant, Quantity):
+        if isinstance(self.instant, Quantity) and self.kind == "value":
             return self.instant.always_exists
-        return self.margin_source is None and self.kind != "event"
+        return not self.has_margin and self.kind != "event"
 
     @property
     def leaves(self) -> tuple["Quantity", ...]:
@@ -71,20 +74,34 @@ class Quantity:
         return (self,)
 
     @property
-    def margin_source(self) -> "Quantity | None":
-        """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
-        to a target), or of a value that giving its time; None: runs only tell whether it does."""
-        if isinstance(self.instant, Quantity):
-            return self.instant.margin_source
-        settles = self.kind == "settling" and self.target is not None
-        return self if self.kind == "crossing" or settles else None
+    def has_margin(self) -> bool:
+        """Whether an event margin tells by how much this quantity exists: of a crossing, of
+        settling to a target, of the first time at which something latches, hits or closes."""
+        if self.kind == "event":
+            return self.event in IMPACTS and self.number == 1
+        return self.kind == "crossing" or (self.kind == "settling" and self.target is not None)
 
-    def margin(self, values: np.ndarray) -> np.ndarray:
-        """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
-        does, else < 0, continuous. values (..., t): of the response. Only for a `margin_source`."""
+    def margin(self, curves: Curves) -> float:
+        """Return by how much the quantity exists in one run, above 0 if it does, else below 0, and
+        continuous: of a crossing or settling in the response's unit, of an event by `gate_margin`,
+        of a value that of its time; NaN where it is not known, or where it always exists. curves:
+        the run's recorded series."""
+        if isinstance(self.instant, Quantity) and self.kind == "value":
+            return self.instant.margin(curves)
+        if not self.has_margin:
+            return float("nan")
+        if self.kind == "event":
+            elements = [e for e in curves.eventful if e.name in self.places]
+            return float(np.max([gate_margin(curves, self.event, e) for e in elements]))
+        values = self.response.evaluate(curves)
         if self.kind == "settling":
-            return self.tolerance - np.abs(values[..., -1] - self.target)
-        return crossing_margin(values - self.level, self.direction, self.number)
+            return float(self.tolerance - np.abs(values[-1] - self.target))
+        return float(crossing_margin(values - self.level, self.direction, self.number))
+
+    def read_margin(self, margin: Callable[["Quantity"], float]) -> float:
+        """Return the quantity's event margin (NaN: not known) from those of its `leaves`. margin:
+        function of a leaf that returns its margin."""
+        return margin(self)
 
     def read(self, number: Callable[["Quantity"], float]) -> float:
         """Return the quantity's value (its unit, NaN: none) from those of its `leaves`. number:
@@ -100,19 +117,6 @@ class Quantity:
         return value if self.least is None else float(np.maximum(value, self.least))
 
 
-def peak(values: np.ndarray) -> float:
-    """Return the largest of values (t,) at equal time steps: the top of the parabola through the
-    largest and its two neighbours, above it by at most an eighth of the larger drop to them; at the
-    first or last instant the value itself."""
-    i = int(values.argmax())
-    top = float(values[i])
-    if 0 < i < len(values) - 1:
-        drop1, drop2 = top - values[i - 1], top - values[i + 1]
-        if drop1 + drop2 > 0:
-            top += float((drop1 - drop2) ** 2 / (8 * (drop1 + drop2)))
-    return top
-
-
 def crossing(
     time: np.ndarray, values: np.ndarray, level: float, direction: str = "either", number: int = 1
 ) -> float:
@@ -125,7 +129,7 @@ def crossing(
         places = places[is_above[places + 1] == (direction == "rising")]
     if len(places) < number:
         return float("nan")
-    return _root(time, values - level, int(places[number - 1]))
+    return find_root(time, values - level, int(places[number - 1]))
 
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
@@ -159,21 +163,7 @@ def settling(
     last = int(indices[-1])
     if last == len(time) - 1:
         return float("nan")
-    return _root(time, np.sign(deviation[last]) * deviation - tolerance, last)
-
-
-def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:
-    """Where values (t,) vanish between the instants i and i + 1, at which they differ in sign."""
-    cubic = cubic_through(time, values, i + 2)
-    low, high = float(time[i]), float(time[i + 1])
-    is_rising = bool(values[i + 1] > 0)
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if (cubic(middle) > 0) == is_rising:
-            high = middle
-        else:
-            low = middle
-    return 0.5 * (low + high)
+    return find_root(time, np.sign(deviation[last]) * deviation - tolerance, last)
 
 
 def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
@@ -281,6 +271,9 @@ KINDS = {
         _of_values(lambda q, time, y: crossing(time, y, q.level, q.direction, q.number)),
         "time of the {nth}crossing of {level:.6g}{way} by the {about}",
         ("level",), ("way", "number"), "s",
+    ),
+    "event_margin": QuantityType(
+        lambda q, curves: q.instant.margin(curves), "event margin of {time}"
     ),
     "event": QuantityType(
         _event, "time of the {nth}event '{event}'{whose}", optional=("of", "number"), unit="s"

@@ -45,7 +45,7 @@ def parse(
 def _references(definition: object) -> set[str]:
     """Names of the quantities that a definition refers to."""
     if isinstance(definition, Mapping):
-        definition = definition.get("at")
+        definition = definition.get("at", definition.get("event_margin"))
         return {definition} if isinstance(definition, str) else set()
     try:
         return expressions.parse(definition).names if isinstance(definition, str) else set()
@@ -77,6 +77,11 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
         return _add_long_name(quantity, definition.get("of", ""))
+    if kind == "event_margin":
+        times = {n: unit for n, q in quantities.items() if (unit := _unit_of_margin(q, elements))}
+        text = "a crossing, settling about a value, or the first time that a latch, stop or contact"
+        unit = times[_one_of(f"{key}.{kind}", target, times, text)]
+        return _add_long_name(Quantity(name, kind, unit, "", instant=quantities[target]))
     response = responses[_one_of(f"{key}.{kind}", target, responses)]
     read = {
         **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
@@ -113,6 +118,16 @@ def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Qua
         allowed = f"an expression of quantities whose units agree, as t1 - t2 ({reason})"
         raise SceneError(key, text, allowed) from None
     return QuantityExpression(name, "expression", unit, text, text=text, parts=(*parts,))
+
+
+def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
+    """The unit of a quantity's event margin; "": it has none that is always known."""
+    if quantity.kind != "event":
+        return quantity.response.unit if quantity.has_margin else ""
+    gates = [element.gate for element in elements if element.name in quantity.places]
+    if not quantity.has_margin or not all(gate and gate.is_sharp for gate in gates):
+        return ""
+    return "m2 s-2" if gates[0].slides else "rad2 s-2"
 
 
 def _kind_of(key: str, definition: object) -> str:
@@ -160,6 +175,7 @@ def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
         within=quantity.tolerance,
         moment=f"at {time.name}" if isinstance(time, Quantity) else f"at {time or 0.0:.6g} s",
         event=quantity.event,
+        time=time.name if isinstance(time, Quantity) else "",
         place=response.along.words if response and response.along else "time",
         whose=f" of {places[0] if len(places) == 1 else target}" if target else "",
     )

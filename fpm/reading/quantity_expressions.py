@@ -4,6 +4,8 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from fpm.arithmetic.expressions import ExpressionError, parse
 from fpm.arithmetic.units import Dimension, unit
 from fpm.files.trajectory import Curves
@@ -11,6 +13,7 @@ from fpm.reading.quantities import Quantity
 
 _CALL = re.compile(r"(\w+)\s*\(")
 _MONOTONE = {"min", "max", "abs", "sqrt", "exp"}  # of values that are not below 0
+_CHOICE = re.compile(r"\b(?:min|max)\s*\(")
 _SIZE = re.compile(r"\s*(?:abs|sqrt|exp)\((?:[^()]|\([^()]*\))*\)\s*")
 _ANGLE = re.compile(r"\b(?:m?rad|degree|rpm)(-?\d*)")
 
@@ -75,6 +78,17 @@ class QuantityExpression(Quantity):
 
     def read(self, number: Callable[[Quantity], float]) -> float:
         return self.combine({part.name: part.read(number) for part in self.parts})
+
+    def read_margin(self, margin: Callable[[Quantity], float]) -> float:
+        margins = [part.read_margin(margin) for part in self.parts if not part.always_exists]
+        if self.always_exists or not margins:
+            return float("nan")
+        if self.is_choice:
+            return float(np.max(margins))
+        return float(np.min(margins)) if not _CHOICE.search(self.text) else float("nan")
+
+    def margin(self, curves: Curves) -> float:
+        return self.read_margin(lambda leaf: leaf.margin(curves))
 
     def evaluate(self, curves: Curves) -> float:
         return self.read(lambda leaf: leaf.evaluate(curves))

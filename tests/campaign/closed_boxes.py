@@ -78,7 +78,7 @@ class ClosedBench(ModelEvaluator):
         late = closed.kind == "late"
         number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, instant=None,
                                  kind="crossing" if closed.kind == "margin" else "event",
-                                 margin_source=closed.kind == "margin" or None)  # fmt: skip
+                                 always_exists=closed.kind == "limit")  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
         self.of, self.plan, self.refinements, self.rest_count = closed, (1.0, 1.0), [], 0

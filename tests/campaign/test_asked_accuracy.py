@@ -229,7 +229,7 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
 
     assert factor(0.101) == 1.25
     assert factor(0.12) == pytest.approx((1.2 / 0.75) ** (1 / 1.5))
-    assert factor(5.0) == 2.0
+    assert factor(5.0) == 4.0
     # From 16 to 32 nodes it fell by four, with their square; where it fell by nothing, more.
     assert factor(0.2, runs_of(16, surrogate=0.8)) == pytest.approx((2 / 0.75) ** (1 / 2))
     assert factor(0.12, runs_of(16, surrogate=0.12)) == pytest.approx((1.2 / 0.75) ** (1 / 0.75))
@@ -239,6 +239,10 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
     assert add_runs(32, 2.0, 99) == 32
     assert add_runs(32, 2.0, 30) == 24
     assert add_runs(32, 2.0, 0) == 8  # which the budget then refuses
+    # As many as there are, or four times as many, where that takes no longer than a round.
+    assert add_runs(32, 4.0, 99) == 32
+    assert [add_runs(32, 1.25, 99, cheap) for cheap in (24, 50)] == [24, 32]
+    assert [add_runs(16, 4.0, 99, cheap) for cheap in (24, 32, 99)] == [24, 32, 48]
 
 
 def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():

@@ -17,6 +17,7 @@ from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.templates import sentence
+from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))
@@ -84,7 +85,9 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
-    assert f"met in {100 * together['share']:.4g} % of the tolerated combinations." in text
+    assert (
+        f"met in {100 * together['share']:.4g} % of the tolerated combinations ({VOLUME})" in text
+    )
     assert "The nearest failure is of in_time" in text
 
 

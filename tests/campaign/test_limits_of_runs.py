@@ -50,7 +50,7 @@ def draw(seed: int) -> dict:
 
 
 @pytest.mark.slow  # a time loop of its own
-@pytest.mark.parametrize("seed", [2, 3, 8, 11])
+@pytest.mark.parametrize("seed", [2, 8, 11, 30])
 def test_no_campaign_makes_more_runs_than_its_limit(seed, tmp_path, monkeypatch):
     made, simulate = set(), batch.simulate
 

@@ -105,7 +105,7 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
 
 
 FOUND = "No failure found in 9 runs"
-OF = "of the tolerated combinations"
+OF = "of the tolerated combinations (by volume, no probability)"
 
 
 @pytest.mark.parametrize(

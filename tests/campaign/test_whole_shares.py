@@ -249,7 +249,7 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
 )
 def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
     """Of the number, 0.1, and of where it exists, 0.2."""
-    number = SimpleNamespace(instant=None, margin_source=None, kind=kind)
+    number = SimpleNamespace(always_exists=kind == "largest")
     box = SimpleNamespace(free=np.array(free))
     model = SimpleNamespace(
         experiment=SimpleNamespace(box=box, quantity_list=[number]),
@@ -275,7 +275,7 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
     ],
 )
 def test_what_no_run_keeps_is_refuted_beyond_the_errors(kind, level, margins, refuted):
-    number = SimpleNamespace(instant=None, margin_source=None, kind="event")
+    number = SimpleNamespace(always_exists=False)
     model = SimpleNamespace(
         experiment=SimpleNamespace(
             box=SimpleNamespace(free=np.array([True])), quantity_list=[number]

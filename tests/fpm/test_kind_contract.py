@@ -72,7 +72,7 @@ def test_a_joint_is_added_beside_it_and_its_events_are_on_no_hinge():
     more = [int(p) for p in scene.add_particles([(1, 0, 0), (2, 0, 0)], 1.0, 1.0)]
     scene.add_joint("ball", "spherical", more, (1, 0, 0))
     assert [joint.name for joint in Joint.find(scene)] == ["ball"]
-    assert eventful(scene) == (("Door 0", ("opens",), ""),)
+    assert eventful(scene) == (("Door 0", ("opens",), "", None),)
     with pytest.raises(fpm.SceneError, match="a name not yet used"):
         scene.add_joint("hinge", "spherical", more, (1, 0, 0))
 

@@ -99,7 +99,7 @@ def test_every_kind_of_the_table_is_read_and_one_more_takes_a_line_of_it(monkeyp
     )
     monkeypatch.setitem(KINDS, "median", median)
     for kind, known in KINDS.items():
-        of = "closes" if kind == "event" else "x"
+        of = {"event": "closes", "event_margin": "half"}.get(kind, "x")
         definition = {kind: of} | dict.fromkeys(known.mandatory, 0.25)
         assert np.isfinite(read(definition, WAVE)), kind
     assert read({"median": "x"}, TIME) == pytest.approx(1.0)

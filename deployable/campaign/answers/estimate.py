@@ -23,7 +23,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import LANES, run_seconds
-from deployable.campaign.plan.plan import choose_step, make_plan
+from deployable.campaign.plan.plan import Plan, choose_step, make_plan, read_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
@@ -294,11 +294,10 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     return refinement
 
 
-def count_missing_runs(campaign: Campaign, folder: Folder) -> tuple[int, int, set[str]]:
-    """Return how many runs of a campaign are not stored in its folder of results, how many there
-    are in all, and variables that stored ones lack as this version reads them."""
+def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[int, int, set[str]]:
+    """Return how many runs of a campaign's plan are not stored in its folder of results, how many
+    there are in all, and variables that stored ones lack as this version reads them."""
     keep = campaign.jobs.keep
-    plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
     groups = store.groups(plan.unique_runs(), campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
@@ -313,7 +312,9 @@ def describe_work(
     stages that are to be done, called with whether runs are to be simulated."""
     notes, share = "", 1.0
     if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
-        missing, total, lacks = count_missing_runs(campaign, folder)
+        is_planned = "plan" not in find_stages(False)
+        plan = read_plan(folder.plan) if is_planned else make_plan(campaign.experiment)
+        missing, total, lacks = count_missing_runs(campaign, folder, plan)
         share = missing / total
         if lacks or missing < total:
             notes = f"; {total - missing} of them are there"

@@ -13,7 +13,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.event_margins import margins_of, margins_of_samples
+from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
 from deployable.campaign.results.run_roles import fitted_rows
@@ -162,9 +162,8 @@ class ModelEvaluator:
         numbers, margins = np.full((2, len(runs), len(self.experiment.quantities)), np.nan)
         if len(rows):
             records = self.records(plan, [runs[row] for row in rows])
-            values = np.array([record.values for record in records])
             numbers[rows] = [record.numbers for record in records]
-            margins[rows] = margins_of(self.experiment, values)
+            margins[rows] = [record.margins for record in records]
         return numbers, margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:

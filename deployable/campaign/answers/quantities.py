@@ -36,6 +36,7 @@ from deployable.campaign.plan.accuracy import allow_check_runs
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text.numbers import VOLUME
 from fpm.files.trajectory import CONVENTIONS
 
 _DIM, _DIMS = ("quantity",), ("quantity", "parameter")
@@ -88,7 +89,7 @@ def quantities_dataset(
     variables = _Variables()
     _put_bounds(variables, model, bounds)
     is_adaptive = model.experiment.is_adaptive
-    errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
+    errors = [b.surrogate.bound_error if is_adaptive else b.surrogate.error for b in bounds]
     errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
     is_averaged = is_adaptive and model.experiment.box.free.sum() <= MAX_DIRECTIONS
@@ -162,7 +163,7 @@ def _put_occurrence(
         for b, shift in zip(bounds, shifts, strict=True)
     ]
     shares = np.array([share_of_box([limit], free) for limit in limits])
-    text = "share of the box in which the quantity exists"
+    text = f"share of the box, {VOLUME}, in which the quantity exists"
     variables.put("happens", _DIM, shares[:, 0], text, "1")
     variables.put("happens_uncertainty", _DIM, shares[:, 1], f"uncertainty of the {text}", "1")
 

@@ -24,7 +24,7 @@ from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
-from deployable.campaign.stages.workflow import Workflow, run
+from deployable.campaign.stages.workflow import Workflow, complete
 
 UNMET = 3
 """Exit status of `run --require` where not all of the box meets all requirements."""
@@ -161,7 +161,7 @@ def _run(options: argparse.Namespace) -> int:
             with suppress(OSError):  # which running tells better
                 text = _describe_work(variant, folder, not options.no_figures)
                 print(f"{prefix}{text}", file=sys.stderr)
-        run(campaign, options.results, not options.no_figures)
+        complete(campaign, options.results, not options.no_figures)
         if options.require and not _are_met(campaign, Folder(Path(options.results, campaign.name))):
             return UNMET
     except (CampaignError, fpm.SceneError) as error:

@@ -45,12 +45,9 @@ def load_config(
 
     Parameters
     ----------
-    paths
-        YAML files, at least one.
-    overrides
-        Further keys of a config, nested as in YAML.
-    source
-        What messages call the config; None: the paths."""
+    paths: YAML files, at least one.
+    overrides: further keys of a config, nested as in YAML.
+    source: what messages call the config; None: the paths."""
     config: dict = {}
     lines: dict[str, str] = {}
     for path in paths:

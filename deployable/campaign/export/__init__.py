@@ -86,16 +86,12 @@ def export(
 
     Parameters
     ----------
-    run
-        The run, as `choose` returns it.
-    kind
-        Name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
-    folder
-        Folder of the files; made where it is missing.
-    frames
-        Number of frames, evenly spread over the run; None: the format's own number. csv needs none.
-    colour
-        By what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
+    run: the run, as `choose` returns it.
+    kind: name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
+    folder: folder of the files; made where it is missing.
+    frames: number of frames, evenly spread over the run; None: the format's own number. csv needs
+        none.
+    colour: by what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
         ``stress``, equivalent stress."""
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:

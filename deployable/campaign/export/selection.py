@@ -29,22 +29,16 @@ class SelectedRun:
 
     Attributes
     ----------
-    name
-        Name of its files, without suffix.
-    scene
-        `fpm.Scene` with the parameter values of the run.
-    duration, step
-        Simulated time, and time step (s).
-    instants
-        Number of recorded instants, start and end included.
-    energy_tolerance
-        Error of the energy balance, relative to the largest energy, above which the run fails.
-    responses
-        The campaign's responses (`fpm.reading.responses.Response`), for tables; empty without one.
-    attributes
-        Texts by name for its files, such as ``campaign`` and ``run_id``.
-    folder
-        The campaign's results; None for a run of a config or a structure."""
+    name: name of its files, without suffix.
+    scene: `fpm.Scene` with the parameter values of the run.
+    duration, step: simulated time, and time step (s).
+    instants: number of recorded instants, start and end included.
+    energy_tolerance: error of the energy balance, relative to the largest energy, above which the
+        run fails.
+    responses: the campaign's responses (`fpm.reading.responses.Response`), for tables; empty
+        without one.
+    attributes: texts by name for its files, such as ``campaign`` and ``run_id``.
+    folder: the campaign's results; None for a run of a config or a structure."""
 
     name: str
     scene: Any
@@ -104,18 +98,15 @@ def choose(
 
     Parameters
     ----------
-    source
-        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant; or
-        file or name of a structure, at its default parameters.
-    run
-        ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
-    settings
-        Values of parameters to replace, as texts by name, in the parameters' units; refused for
-        results, whose runs are as they are.
-    duration
-        Simulated time (s); None: that of the config, or 1 s of a structure; refused for results.
-    trusted
-        Paths of structures' files that results may name: they are read, Python files executed."""
+    source: folder of a campaign's results; path of a campaign's config, whose nominal run is meant;
+        or file or name of a structure, at its default parameters.
+    run: ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
+    settings: values of parameters to replace, as texts by name, in the parameters' units; refused
+        for results, whose runs are as they are.
+    duration: simulated time (s); None: that of the config, or 1 s of a structure; refused for
+        results.
+    trusted: paths of structures' files that results may name: they are read, Python files
+        executed."""
     path = Path(source)
     for file in trusted:
         trust(file)

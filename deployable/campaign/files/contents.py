@@ -35,7 +35,7 @@ known run parameter: normalized value
 number run event: event_time event_contact event_closing
 text contact: contact
 text quantity: quantity? quantity_units? quantity_long_name?
-number run quantity: quantities?"""
+number run quantity: quantities? margin?"""
 _QUANTITIES = f"""{_BOX}
 text quantity: quantity quantity_units quantity_long_name"""
 _VARIABLES = {

@@ -23,6 +23,8 @@ from deployable.campaign.files import open_dataset
 from deployable.campaign.plan.decide import (
     CHECKED_RUNS,
     COMPONENTS,
+    ROUND,
+    RUN_FILES,
     RefinementState,
     Resources,
 )
@@ -140,7 +142,7 @@ class _QuantityEstimate(NamedTuple):
         width = self.bounds[1].value - self.bounds[0].value
         if not width > 0:
             return 0.0, 0.0
-        error = max(self.surrogate.usual_error, *(estimate.error for estimate in self.bounds))
+        error = max(self.surrogate.bound_error, *(estimate.error for estimate in self.bounds))
         return float(min(error / width, _UNKNOWN)), float(width)
 
 
@@ -236,16 +238,22 @@ def _refinement_state(
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
     state = RefinementState(target, shares, plan.adaptive, cost, is_step_free)
-    next_runs = add_runs(nodes, state.growth(), affordable)
+    next_runs = add_runs(nodes, state.growth(), affordable, ROUND / (time + RUN_FILES))
     return replace(state, cost=replace(cost, next_runs=next_runs))
 
 
-def add_runs(nodes: int, growth: float, affordable: float) -> int:
+def add_runs(nodes: int, growth: float, affordable: float, cheap: float = 0.0) -> int:
     """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
-    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
-    nodes: runs that surrogates are fitted to so far; growth: factor by which their number should
-    grow; affordable: runs that the budget allows."""
-    quarter, need = (LANES * max(1, round(nodes * factor / LANES)) for factor in (0.25, growth - 1))
+    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`,
+    or all of them if they take no longer than a round, and at most as many as there are, or as
+    take no longer. nodes: runs that surrogates are fitted to so far; growth: factor by which their
+    number should grow; affordable: runs that the budget allows; cheap: runs that take as long as
+    all else in a round."""
+    least, most = max(min(cheap, nodes), nodes / 4), max(cheap, nodes)
+    quarter, need = (
+        LANES * max(1, round(count / LANES))
+        for count in (nodes / 4, min(max(nodes * (growth - 1), least), most))
+    )
     return max(quarter, min(need, LANES * int(affordable // LANES)))
 
 

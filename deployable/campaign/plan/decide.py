@@ -27,8 +27,8 @@ _STAGNANT, _STAGNANT_RUNS = 0.9, 4.0
 _RATE, _RATES = 1.5, (0.75, 4.0)
 """A surrogate's error falls like runs to minus this power, till two rounds tell it; limits."""
 
-_LEAST, _MOST = 1.25, 2.0
-"""Factors by which a round has more runs than the last."""
+_LEAST, _MOST = 1.25, 4.0
+"""Factors by which a round has more runs than the last; above 2 where they are cheap."""
 
 _SPARE = 0.75
 """Share that is aimed at of what is left for a surrogate's error, not to miss it by little."""
@@ -39,8 +39,9 @@ COMPONENTS = ("step", "mesh")
 CHECKED_RUNS = 14
 """Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
 
-_ROUND = 0.5
-"""Core seconds of a round beside its runs: a check that takes less is made at once."""
+ROUND, RUN_FILES = 0.5, 0.01
+"""Core seconds of a round beside its runs: a check that takes less is made at once; and of a run
+beside its integration."""
 
 
 @dataclass(frozen=True)
@@ -206,7 +207,7 @@ class RefinementState:
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
-        """Return the factor (1.25 to 2) by which to increase the number of runs that surrogates are
+        """Return the factor (1.25 to 4) by which to increase the number of runs that surrogates are
         fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
         to three quarters of their allowance, at the rate at which they fell last."""
         factors = [
@@ -275,7 +276,7 @@ class RefinementState:
     def _is_last(self) -> bool:
         """Whether the next runs should suffice, and a check is cheaper than a round of its own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
-        return self.cost.need_of("check")[1] <= _ROUND and all(
+        return self.cost.need_of("check")[1] <= ROUND and all(
             error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
             for error in self.reducible
         )

@@ -97,8 +97,8 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     columns = zip(data.parameters, data.verdicts.values.T, strict=True)
-    coords, met = np.array([_scale(*column) for column in columns]).round(4), data.verdicts.met
-    return [(int(run), bool(met[run]), coords[:, run].tolist()) for run in _select_marks(met)]
+    coords, passes = np.array([_scale(*column) for column in columns]).round(4), data.verdicts.met
+    return [(int(r), bool(passes[r]), coords[:, r].tolist()) for r in _select_marks(passes)]
 
 
 def _select_marks(passes: np.ndarray) -> np.ndarray:

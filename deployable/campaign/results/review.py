@@ -126,7 +126,7 @@ def head_of(
         f"Clauses and factors are those of {edition_of(standard)}. By analysis of a model, for "
         "what the campaign states; no claim of compliance. A margin is what drives over what is "
         "required, less 1; ± is the error of the computation at either end of an interval, not of "
-        "what it was given; a share of the box is no probability.",
+        f"what it was given; a share of the box is {numbers.VOLUME}.",
     ]
 
 

@@ -67,7 +67,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "varying": varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
-    env.globals |= {"SOFT": SOFT, "PARTS": PARTS}
+    env.globals |= {"SOFT": SOFT, "PARTS": PARTS, "VOLUME": numbers.VOLUME}
     return env
 
 

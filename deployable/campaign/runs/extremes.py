@@ -9,7 +9,8 @@ quarters of the scan consist of whole chunks. In the file:
     lower, upper (response, time)           least and largest value of those runs
     lower_run, upper_run (response, time)   which run that is, counted in the chunk
     first(response, time)                   the curves of the first run of the chunk
-    quantities(run, quantity)               NaN where what is asked for does not happen
+    quantities(run, pair, quantity)         their values, NaN where what is asked for does not
+                                            happen, and their event margins, NaN if not known
     event_time, event_contact, event_closing (run, event)   impacts, the times in single precision,
                                             padded with NaN, -1, -1
     overlap                                 largest overlap of the faces of a contact, rad"""
@@ -50,14 +51,14 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 class ScanChunk:
     """What is kept of `count` runs, a chunk of a scan. `mask` (count): which runs are included yet;
     `bounds`: extremes of the responses over these at each instant (`RunBounds`); `numbers`
-    (count, q): quantities; `events`: tables (count, events) of contacts that close or open by name;
-    `first` (n, T): responses of the first run; `time` (T): s; `overlap`: largest of contacts (rad).
-    responses, quantities: those of the experiment, by which results are evaluated."""
+    (count, 2, q): quantities and event margins; `events`: tables (count, events) of contacts that
+    close or open by name; `first` (n, T): responses of the first run; `time` (T): s; `overlap`:
+    largest of contacts (rad). responses, quantities: by which results are evaluated."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
         self.mask = np.zeros(count, bool)
-        self.numbers = np.full((count, len(quantities)), np.nan)
+        self.numbers = np.full((count, 2, len(quantities)), np.nan)
         self.events = {n: np.full((count, 1), fill, kind) for n, (kind, fill) in EVENTS.items()}
         self.overlap = 0.0
         self.bounds: RunBounds | None = None
@@ -101,7 +102,7 @@ class ScanChunk:
             "done": ("i1", ("run",), self.mask, compression),
         }
         if self.quantities:
-            variables["quantities"] = "f8", ("run", "quantity"), self.numbers, compression
+            variables["quantities"] = "f8", ("run", "pair", "quantity"), self.numbers, compression
         run = self.bounds
         tables = run.low, run.high, run.low_run, run.high_run
         for (name, kind), values in zip(CURVES.items(), tables, strict=True):

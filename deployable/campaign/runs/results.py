@@ -49,14 +49,16 @@ class Result:
 class RunRecord:
     """What `samples.nc` holds of one run. time (T): instants (s); values (n, T): responses; events
     (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
-    numbers (q): quantities, NaN if absent; overlap: largest overlap of the faces of a contact at
-    the instants (rad), below 0 where all stay apart, 0 without contacts."""
+    numbers (q): quantities, NaN if absent; margins (q): by how much each exists, above 0 if it
+    does, NaN if not known; overlap: largest overlap of the faces of a contact at the instants
+    (rad), below 0 where all stay apart, 0 without contacts."""
 
     time: np.ndarray
     values: np.ndarray
     events: np.ndarray
     contacts: Sequence[str]
     numbers: np.ndarray
+    margins: np.ndarray
     overlap: float
 
 
@@ -152,24 +154,31 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Evaluate the q quantities of one run as an array (q), NaN for one that does not occur.
-    quantities: `fpm.reading.quantities.Quantity`; curves: the run's `fpm.files.trajectory.Curves`
-    or `fpm.Outcome`. Raises `CampaignError` if one cannot be evaluated."""
+    """Evaluate q quantities of one run as an array (2, q): their values, NaN for one that does not
+    occur, and their event margins, NaN where not known. quantities: `fpm.reading.quantities`'
+    Quantity; curves: the run's `fpm.files.trajectory.Curves` or `fpm.Outcome`. Raises
+    `CampaignError` if one cannot be evaluated."""
     try:
-        return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
+        pairs = [(quantity.evaluate(curves), quantity.margin(curves)) for quantity in quantities]
+        return np.array(pairs, dtype=float).reshape(-1, 2).T
     except ValueError as error:
         raise CampaignError(str(error)) from None
 
 
 def complete_numbers(experiment: Experiment, numbers: np.ndarray) -> np.ndarray:
-    """Return all q quantities of an experiment (..., q), in order, from those that stores keep
-    (..., s): the others are expressions of these."""
+    """Return all q quantities and event margins of an experiment (..., 2, q), in order, from those
+    that stores keep (..., 2, s): the others are expressions of these."""
     quantities = experiment.quantity_list
     names = [quantity.name for quantity in quantities if quantity.kind != "expression"]
     if len(names) == len(quantities):
         return numbers
-    runs = [dict(zip(names, row, strict=True)) for row in np.reshape(numbers, (-1, len(names)))]
-    table = [[q.read(lambda leaf: run[leaf.name]) for q in quantities] for run in runs]  # noqa: B023
+    table = []
+    for rows in np.reshape(numbers, (-1, 2, len(names))):
+        values, margins = (dict(zip(names, row, strict=True)) for row in rows)
+        table.append([
+            [quantity.read(lambda leaf, row=values: row[leaf.name]) for quantity in quantities],
+            [q.read_margin(lambda leaf, row=margins: row[leaf.name]) for q in quantities],
+        ])  # fmt: skip
     return np.reshape(table, (*np.shape(numbers)[:-1], len(quantities)))
 
 

@@ -83,7 +83,7 @@ class Trajectories(Store):
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                record = RunRecord(curves.time, values, events, contacts, numbers, overlap)
+                record = RunRecord(curves.time, values, events, contacts, *numbers, overlap)
                 records[run.id] = self.check_record(record)
         return records
 
@@ -149,7 +149,7 @@ class Responses(Store):
             },
         }  # fmt: skip
         if self.quantities:
-            variables["quantities"] = "f8", ("run", "quantity"), numbers, {}
+            variables["quantities"] = "f8", ("run", "pair", "quantity"), numbers, {}
         names = {"contact": contacts, **common.names_of(self)}
         path = self.path(group)
         with whole_file(path, {"name": common.title(path)}) as temporary:
@@ -167,14 +167,14 @@ class Responses(Store):
             time, contacts = file["time"][:], list(file["contact"][:])
             values, overlaps = file["values"][:], file["overlap"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
-            empty = np.zeros((len(group), 0))
+            empty = np.zeros((len(group), 2, 0))
             numbers = file["quantities"][:] if self.quantities else empty
             numbers = common.complete_numbers(self.experiment, numbers)
             records = {}
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
                 overlap = float(overlaps[row])
-                record = RunRecord(time, values[row], run_events, contacts, numbers[row], overlap)
+                record = RunRecord(time, values[row], run_events, contacts, *numbers[row], overlap)
                 records[run.id] = self.check_record(record)
         return records
 

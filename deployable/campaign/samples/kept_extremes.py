@@ -7,7 +7,7 @@ It has the variables of `campaign.samples.samples`, but for those of every run's
     lower_run, upper_run (quarter, response, time)  which run that is, the first of several; -1 in a
                                                     quarter without runs
     nominal(response, time)                         the nominal run, the first of the runs
-    normalized, value (run, parameter), quantities (run, quantity), as there
+    normalized, value (run, parameter), quantities, margin (run, quantity), as there
     event_time, event_contact, event_closing (run, event)   the times in single precision; padded
                                                     with NaN, -1, -1
     overlap                                         largest of all runs, rad
@@ -109,8 +109,9 @@ def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
     if quantities := store.experiment.quantity_list:
         samples.write_names(file, "quantity", quantities)
         compression = _compression(runs, len(quantities))
-        variable = file.createVariable("quantities", "f8", ("run", "quantity"), **compression)
-        variable.long_name = samples.ATTRIBUTES["quantities"]["long_name"]
+        for name in ("quantities", "margin"):
+            variable = file.createVariable(name, "f8", ("run", "quantity"), **compression)
+            variable.long_name = samples.ATTRIBUTES[name]["long_name"]
 
 
 def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
@@ -119,7 +120,8 @@ def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
     for name, values in chunk.events.items():
         file[name][rows, : values.shape[1]] = values
     if store.quantities:
-        file["quantities"][rows] = complete_numbers(store.experiment, chunk.numbers)
+        table = complete_numbers(store.experiment, chunk.numbers)
+        file["quantities"][rows], file["margin"][rows] = table[:, 0], table[:, 1]
 
 
 def _write_quarters(file: Any, quarters: list[RunBounds | None]) -> None:

@@ -14,6 +14,7 @@
     run_id(run)
     overlap(run)                  largest overlap of the faces of a contact, rad
     event_time, event_contact, event_closing (run, event)   impacts, padded with NaN
+    margin(run, quantity)         by how much a run has it, above 0 if it does, NaN if not known
     quantities(run, quantity)     in the units quantity_units(quantity), NaN where what is asked for
                                   does not happen; only in campaigns that have quantities
     quantity, quantity_units, quantity_long_name (quantity)
@@ -52,6 +53,7 @@ ATTRIBUTES = {
         ("event_contact", "1", "index of the contact, stop or latch"),
         ("event_closing", "1", "1 where the contact, stop or latch closes, 0 where it opens"),
         ("quantities", "", "value of the quantity, missing where the quantity does not exist"),
+        ("margin", "", "event margin: positive if the quantity exists, missing if not known"),
     )
 }
 """Of variables of runs."""
@@ -80,8 +82,9 @@ def gather(
         if quantities := plan.experiment.quantity_list:
             write_names(file, "quantity", quantities)
             blanks = np.full((len(plan.runs), len(quantities)), np.nan)
-            text = ATTRIBUTES["quantities"]["long_name"]
-            _numbers(file, "quantities", ("run", "quantity"), blanks, text)
+            for name in ("quantities", "margin"):
+                text = ATTRIBUTES[name]["long_name"]
+                _numbers(file, name, ("run", "quantity"), blanks, text)
         for group in groups:
             records = store.read(group)
             if len(records) < len(group):
@@ -215,6 +218,7 @@ def _write_rows(file: Any, rows: list[int], records: Sequence[RunRecord]) -> Non
         file[name][rows, : events.shape[1]] = events[..., column]
     if len(records[0].numbers):
         file["quantities"][rows] = np.stack([record.numbers for record in records])
+        file["margin"][rows] = np.stack([record.margins for record in records])
 
 
 def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name: str) -> None:

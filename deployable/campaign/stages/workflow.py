@@ -212,12 +212,30 @@ def run(
         The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it; with
         cases a dict of it by the name of the case."""
     with one_thread():
-        campaign, notify = _campaign(config), notify or MessagePrinter(sys.stderr)
-        for _, variant in variants(campaign):
-            _check_memory(variant)
-        if not campaign.cases:
-            return _run(campaign, results, figures, notify)
-        return _run_cases(campaign, results, figures, notify)
+        campaign = _campaign(config)
+        complete(campaign, results, figures, notify)
+    workflow = Workflow(campaign, results)
+    bounds = {name: _load(case.folder.bounds) for name, case in workflow.cases.items()}
+    return bounds or _load(workflow.folder.bounds)
+
+
+def _load(path: Path) -> Any:
+    with open_dataset(path) as data:
+        return data.load()
+
+
+def complete(
+    campaign: Campaign,
+    results: str | Path = "results",
+    figures: bool = True,
+    notify: Notify | None = None,
+) -> None:
+    """Make the results of a campaign that are missing or not of its config, as `run` does, which
+    has the same arguments and errors, in a process whose linear algebra has one thread."""
+    notify = notify or MessagePrinter(sys.stderr)
+    for _, variant in variants(campaign):
+        _check_memory(variant)
+    (_run_cases if campaign.cases else _run)(campaign, results, figures, notify)
 
 
 def _check_memory(campaign: Campaign) -> None:
@@ -231,24 +249,21 @@ def _check_memory(campaign: Campaign) -> None:
         raise CampaignError(str(error)) from error
 
 
-def _run_cases(
-    campaign: Campaign, results: str | Path, figures: bool, notify: Notify
-) -> dict[str, Any]:
+def _run_cases(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> None:
     """Run the cases of a campaign one after another, and compare them."""
-    folder, bounds = Workflow(campaign, results).folder, {}
+    folder = Workflow(campaign, results).folder
     for name, case in campaign.case_campaigns.items():
         notify(f"Case {name}")
         try:
-            bounds[name] = _run(case, folder.path, figures, notify)
+            _run(case, folder.path, figures, notify)
         except CampaignError as error:
             raise CampaignError(f"case {name}: {error}") from error
     _stage(STAGES["cases"], campaign, folder, notify)
     for text in Workflow(campaign, results).answer():
         notify(text)
-    return bounds
 
 
-def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> Any:
+def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> None:
     workflow = Workflow(campaign, results)
     folder, stale, is_remade = workflow.folder, workflow.stale(), False
     drawing_paths = {folder.figures, folder.motions, folder.report}
@@ -273,8 +288,6 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
     list(spread(_stage, last, (os.cpu_count() or 1) if is_alone else 1))
     for text in workflow.answer():
         notify(text)
-    with open_dataset(folder.bounds) as data:
-        return data.load()
 
 
 def _simulate(campaign: Campaign, folder: Folder, notify: Notify) -> bool:

@@ -20,6 +20,8 @@ def words_of(quantity: Quantity) -> dict[str, str]:
         joint = " or " if quantity.is_choice else " and "
         event = joint.join(dict.fromkeys(events)) or f"there is {quantity.text}"
         return {"event": event, "words": quantity.text}
+    if quantity.kind == "event_margin":
+        return {"event": f"there is an {quantity.long_name}", "words": quantity.long_name}
     name = quantity.response.long_name if quantity.response else ""
     if isinstance(quantity.instant, Quantity):
         happens = words_of(quantity.instant)["event"]

@@ -144,6 +144,12 @@ class ScalarSurrogate:
         return np.nan if self.fit is None else self.fit.usual_error
 
     @property
+    def bound_error(self) -> float:
+        """Error that bounds of adaptively sampled runs have at least: half of `usual_error`,
+        which is of values all over the box, most of them far from bounds; NaN without a fit."""
+        return 0.5 * self.usual_error
+
+    @property
     def trend(self) -> ScalarSurrogate:
         """Copy without the kriging correction, which makes a polynomial pass through every run, to
         compare parts of the box with each other; splines, and surrogates without a fit, stay."""

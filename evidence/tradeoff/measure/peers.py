@@ -14,6 +14,8 @@ import numpy as np
 
 from deployable import intervals
 from evidence.peers import interpreter
+from evidence.search.boxes import Box, silent
+from evidence.search.study import find_bounds
 from evidence.tradeoff.measure.cases import CASES, Case, Choice
 from evidence.tradeoff.measure.points import design_of, scan_of
 from evidence.tradeoff.measure.runs import Runs, simulate
@@ -121,6 +123,7 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             method = f"{name}, order {order}" if name == "polynomial" else "spline, even points"
             row = _row("intervals", method, order + 1, seconds[name], errors(ends))
             table.append({**row, "model": name})
+    table.append(_search(line[:, 0], curves, errors))
     answer = run_peer("pyuncertainnumber", {"line": line[:, 0], "curves": curves})
     if "skipped" in answer:
         return [*table, {"by": "pyuncertainnumber", **answer}]
@@ -131,6 +134,19 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             method = name.replace("_", " ")
             table.append(_row("pyuncertainnumber", method, calls, seconds, errors(answer[key])))
     return table
+
+
+def _search(line: np.ndarray, curves: np.ndarray, errors: Callable) -> dict:
+    """Our search for the bounds of a quantity, the value at each instant (curves: G, n)."""
+    ends, calls, start = [], [], time.perf_counter()
+    for curve in curves.T:
+        function = silent(lambda u, curve=curve: np.interp(u[:, 0], line, curve))
+        bounds, values = find_bounds(Box("instant", 1, function))
+        ends.append((bounds.lower, bounds.upper))
+        calls.append(len(values))
+    seconds = (time.perf_counter() - start) / len(ends)
+    row = _row("intervals", "search", float(np.mean(calls)), seconds, errors(np.array(ends)))
+    return {**row, "model": "search"}
 
 
 def _row(tool: str, method: str, calls: float, seconds: float, errors: list[float]) -> dict:

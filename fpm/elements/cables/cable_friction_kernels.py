@@ -238,8 +238,8 @@ def note_slips(part, world, timing):
     number = part.curve.shape[0]
     for c in range(part.curve.shape[0]):
         if part.has_friction[c]:
-            before = load(part.state, c, cable.LONGER_BEFORE)
-            tight = larger(load(part.state, c, cable.LONGER), before)
+            last = load(part.state, c, cable.LONGER_BEFORE)
+            tight = larger(load(part.state, c, cable.LONGER), last)
             least = STICK * load(part.state, c, cable.UNSTRAINED)
             for j in range(part.start[c] + 1, part.start[c + 1] - 1):
                 size = where_negative(tight, 0.0, absolute(load(part.slip, j, slips.SLIP)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import stiffness
-from fpm.elements.kind import Energy
+from fpm.elements.kind import Energy, Gate
 from fpm.elements.openings.opening import Connector, on_hinge, struck_stiffness
 
 
@@ -30,6 +30,9 @@ class Contact(Connector):
 
     def stiffness_in(self, scene):
         return struck_stiffness(self)
+
+    def gate(self):
+        return Gate(0.0, -1.0)
 
     @classmethod
     def blocked_motions(cls, scene, inverse):

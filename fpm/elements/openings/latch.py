@@ -3,6 +3,7 @@
 A latch catches when the opening comes within `capture_range` of its `angle` from the `side` it
 looks to, if it turns no faster than `max_capture_rate` then; if it is faster, as soon as it has
 become slower while still within that range; and if it leaves there too fast, the latch has missed.
+Where a run starts within that range, or at the very angle, it catches at the start.
 It holds at the opening psi_c at which it caught, so that nothing jumps: no moment before; then
 
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import damping, number, stiffness, topology, word
-from fpm.elements.kind import Energy, Series
+from fpm.elements.kind import Energy, Gate, Series
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
     ONSET,
@@ -62,6 +63,10 @@ class AnyLatch(Connector):
 
     def label(self, scene):
         return self.name or super().label(scene)
+
+    def gate(self):
+        largest_rate = self.max_capture_rate if np.isfinite(self.max_capture_rate) else 0.0
+        return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
 
     @classmethod
     def read_records(cls, part, scene, lane):

@@ -16,7 +16,7 @@ import numpy as np
 from fpm.elements.cross import cross
 from fpm.elements.fields import index
 from fpm.elements.joints.joint_types import TYPES
-from fpm.elements.kind import Deformations, ElementType, Energy, Series
+from fpm.elements.kind import Deformations, ElementType, Energy, Gate, Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.rotation_axes import turns_of
@@ -165,7 +165,15 @@ class Connector(ConnectorElement):
     @classmethod
     def eventful(cls, scene):
         pairs = zip(super().eventful(scene), cls.find(scene), strict=False)
-        return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
+        hinges = scene.hinges
+        return [
+            x._replace(joint=hinge.name, gate=gate and gate._replace(slides=hinge.slides))
+            for x, hinge, gate in ((x, hinges[e.hinge], e.gate()) for x, e in pairs)
+        ]
+
+    def gate(self) -> Gate | None:
+        """Return the opening at which the element latches, is hit or closes; None: it does not."""
+        return None
 
     def stiffness_in(self, scene) -> float | None:
         """Return the stiffness (N m/rad, on slides N/m) with which the element limits the scene's

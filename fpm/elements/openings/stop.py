@@ -9,7 +9,7 @@ so that a stop never pulls."""
 from dataclasses import dataclass
 
 from fpm.elements.fields import damping, number, stiffness, word
-from fpm.elements.kind import Energy
+from fpm.elements.kind import Energy, Gate
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
     ONSET,
@@ -44,6 +44,9 @@ class Stop(Connector):
 
     def stiffness_in(self, scene):
         return struck_stiffness(self)
+
+    def gate(self):
+        return Gate(self.angle, {"above": 1.0, "below": -1.0}[self.side])
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times

@@ -1,7 +1,7 @@
 """Joints: what parts share where they meet; and supports, which hold points of them."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -243,14 +243,16 @@ PITCH = NumberKey(
 AXIS = DirectionKey(text="about which the second part turns against the first, fixed to both")
 
 
-@statement(
-    "joints",
-    "cylindrical",
-    parts=PAIR,
-    at=POINT,
-    axis=replace(AXIS, text=f"{AXIS.text}, and along which it slides"),
-    **_openings("cylindrical"),
-)
+def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
+    """Register a statement of a joint with `_openings`; axis: text on it; x_text: for x."""
+    openings = {
+        n: replace(k, text=k.text.replace("`x`", x_text)) for n, k in _openings(type).items()
+    }
+    keys = {"axis": replace(AXIS, text=axis), **keys, **openings}
+    return statement("joints", type, parts=PAIR, at=POINT, **keys)
+
+
+@_slider("cylindrical", f"{AXIS.text}, and along which it slides")
 def cylindrical(build, args):
     """A sleeve on a round shaft: the second part slides along an axis of the first, and turns.
 
@@ -260,14 +262,10 @@ def cylindrical(build, args):
     return _add_slider(build, args, "cylindrical")
 
 
-@statement(
-    "joints",
+@_slider(
     "planar",
-    parts=PAIR,
-    at=POINT,
-    axis=replace(AXIS, text=f"normal of the plane, {AXIS.text}"),
+    f"normal of the plane, {AXIS.text}",
     x=DirectionKey(text="first direction in the plane, fixed to the first part, normal to `axis`"),
-    **_openings("planar"),
 )
 def planar(build, args):
     """A plate on a table: the second part slides in a plane of the first, and turns in it.
@@ -279,17 +277,11 @@ def planar(build, args):
     return _add_slider(build, args, "planar")
 
 
-PIN_OPENINGS = _openings("pin in slot")
-
-
-@statement(
-    "joints",
+@_slider(
     "pin in slot",
-    parts=PAIR,
-    at=POINT,
-    axis=replace(AXIS, text=f"of the pin, {AXIS.text}"),
+    f"of the pin, {AXIS.text}",
+    "the slot",
     x=DirectionKey(text="along the slot, fixed to the first part, normal to `axis`"),
-    **{key: replace(k, text=k.text.replace("`x`", "the slot")) for key, k in PIN_OPENINGS.items()},
 )
 def pin_in_slot(build, args):
     """A pin of the second part slides along a straight slot of the first, and turns in it.
@@ -301,15 +293,7 @@ def pin_in_slot(build, args):
     return _add_slider(build, args, "pin in slot")
 
 
-@statement(
-    "joints",
-    "screw",
-    parts=PAIR,
-    at=POINT,
-    axis=replace(AXIS, text=f"{AXIS.text}, and along which it goes"),
-    pitch=PITCH,
-    **_openings("screw"),
-)
+@_slider("screw", f"{AXIS.text}, and along which it goes", pitch=PITCH)
 def screw(build, args):
     """A nut on a thread: as the second part turns about an axis of the first, it goes along it.
 
@@ -321,15 +305,11 @@ def screw(build, args):
     return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
 
 
-@statement(
-    "joints",
+@_slider(
     PIN,
-    parts=PAIR,
-    at=POINT,
-    axis=AXIS,
+    AXIS.text,
     **{name: key_of(Journal, name) for name in specs(Journal) if name != "hinge"},
     x=DirectionKey(None, "normal to `axis`, fixed to the first part; left out: any"),
-    **_openings(PIN),
 )
 def pin_with_play(build, args):
     """A pin of the second part turns in a bearing of the first with clearance, and rubs on it.

@@ -318,8 +318,8 @@ MASS = {
     "mass": replace(_size("its mass, evenly in it; this or `density`", "kg"), default=None),
     "density": replace(_size("of its material, in the place of `mass`", "kg/m3"), default=None),
 }
-FROM, TO = "one of its points, an end of its axis", "the other end"
-LINE = {"from": replace(POINT, text=FROM), "to": replace(POINT, text=TO), **MASS}
+END_TEXTS = {"from": "one of its points, an end of its axis", "to": "the other end"}
+LINE = {**{key: replace(POINT, text=text) for key, text in END_TEXTS.items()}, **MASS}
 ROD_DIAMETER = "of a solid round rod; left out: a line, which nothing may turn about itself"
 
 

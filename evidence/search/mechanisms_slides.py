@@ -187,7 +187,7 @@ def stall(T, wn, k):
     """A motor that winds up a spring, and may stall before it has turned by 1 rad."""
     J, rest = 0.1, T / k
     w, d = np.sqrt(k / J), T / (2 * wn * J)
-    times = np.linspace(0, 6, 601)
+    times = np.linspace(0, 6, 121)
 
     def turn(t):
         return rest[:, None] + swing(t, *column(-rest, 0 * rest, w, d))
@@ -235,10 +235,10 @@ def clash(ma, mb, v, kb):
         return np.array([y[1], -push / ma, y[3], (push - kb * y[2]) / mb])
 
     still = 0 * ma
-    y = integrate(rates, np.array([still, v, still, still]), 1.2, 1200)
+    y = integrate(rates, np.array([still, v, still, still]), 1.2, 600)
     force = 2000 * (y[:, 0] - y[:, 2] - 0.1)
     slope = 2000 * (y[:, 1] - y[:, 3])
-    return force.max(axis=0), cubic_crossing(force - 1, slope, 1e-3, 2, 1), y[-1, 1]
+    return force.max(axis=0), cubic_crossing(force - 1, slope, 2e-3, 2, 1), y[-1, 1]
 
 
 def chain(ta, ka, JA, kb):
@@ -259,7 +259,7 @@ def strike(F, m, k, d):
 
 def settle(x, k, J, c):
     """When a damped hub has come to rest: one swing more or less is a jump."""
-    times = np.linspace(0, 6, 1201)
+    times = np.linspace(0, 6, 241)
 
     def turn(t):
         return swing(t, *column(x, 0 * x, np.sqrt(k / J), c / (2 * J)))
@@ -269,7 +269,7 @@ def settle(x, k, J, c):
 
 def overshoot(J, k, c):
     """A hub on a damped spring: it goes beyond where it comes to rest, or creeps there."""
-    w, d, times = np.sqrt(k / J), c / (2 * J), np.linspace(0, 6, 601)
+    w, d, times = np.sqrt(k / J), c / (2 * J), np.linspace(0, 6, 121)
 
     def turn(t):
         one = np.ones_like(J)
@@ -280,7 +280,7 @@ def overshoot(J, k, c):
 
 def third(x, J, k, c):
     """When a hub whose swings fade passes a level for the second time on its way up."""
-    times = np.linspace(0, 6, 2401)
+    times = np.linspace(0, 6, 241)
 
     def turn(t):
         return swing(t, *column(x, 0 * x, np.sqrt(k / J), c / (2 * J)))
@@ -296,7 +296,7 @@ def ratio(F, c, m):
 
     end = F / c * -np.expm1(-8 * c / m)
     return (
-        crossing(lambda t: way(t) - 1, np.linspace(0, 8, 801)),
+        crossing(lambda t: way(t) - 1, np.linspace(0, 8, 17)),
         end,
         way(np.full((1, 1), 2.0))[:, 0],
     )
@@ -305,7 +305,7 @@ def ratio(F, c, m):
 def eight(m, ka, kb, ca, cb, x, v, i):
     """A mass between two springs and dampers on a tilted slide, kicked."""
     rest, w, d = m * G * np.sin(i) / (ka + kb), np.sqrt((ka + kb) / m), (ca + cb) / (2 * m)
-    times = np.linspace(0, 2, 401)
+    times = np.linspace(0, 2, 81)
 
     def way(t):
         return rest[:, None] + swing(t, *column(x - rest, v, w, d))

@@ -8,7 +8,7 @@ import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.linkage.runs import build as bennett
 from evidence.rows import Row
-from fpm.elements.openings.opening import FINER
+from fpm.elements.openings.contact import FINER
 
 LOWEST, HIGHEST = 0.7, 1.0
 """Allowed ratio of the estimate to the true limit."""
@@ -67,7 +67,7 @@ def contacts(fast: bool) -> Iterator[Case]:
             common = {"start": 120.0, "elements": elements}
             trial_scene = disturb(bennett(K_C=0.0, K_F=stiffness, **common), 1e-3)
             name = f"shut contact, K_C = {stiffness:g} N/rad, {elements} elements a link"
-            soft = stiffness / FINER[0] ** 2
+            soft = stiffness / FINER**2
             yield name, bennett(K_C=soft, K_F=0.0, **common), trial_scene
 
 

@@ -228,7 +228,6 @@ def test_a_stop_gives_back_the_rate_of_the_closed_form(ran):
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.0, 0.01, 0.1, 0.6])
 @pytest.mark.parametrize("stiffness", [1e3, 1e6])
 def test_what_strikes_a_stop_at_the_step_of_its_own_comes_back_right(ratio, stiffness):
@@ -246,6 +245,7 @@ def test_what_strikes_a_stop_at_the_step_of_its_own_comes_back_right(ratio, stif
         assert back == pytest.approx(exact, abs=0.01)
 
 
+@pytest.mark.slow
 def test_an_undamped_stop_gives_all_back(ran):
     outcome = ran["bounces"]
     assert events_of(outcome)[:4] == ["hits", "leaves", "hits", "leaves"]

@@ -30,7 +30,7 @@ ONSET = 1.5
 step, so that an impact is not thrown back by its damper alone."""
 
 FINER = 5.0, 8.0
-"""By how much the step of stops and contacts is finer than the stable one, without and with a
+"""By how much the step of stops and their like is finer than the stable one, without and with a
 damper, whose rate is extrapolated: what strikes them then comes back within 1 % of its speed, and
 as it strikes the energy balances within 2 %. At the stable step an impact takes two steps."""
 

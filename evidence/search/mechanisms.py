@@ -45,7 +45,8 @@ class Mechanism:
     least and largest value by parameter; responses, quantities, margins: as in a config; model:
     values (P, quantities) at points (P, parameters) in SI units, in the order of `names` and
     `intervals`, NaN where a quantity does not happen; duration: of a run, s; design: in place of
-    `accuracy`, where there are more than eight intervals.
+    `accuracy`, where there are more than eight intervals; edges: bounds in closed form beside an
+    edge, of which a search comes short, NaN for the others.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Mechanism:
     duration: float = 1.0
     instants: int = 401
     design: Mapping[str, Any] | None = None
+    edges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     margins: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -82,6 +84,8 @@ class Mechanism:
             ).true_bounds()
             for j, name in enumerate(self.names)
         }
+        for name, ends in self.edges.items():
+            bounds[name] = tuple(np.where(np.isnan(ends), bounds[name], ends).tolist())
         kept = {
             key: float(
                 np.mean(np.less_equal(side * values[:, self.names.index(name)], side * level))

@@ -10,7 +10,7 @@ DESIGN = {"method": "screening", "samples": 400}
 
 
 def rows(count: int, line: str) -> str:
-    """Lines of a structure, or parameters, one for each number i from 1 with h = i - 1 and j = i + 1."""
+    """Lines, or parameters, one for each number i from 1, with h = i - 1 and j = i + 1."""
     return "".join(line.format(i=i, h=i - 1, j=i + 1) for i in range(1, count + 1))
 
 
@@ -92,7 +92,8 @@ bodies:
         )
         + "joints:\n"
         + "".join(
-            f"  on_{c}{i}: {{type: revolute, parts: [{part}, rod_{c}{i}], at: {c}{i - 1}, axis: z}}\n"
+            f"  on_{c}{i}: {{type: revolute, at: {c}{i - 1}, axis: z, "
+            f"parts: [{part}, rod_{c}{i}]}}\n"
             for c, i, part in LINKS
         )
         + "record: {a: {part: rod_a3, at: a3}, b: {part: rod_b3, at: b3}}",
@@ -151,7 +152,8 @@ record: {o: {part: ground, at: o}, top: {part: stack, at: p8}}
         ).replace("b0,", "ground,")
         + "actions:\n"
         + rows(15, "  s{i}: {{type: spring, joint: j{i}, stiffness: k{i}, rest: 0}}\n")
-        + "initial_velocities: {blow: {part: b15, about: p15, velocity: [1 m/s, 0, 0]}}\nrecord: {end: {part: b15, at: p15}}",
+        + "initial_velocities: {blow: {part: b15, about: p15, velocity: [1 m/s, 0, 0]}}\n"
+        "record: {end: {part: b15, at: p15}}",
         train,
         {
             "pull": {"joint_moment": "j1", "part": "spring"},
@@ -176,7 +178,8 @@ record: {o: {part: ground, at: o}, top: {part: stack, at: p8}}
         + "actions:\n"
         + rows(
             20,
-            "  s{i}: {{type: torsion spring, joint: j{i}, stiffness: k{i}, rest: 2 rad}}\n  pin{i}: {{type: latch, joint: j{i}, angle: 1 rad}}\n",
+            "  s{i}: {{type: torsion spring, joint: j{i}, stiffness: k{i}, rest: 2 rad}}\n"
+            "  pin{i}: {{type: latch, joint: j{i}, angle: 1 rad}}\n",
         ),
         latches,
         {"angle": {"opening": "j1"}},

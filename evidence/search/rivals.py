@@ -22,7 +22,7 @@ MOST_KRIGING, MOST = 150, 6000  # runs
 _REFIT, _CANDIDATES = 4, 1500
 
 
-class _Found(Exception):
+class _SearchEnd(Exception):
     """A bound is found, or a search has spent its runs."""
 
 
@@ -37,7 +37,7 @@ class _Oracle:
     def run(self, point: np.ndarray) -> float:
         """Value at a unit point (k), NaN where there is none."""
         if len(self.values) >= self.most:
-            raise _Found
+            raise _SearchEnd
         self.points.append(np.array(point, dtype=float))
         self.values.append(float(self.box.function(self.points[-1][None])[0][0]))
         return self.values[-1]
@@ -63,7 +63,7 @@ class _Oracle:
         """The same at a further point (k); raises where that bound is found."""
         self.run(point)
         if sign not in self.missing:
-            raise _Found
+            raise _SearchEnd
         return float(self.losses(sign)[-1])
 
 
@@ -90,8 +90,8 @@ def seek_by_improvement(oracle: _Oracle, sign: float, seed: int) -> None:
             )  # fmt: skip
         best = points[losses.argmin()]
         sizes = generator.choice([0.3, 0.1, 0.02, 0.003], (_CANDIDATES // 2, 1))
-        near = np.clip(best + sizes * generator.normal(size=(_CANDIDATES // 2, k)), -1, 1)
-        trial = np.concatenate([generator.uniform(-1, 1, (_CANDIDATES, k)), near])
+        neighbours = np.clip(best + sizes * generator.normal(size=(_CANDIDATES // 2, k)), -1, 1)
+        trial = np.concatenate([generator.uniform(-1, 1, (_CANDIDATES, k)), neighbours])
         root = scipy.linalg.cholesky(_kernel(points, points, scales, 1e-8), lower=True)
         cross = scipy.linalg.solve_triangular(root, _kernel(points, trial, scales), lower=True)
         weights = scipy.linalg.solve_triangular(root, losses, lower=True)
@@ -146,7 +146,7 @@ def rival_runs(box: Box, true: tuple[float, float]) -> dict[str, float]:
         oracle = _Oracle(box, true, most)
         for sign in (-1.0, 1.0):
             if sign in oracle.missing:
-                with contextlib.suppress(_Found):
+                with contextlib.suppress(_SearchEnd):
                     seek(oracle, sign, seed)
         return np.inf if oracle.missing else len(oracle.values)
 

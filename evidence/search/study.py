@@ -18,6 +18,7 @@ from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most
 from evidence.search import mechanisms
 from evidence.search.boxes import BOXES, Box
+from evidence.search.fractions import measure_fractions, report_fractions
 from evidence.search.rivals import CLOSE, rival_runs
 
 ITERATIONS = 6  # as `verify.max_iterations`
@@ -28,7 +29,7 @@ MOST_RATIO = 1.5  # of the runs to those of the best rival
 @dataclass(frozen=True)
 class BoxCheck:
     """The bounds of a box: true, reported, of the runs and their errors (2 each), and the runs.
-    found: number of runs after which both bounds were close and stayed so, else infinite."""
+    search_runs: number of runs after which both bounds were close and stayed so, else infinite."""
 
     name: str
     runs: int
@@ -36,7 +37,7 @@ class BoxCheck:
     outer_bounds: tuple[float, float]
     attained: tuple[float, float]
     errors: tuple[float, float]
-    found: float = np.nan
+    search_runs: float = np.nan
 
     @property
     def width(self) -> float:
@@ -98,7 +99,7 @@ def search(box: Box) -> BoxCheck:
     close = np.abs(np.subtract.outer(true, values)) <= CLOSE * check.width  # (2, R)
     counts = np.where(close.any(axis=1), close.argmax(axis=1) + 1.0, count)
     is_found = (check.misses() <= CLOSE * check.width).all()
-    return replace(check, found=float(counts.max()) if is_found else np.inf)
+    return replace(check, search_runs=float(counts.max()) if is_found else np.inf)
 
 
 def measure_all(quick: bool = False) -> list[BoxCheck]:
@@ -114,6 +115,7 @@ def measure_rivals(quick: bool = False) -> list[dict[str, float]]:
 PARTS = {
     "boxes": measure_all,
     "rivals": measure_rivals,
+    "fractions": measure_fractions,
     **{
         part: partial(mechanisms.measure, f"mechanisms_{part}")
         for part in ("carts", "slides", "chains")
@@ -123,11 +125,13 @@ PARTS = {
 
 def report(parts: Mapping[str, list]) -> Report:
     """What the study claims of functions and of mechanisms, and all as tables."""
-    checks = [c for name, part in parts.items() if name not in ("boxes", "rivals") for c in part]
+    functions = ("boxes", "rivals", "fractions")
+    checks = [c for name, part in parts.items() if name not in functions for c in part]
     reports = []
     if "boxes" in parts:
         rivals = [min(runs.values()) for runs in parts.get("rivals", [])]
         reports.append(_report_boxes(parts["boxes"], rivals))
+    reports += [report_fractions(parts["fractions"])] if "fractions" in parts else []
     reports += [mechanisms.report(checks)] if checks else []
     return Report(
         [row for part in reports for row in part.rows],
@@ -150,17 +154,19 @@ def _report_boxes(boxes: list[BoxCheck], rivals: list[float]) -> Report:
         at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.95),
         at_most("reported bounds worse than those of the runs", float(np.sum(worse)), 0.0),
     ]
-    ratios = [b.found / best for b, best in zip(boxes, rivals, strict=False) if np.isfinite(best)]
+    ratios = [
+        b.search_runs / best for b, best in zip(boxes, rivals, strict=False) if np.isfinite(best)
+    ]
     if ratios:
         is_near = [ratio <= MOST_RATIO for ratio in ratios]
-        lost = float(np.isinf(ratios).sum())
+        misses = float(np.isinf(ratios).sum())
         rows += [
             at_most("runs until both are, over the best rival's", float(np.median(ratios)), 1.0),
             at_least(f"boxes with at most {MOST_RATIO:g} of that", float(np.mean(is_near)), 0.9),
-            at_most("boxes where a rival finds both, and this does not", lost, 0.0),
+            at_most("boxes where a rival finds both, and this does not", misses, 0.0),
         ]
     lines = [
-        (b.name, b.runs, b.found, rival, *(f"{v:.4g}" for v in (*b.true, *b.outer_bounds)),
+        (b.name, b.runs, b.search_runs, rival, *(f"{v:.4g}" for v in (*b.true, *b.outer_bounds)),
          *(100 * b.misses() / b.width), *(100 * np.divide(b.errors, b.width)))
         for b, rival in zip(boxes, rivals or itertools.repeat(np.nan), strict=False)
     ]  # fmt: skip

@@ -354,7 +354,8 @@ class _EquilibriumSearch(assembly._RestSearch):
                 raise assembly.MisfitError("start", f"{value:.2g} in bars that are {word}", allowed)
 
     def _refuse_motion(self, motion: np.ndarray) -> NoReturn:
-        """Raise MisfitError for the part that moves most, on a way along which is no balance."""
+        """Raise MisfitError for the part that moves most, on a way along which is no balance, or
+        so little in each position, as of a stiff contact that turns far, that none was reached."""
         motions = motion.reshape(-1, 2, 3)
         sizes = np.linalg.norm(motions, axis=2)
         particle, kind = np.unravel_index(sizes.argmax(), sizes.shape)
@@ -368,4 +369,7 @@ class _EquilibriumSearch(assembly._RestSearch):
         verb = ("moves on along", "turns on about")[kind]
         text = f"{part} {verb} ({', '.join(f'{x:.3g}' for x in direction)})"
         allowed = "what comes to rest: by a support, joint, spring or other load against that"
+        if 0 < np.abs(motion).max() < AIM / 2:
+            allowed = "a stated position nearer to the balance, or softer springs and contacts: "
+            allowed += f"{POSITIONS} steps towards it were too small to reach it"
         raise assembly.MisfitError(self._key, text, allowed)

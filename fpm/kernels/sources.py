@@ -278,24 +278,30 @@ def content_digest(content: bytes, path: Path) -> str:
 @cache
 def _tree_digest(content: bytes, path: str) -> str:
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    memo = user_cache() / "syntax" / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
-    with suppress(OSError):
-        text = memo.read_text()
+    name = f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
+    folder = os.path.join(_cache_path(), "syntax")  # no Path: there are hundreds in each process
+    with suppress(OSError), open(os.path.join(folder, name), encoding="ascii") as memo:
+        text = memo.read()
         if len(text) == 64:
             return text
     digest = hashlib.sha256(_tree(content, path).encode()).hexdigest()
     with suppress(OSError):
-        memo.parent.mkdir(parents=True, exist_ok=True)
-        part = memo.with_name(f"{memo.name}.{os.getpid()}")
+        os.makedirs(folder, exist_ok=True)
+        part = Path(folder, f"{name}.{os.getpid()}")
         part.write_text(digest)
-        os.replace(part, memo)
+        os.replace(part, os.path.join(folder, name))
     return digest
 
 
 def user_cache() -> Path:
     """Return this program's own folder in the user's cache (~/.cache, or XDG_CACHE_HOME), for files
     that can be made again; it need not exist."""
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "deployable-intervals"
+    return Path(_cache_path())
+
+
+def _cache_path() -> str:
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return os.path.join(home, "deployable-intervals")
 
 
 def _tree(content: bytes, path: str) -> str:

@@ -20,7 +20,7 @@ from numpy.polynomial import Chebyshev, Polynomial
 TOL = 1e-12
 """Largest error of a function's polynomials, as a share of its largest absolute value."""
 
-PLACES = 1000
+PLACES = 4000
 """Number of places at which a function is compared with its polynomials, at least."""
 
 MOST_PIECES = 4000
@@ -81,8 +81,8 @@ class Curve:
     def fit(function: Callable[[float], float], start: float, end: float) -> "Curve":
         """Return the curve that follows a function from time `start` to `end` (s), with errors of
         TOL times its largest absolute value: a polynomial up to the 13th degree exactly. function:
-        returns the value at u, which goes from 0 to 1 meanwhile. What is narrower than a thousandth
-        of that may be missed. CurveError where it jumps, is infinitely steep, or takes too many
+        returns the value at u, which goes from 0 to 1 meanwhile. What is narrower than a 4000th
+        part of it may be missed. CurveError where it jumps, is infinitely steep, or takes too many
         polynomials."""
         places = (np.arange(PLACES) + 0.5) / PLACES
         samples = np.array([function(u) for u in places])

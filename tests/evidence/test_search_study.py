@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from evidence.search import mechanisms, mechanisms_carts
+from evidence.search import fractions, mechanisms, mechanisms_carts
 from evidence.search.boxes import BOXES
 from evidence.search.rivals import CLOSE
 from evidence.search.study import measure_all, report
@@ -70,3 +70,11 @@ def test_carts_move_as_their_closed_forms():
         {"design": {"method": "smolyak", "order": 2}},
     )
     assert max(bound["runs_off"] for bound in answer["bounds"] if "rate" in bound["bound"]) < 1e-4
+
+
+def test_fractions_lie_within_what_is_told_and_others_fail():
+    checks = fractions.measure_fractions(quick=True)
+    assert sum(check.error > check.uncertainty + 5e-4 for check in checks) <= 1
+    wrong = [replace(check, uncertainty=0.3 * check.error) for check in checks]
+    rows = report({"fractions": wrong}).rows
+    assert [row.is_failed for row in rows] == [True, False]

@@ -343,6 +343,24 @@ def test_extrapolated_dampers_are_stable_up_to_the_limit_and_not_beyond():
 
 
 @pytest.mark.slow
+def test_where_a_run_starts_in_its_range_a_latch_catches_at_once():
+    """From the start on an oscillator about the place, at the angle, before and behind it."""
+    held = {"stiffness": 100.0, "damping": 2.0, "side": "below"}
+    ranges = ((0.3, 0.0), (0.33, 0.05), (0.27, 0.05))
+    latches = [{**held, "angle": angle, "capture_range": reach} for angle, reach in ranges]
+    scenes = [flap(rate=0.5, opening=0.3, latch=latch) for latch in latches]
+    scenes.append(flap(rate=-0.5, opening=0.3, latch=latches[0]))
+    *outcomes, off = fpm.simulate(scenes, duration=0.4, instants=41, step=5e-4)
+    decay = 2.0 / (2 * J)
+    fast = np.sqrt(100.0 / J - decay**2)
+    for outcome in outcomes:
+        swing = 0.5 / fast * np.exp(-decay * outcome.time) * np.sin(fast * outcome.time)
+        assert opening(outcome) == pytest.approx(0.3 + swing, abs=1e-6)
+        assert outcome.events[0, 0] == 0.0
+    assert opening(off)[-1] == pytest.approx(0.1, abs=1e-9), "it comes from above"
+
+
+@pytest.mark.slow
 def test_turns_are_counted_on_a_hinge_that_nothing_acts_on():
     (outcome,) = fpm.simulate(bare(rate=10.0), duration=2.0, instants=3, step=1e-3)
     assert opening(outcome) == pytest.approx([0.0, 10.0, 20.0], abs=1e-9)

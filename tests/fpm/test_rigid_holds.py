@@ -58,6 +58,14 @@ def angles_of(outcome) -> np.ndarray:
     return np.array([root, root + knee])
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("reach", [0.0, 0.1])
+def test_a_rigid_latch_at_whose_angle_a_run_starts_holds_from_the_start_on(reach):
+    found = run({"at": bars(angles=(0.1, 0.1), gravity=G, latch=0.5 * reach, capture_range=reach)})
+    assert np.ptp(found["at"].openings["knee"]) < 1e-9 < np.ptp(found["at"].openings["root"])
+    assert found["at"].events[0, 0] == 0.0
+
+
 CATCHES = [
     ("caught", 0.4, NONE), ("going down", -0.4, NONE), ("tolerant", 0.3, NONE),
     ("falls", -0.3, G), ("swings", 0.5, G),

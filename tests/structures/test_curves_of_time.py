@@ -41,6 +41,13 @@ def test_functions_are_followed_to_their_bound_with_integral_rate_and_extremes(n
         assert curve.rate_after(time) == pytest.approx(slope, rel=1e-3, abs=1e-3 * high)
 
 
+@pytest.mark.parametrize("place", [0.3125, 0.4, 0.71828])
+def test_a_needle_of_a_few_ten_thousandths_is_seen(place):
+    curve = Curve.fit(lambda u: max(0.0, 1 - abs(u - place) / 3e-4), 0.0, 1.0)
+    assert curve.extremes() == pytest.approx((0, 1), abs=1e-9)
+    assert curve.integral(1.0) == pytest.approx(3e-4, rel=1e-9)
+
+
 def test_kinks_are_where_the_rate_jumps_and_nowhere_else():
     smooth, kink, hat = (
         Curve.fit(function, 0.0, 1.0)

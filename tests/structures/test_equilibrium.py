@@ -256,6 +256,13 @@ def test_a_pin_with_play_hangs_at_the_lowest_place_of_its_bearing(place, loss):
     assert (x, abs(y)) == pytest.approx((0, 1e-3 + depth), abs=1e-10)
 
 
+def test_what_is_still_on_its_way_is_not_told_to_have_no_balance(monkeypatch):
+    monkeypatch.setattr("fpm.assembly.equilibrium.POSITIONS", 10)
+    pin = "type: pin with play, clearance: 1 mm, load: 100 N, depth: 1 um"
+    with pytest.raises(fpm.SceneError, match=r"nearer to the balance, .* 10 steps"):
+        loads(changed(ARM, ("type: revolute", pin))).build()
+
+
 @pytest.mark.slow
 def test_a_rod_let_go_from_its_bent_shape_swings_in_the_modes_of_euler_and_bernoulli():
     """Let go by a load that ends at once; motion of the end by the sum over clamped modes."""

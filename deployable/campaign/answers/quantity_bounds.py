@@ -14,10 +14,10 @@ from deployable.intervals.designs import scan_points
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
 _MOST_CLIMBS = 40  # runs in a row of a local search
-_EACH = 8  # runs for each parameter before the surrogate says where others are made
+_PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where others are made
 _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
 _MOST_SPREAD = 4  # times as many where a quantity has no value
-_FEW = 3  # parameters whose corners are run at once
+_CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -110,20 +110,23 @@ class _Climbs:
         self.margin_climbs = [Climb(1.0) for _ in quantities]  # where an event may begin to occur
 
     def missing_points(self, surrogates: Sequence[Any]) -> np.ndarray:
-        """Points (P, k) of runs that tell whether searches have missed a part of the box: none where
-        all quantities are smooth; else the corners, if these are few, and points spread over the
-        box, so that there are eight runs for each parameter; where a quantity has no value in any
-        run four times as many, eight for each parameter at a time."""
+        """Points (P, k) of runs that tell whether searches missed a part of the box: none where all
+        quantities are smooth; else the corners, if these are few, and points spread over the
+        box, so that there are eight runs for each parameter; where a quantity has no value and no
+        margin in any run four times as many, eight for each parameter at a time."""
         model = self.model
         if not self.climbs or not any(map(_is_rough, surrogates)):
             return model.points[:0]
         box = model.experiment.box
-        corners = box.corners() if box.free.sum() <= _FEW else model.points[:0]
+        corners = box.corners() if box.free.sum() <= _CORNER_DIRECTIONS else model.points[:0]
         corners = [point for point in corners if model.nearest(point)[1] > SAME_POINT]
-        is_blank = any(s.fit is None for s in surrogates)
-        each = _EACH * int(box.free.sum())
+        is_blank = any(
+            s.fit is None and not np.isfinite(margin).all()
+            for s, margin in zip(surrogates, model.margins.T, strict=True)
+        )
+        total = _PARAMETER_RUNS * int(box.free.sum())
         present = len(model.points) + len(corners)
-        count = min((_MOST_SPREAD if is_blank else 1) * each - present, each)
+        count = min((_MOST_SPREAD if is_blank else 1) * total - present, total)
         if count <= 0:
             return np.reshape(corners, (-1, len(box.free)))
         spread = scan_points(box.free, present + count, corners=False)[-count:]

@@ -48,9 +48,10 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     specs = list_limits(requirements, list(model.experiment.quantities))
     errors = _discretization_errors(folder)
     result = assess_limits(model, model.surrogates(), specs, errors)
+    shares = _find_shares(model, result)
     rows = {
-        "requirements": [_requirement(model, result, name) for name in requirements],
-        "together": {**_combine(model, result), "whole": errors is not None},
+        "requirements": [_requirement(model, result, name, shares) for name in requirements],
+        "together": {**_combine(model, result, shares), "whole": errors is not None},
         "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.refinements),
     }
@@ -65,13 +66,33 @@ def _discretization_errors(folder: Folder) -> np.ndarray | None:
         return np.array([data[name][:] for name in ("error_limit", "error_border")])
 
 
-def _judge_limits(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
+_Shares = Mapping[tuple[int, ...], tuple[float, float]]
+
+
+def _find_shares(model: ModelEvaluator, result: LimitAssessment) -> _Shares:
+    """Share of the box that keeps limits, and what is open, by their indices: of each limit, of
+    those of a requirement, and of all."""
+    from deployable.intervals.scalars import shares_of_box
+
+    sets = [(i,) for i in range(len(result.specs))]
+    sets += [_indices(result, spec.requirement) for spec in result.specs]
+    sets = list(dict.fromkeys([*sets, tuple(range(len(result.specs)))]))
+    limits = [[result.limits[i] for i in indices] for indices in sets]
+    return dict(zip(sets, shares_of_box(limits, model.experiment.box.free), strict=True))
+
+
+def _indices(result: LimitAssessment, name: str) -> tuple[int, ...]:
+    """Indices of the limits of a requirement."""
+    return tuple(i for i, spec in enumerate(result.specs) if spec.requirement == name)
+
+
+def _judge_limits(
+    model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
+) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
     decide where they agree with the surrogates up to the error. That no run keeps one proves
     nothing: the share is unknown then."""
-    from deployable.intervals.scalars import share_of_box
-
-    fraction, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
+    (fraction, open_), indices = shares[indices], list(indices)
     is_met = result.margins[indices].min(axis=0) >= 0
     row = {
         "share": fraction,
@@ -96,10 +117,12 @@ def _may_hold(result: LimitAssessment, i: int) -> bool:
     return bool(margin >= 0 or margin >= -error)
 
 
-def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> dict:
-    indices = [i for i, spec in enumerate(result.specs) if spec.requirement == name]
-    verdict = _judge_limits(model, result, indices)
-    rows = [verdict if len(indices) == 1 else _judge_limits(model, result, [i]) for i in indices]
+def _requirement(
+    model: ModelEvaluator, result: LimitAssessment, name: str, shares: _Shares
+) -> dict:
+    indices = _indices(result, name)
+    verdict = _judge_limits(model, result, indices, shares)
+    rows = [_judge_limits(model, result, (i,), shares) for i in indices]
     limits = [_limit(model, result, i) | row for i, row in zip(indices, rows, strict=True)]
     return {"name": name, **verdict, "limits": limits}
 
@@ -114,10 +137,10 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
 
 
-def _combine(model: ModelEvaluator, result: LimitAssessment) -> dict:
+def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) -> dict:
     largest, index, _ = result.largest
     row = {
-        **_judge_limits(model, result, list(range(len(result.specs)))),
+        **_judge_limits(model, result, tuple(range(len(result.specs))), shares),
         "max_interval_scale": largest,
     }
     row["halved"] = _halve_intervals(model, result)

@@ -10,6 +10,7 @@ import numpy as np
 
 from deployable.campaign.files import whole_file
 from deployable.campaign.pictures.colours import draw_scale, stress_colours
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
@@ -53,14 +54,13 @@ def frames(motion: xarray.Dataset, by_stress: bool = False) -> Iterator[np.ndarr
     motion: a run's whole motion, a dataset (`fpm.motions`); by_stress: colour elements by
     equivalent stress, not by bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     solid, view = solid_of_motion(motion), View()
     limits = limits_of(solid.places, view)
     x_span, y_span = limits[1] - limits[0]
     height = WIDTH * (y_span + 0.2 * max(x_span, y_span)) / x_span
     shrink = min(1.0, 1.25 * WIDTH / height)  # a mast stands in a picture that is not too tall
-    figure = Figure(figsize=(WIDTH, shrink * height), dpi=_DPI)
+    figure = make_figure(figsize=(WIDTH, shrink * height), dpi=_DPI)
     canvas = FigureCanvasAgg(figure)
     ax = figure.add_axes((0, 0, 1, 1))
     frame_picture(ax, limits, view)

@@ -8,6 +8,7 @@ import numpy as np
 
 from deployable.campaign.files import whole_file
 from deployable.campaign.pictures import paint
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.solid import solid_of_scene
 from deployable.campaign.pictures.view import View
 
@@ -23,7 +24,6 @@ WIDTH = 6.0
 def draw_structure(scene: Any) -> Any:
     """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
     a matplotlib figure, not saved yet. scene: an `fpm.Scene`, which holds the structure."""
-    from matplotlib.figure import Figure
 
     view, solid = View(), solid_of_scene(scene)
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
@@ -35,7 +35,7 @@ def draw_structure(scene: Any) -> Any:
     x_span, y_span = limits[1] - limits[0]
     size = max(x_span, y_span)
     height = WIDTH * min(1.1, (y_span + 0.2 * size) / x_span)
-    figure = Figure(figsize=(WIDTH, height))
+    figure = make_figure(figsize=(WIDTH, height))
     ax = figure.add_axes((0, 0, 1, 1))
     paint.frame_picture(ax, limits, view)
     if len(solid.nodes):

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from deployable.campaign.pictures.solid import solid_of_motion, values_in
 from deployable.campaign.pictures.view import View
@@ -34,14 +35,13 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
     count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
     width: width of the figure, in inches."""
-    from matplotlib.figure import Figure
 
     view, indices = View(), telling_moments(motion, count)
     solid = solid_of_motion(motion, indices)
     limits = limits_of(solid.places, view, margin=0.02)
     x_span, y_span = limits[1] - limits[0]
     shape = min(2.6, (y_span + 0.2 * max(x_span, y_span)) / x_span)  # of a panel
-    figure = Figure(figsize=(width, width / count * shape + 0.2))
+    figure = make_figure(figsize=(width, width / count * shape + 0.2))
     height = figure.get_figheight()
     for moment, time in enumerate(values_in(motion, "time")[indices]):
         ax = figure.add_axes((moment / count, 0, 1 / count, 1 - 0.2 / height))

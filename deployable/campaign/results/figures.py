@@ -13,6 +13,7 @@ import numpy as np
 from deployable.campaign.files import open_netcdf, result_file
 from deployable.campaign.folder import PICTURES
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.results.facts import LARGE, along_of, drop_unknown_error
 from deployable.campaign.text.numbers import pretty
 
@@ -60,7 +61,6 @@ def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float
     shade_above: error, as a share of the largest difference of the bounds, above which instants are
         hatched.
     width: of the figure (inches)."""
-    from matplotlib.figure import Figure
 
     rows = [list(bounds["response"][:]).index(name) for name in names]
     is_single, columns, narrow = len(rows) == 1, 1 if len(rows) <= 3 else 2, width < 5.0
@@ -68,7 +68,7 @@ def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float
     if is_single and (bounds["upper"][rows[0]] > bounds["lower"][rows[0]]).any():
         heights = [1.0, 0.5]
     size = (width, (0.95 if narrow else 0.5625) * width / columns * sum(heights))
-    figure = Figure(figsize=size, layout="constrained")
+    figure = make_figure(figsize=size, layout="constrained")
     grid = {"sharex": is_single, "squeeze": False, "height_ratios": heights}
     axes = figure.subplots(len(heights), columns, **grid).ravel()
     for place, i in enumerate(rows):
@@ -161,13 +161,12 @@ def shares(data: Any, width: float = 7.0) -> Any:
     left plot of a response shows how wide its range is over time when one parameter varies alone,
     the right one these widths integrated over time, in per cent of their sum over all parameters.
     Widths that are not above the error of the fit are grey, and count as 0."""
-    from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])
     keys = ("width", "width_overall", "error")
     widths, overall, errors = (data[key][:] for key in keys)
     all_units = data["response_units"][:]
-    figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
+    figure = make_figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
     axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
     rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
     for place, (row, name, units, curves, share, error) in enumerate(rows):

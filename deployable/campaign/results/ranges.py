@@ -13,6 +13,7 @@ from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.colours import BLUE, RED
+from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.results.figures import save
 from deployable.campaign.results.run_roles import fitted_rows
@@ -34,14 +35,13 @@ def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
     """Make a matplotlib figure with one plot for each quantity: its value over one or two
     parameters, or where there are more the width of its interval by parameter. data: the open
     `quantities.nc`; runs: the fitted ones (`runs_of`); width: of the figure (inches)."""
-    from matplotlib.figure import Figure
 
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
     count = len(data["quantity"])
     columns = 1 if len(free) > 2 or count == 1 else 2
     rows = -(-count // columns)
     height = (0.6 + 0.22 * len(free)) if len(free) > 2 else 2.7
-    figure = Figure(figsize=(width, rows * height + 0.5), layout="constrained")
+    figure = make_figure(figsize=(width, rows * height + 0.5), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     draw = {0: _line, 1: _line, 2: _map}.get(len(free), _bars)
     for q, ax in enumerate(axes):

@@ -16,6 +16,7 @@ from .requirements import (
     find_safe_range,
     find_safest,
     share_of_box,
+    shares_of_box,
     sub_box,
 )
 from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
@@ -44,5 +45,6 @@ __all__ = [
     "find_safest",
     "fit_scalar",
     "share_of_box",
+    "shares_of_box",
     "sub_box",
 ]

@@ -19,7 +19,7 @@ from .occurrence import Occurrence, matern
 TOLERANCE = 1e-3
 """A gain that does not exceed this fraction of the width of the runs is none."""
 
-_NEAR, _NEAR_EACH = 12, 6  # runs of the model: this many, and so many for each parameter
+_MODEL_RUNS, _PARAMETER_RUNS = 12, 6  # runs of the model: this many, and so many for each parameter
 _CLOUD, _SIZES = 256, (1.0, 0.4, 0.15, 0.05)  # trial points, and in which parts of the radius
 _ZOOMS, _HALVINGS = 3, 12
 _NOISE = 1e-8  # added to the kernel of the model
@@ -27,7 +27,7 @@ _GAP = 0.7  # least distance of a step from runs beyond the border, over that fr
 _RADIUS, _LEAST_RADIUS = 0.5, 1e-3  # in normalized coordinates
 _FALL = 0.1  # of the width: a run that is so far below the extreme one is beyond a jump,
 _STEEP = 3.0  # if that is also more than so many times what it promised
-_JUMP, _NEAR_JUMP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, how near, and runs for it
+_JUMP, _JUMP_GAP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, their gap, runs for it
 _SHARE = 0.1  # of such a gain, by a border, where the model, smooth, promises too little
 _POLL = 0.05  # of the width, that a model may lose where a single parameter is moved
 _FAILURES = 3  # steps without a gain, after which a search ends
@@ -43,7 +43,7 @@ class Climb:
     misses: int = 0  # runs in a row beyond the border
     probes: int = 0  # runs made to find a jump
     end: float | None = None  # largest value (times the sign) when the search ended
-    fallen: float = -np.inf  # largest value (times the sign) of a run beyond a jump
+    floor: float = -np.inf  # largest value (times the sign) of a run beyond a jump
     promise: tuple[np.ndarray, float, float] | None = None  # next run, its value; largest so far
 
     def propose(self, points: np.ndarray, values: np.ndarray) -> np.ndarray | None:
@@ -60,7 +60,7 @@ class Climb:
                 return None
             self.end, self.radius, self.failures, self.probes = None, _RADIUS, 0, 0
         self._learn(points, heights, width)
-        is_valid = np.isfinite(heights) & (heights > self.fallen)
+        is_valid = np.isfinite(heights) & (heights > self.floor)
         is_valid[row] = True
         if self.failures < _FAILURES and self.radius >= _LEAST_RADIUS:
             best, height = self._best(points, heights, is_valid, row)
@@ -76,14 +76,14 @@ class Climb:
         """Compare the last run with what it promised."""
         if self.promise is None:
             return
-        best, height, before = self.promise
+        best, height, base = self.promise
         self.promise = None
         run = int(np.abs(points - best).max(axis=1).argmin())
-        gain, hope = heights[run] - before, height - before
+        gain, hope = heights[run] - base, height - base
         self.failures = 0 if gain > TOLERANCE * width else self.failures + 1
         is_fallen = -gain > max(_STEEP * hope, _FALL * width)
         if is_fallen:
-            self.fallen = max(self.fallen, float(heights[run]))
+            self.floor = max(self.floor, float(heights[run]))
             self.radius = max(self.radius, _RADIUS)  # what it failed by may have been the jump
         if is_fallen or not np.isfinite(gain):
             self.failures, self.misses = 0, self.misses + 1
@@ -99,27 +99,31 @@ class Climb:
     ) -> np.ndarray | None:
         """Point (k) half way between two runs near the extreme one that may be on two sides of a
         jump; once such runs are near each other, the lower one is beyond it, and None is left."""
-        if not self.probes and self.fallen == -np.inf:
+        if not self.probes and self.floor == -np.inf:
             self.probes = 1
             if (point := self._poll(points, heights, is_valid, row, width)) is not None:
                 return point
         order = np.argsort(np.linalg.norm(points - points[row], axis=1), kind="stable")
-        near = order[is_valid[order]][: 3 + 2 * points.shape[1]]
-        gaps = np.linalg.norm(points[near][:, None] - points[near], axis=2)
-        drops = heights[near][:, None] - heights[near]
+        rows_near = order[is_valid[order]][: 3 + 2 * points.shape[1]]
+        gaps = np.linalg.norm(points[rows_near][:, None] - points[rows_near], axis=2)
+        drops = heights[rows_near][:, None] - heights[rows_near]
         steepness = np.where((drops > _JUMP * width) & (gaps < 1.0), drops / (gaps + 1e-9), 0.0)
         slopes = np.abs(drops) / (gaps + 1e-9)
-        usual = float(np.median(slopes[np.triu_indices(len(near), 1)])) if len(near) > 1 else 0.0
+        usual = (
+            float(np.median(slopes[np.triu_indices(len(rows_near), 1)]))
+            if len(rows_near) > 1
+            else 0.0
+        )
         steepness[steepness < _STEEP * usual] = 0.0
         high, low = np.unravel_index(steepness.argmax(), steepness.shape)
         if self.probes >= _PROBES or not steepness[high, low]:
             return None
-        if gaps[high, low] < _NEAR_JUMP:
-            self.fallen, self.probes = float(heights[near[low]]), _PROBES
+        if gaps[high, low] < _JUMP_GAP:
+            self.floor, self.probes = float(heights[rows_near[low]]), _PROBES
             self.failures, self.radius = 0, _RADIUS
             return self.propose(points, heights * self.sign)
         self.probes += 1
-        return (points[near[high]] + points[near[low]]) / 2
+        return (points[rows_near[high]] + points[rows_near[low]]) / 2
 
     def _poll(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int, width: float
@@ -144,16 +148,16 @@ class Climb:
         """The model of the runs near a run, the border beside it, if any, and by how much the model
         is below that run."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
-        count = _NEAR + _NEAR_EACH * int(free.sum())
+        count = _MODEL_RUNS + _PARAMETER_RUNS * int(free.sum())
         order = np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable")
-        near = order[is_valid[order]][:count]
+        rows_near = order[is_valid[order]][:count]
         rows = order[~is_valid[order]][:count]
         border = None
         if len(rows):
-            rows = np.concatenate([near, rows])
-            border = Occurrence(points[rows], is_valid[rows])
+            rows = np.concatenate([rows_near, rows])
+            border = Occurrence(points[rows], is_valid[rows], reach=0.0)
         has_root = border is not None and not np.isfinite(heights[rows]).all()  # no mere jump
-        model = _Model(points[near], heights[near], border if has_root else None)
+        model = _Model(points[rows_near], heights[rows_near], border if has_root else None)
         return model, border, float(heights[row] - model.evaluate(origin[None])[0])
 
     def _best(
@@ -169,7 +173,7 @@ class Climb:
             trial = np.concatenate([best + size * radius * cloud for size in _SIZES])
             trial = np.clip(trial, *np.clip([origin - self.radius, origin + self.radius], -1, 1))
             if border is not None:
-                trial = _inside(trial, border, level)
+                trial = _clip_to_border(trial, border, level)
                 gaps = [
                     scipy.spatial.cKDTree(border.points[kind]).query(trial)[0]
                     for kind in (border.happens, ~border.happens)
@@ -183,7 +187,7 @@ class Climb:
         return best, height
 
 
-def _inside(trial: np.ndarray, border: Occurrence, level: float) -> np.ndarray:
+def _clip_to_border(trial: np.ndarray, border: Occurrence, level: float) -> np.ndarray:
     """Of points (P, k) those inside a level of a border, and points just inside it, each between
     one of the others and the next one inside."""
     is_inside = border.decision(trial) >= level

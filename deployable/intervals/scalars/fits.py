@@ -144,6 +144,12 @@ class Fit:
         """Root mean square of the leave-one-out errors."""
         return float(np.sqrt(np.mean(self.left_out**2)))
 
+    @property
+    def median_error(self) -> float:
+        """Median of the sizes of the leave-one-out errors, by which volume fractions of the box are
+        uncertain: along a limit-state surface errors of both signs cancel."""
+        return float(np.median(np.abs(self.left_out)))
+
     def formula(self) -> Formula:
         """Write the fitted function as a table that other programs can evaluate."""
         return _formula(self.function)

@@ -9,7 +9,7 @@ least 1. Further runs are sought about the border (Basudhar and Missoum 2010).""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -32,16 +32,24 @@ _NOISE = 1e-10  # added to the kernel of a run with itself, so that rounding is 
 _LEAST = (
     5e-4  # distance of two runs about a border, in unit coordinates, below which none is sought
 )
+REACH = 0.25
+"""Distance of two runs, one with the event and one without, in normalized coordinates, up to which
+the function that separates them is at least in proportion to it."""
+
+# By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
+_CONFIDENCE = 1.5
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
 @dataclass(frozen=True)
 class Occurrence:
     """In which part of the box of parameters an event occurs, by a smooth border between runs.
-    points (N, k) in [-1, 1]^k: of the runs; happens (N): whether it occurs in each."""
+    points (N, k) in [-1, 1]^k: of the runs; happens (N): whether it occurs in each; reach: distance
+    from runs that differ, up to which the function is at least in proportion to it, 0: at once."""
 
     points: np.ndarray
     happens: np.ndarray
+    reach: float = field(default=REACH, kw_only=True)
 
     @property
     def is_mixed(self) -> bool:
@@ -74,7 +82,16 @@ class Occurrence:
             for kind in (self.happens, ~self.happens)
         ]
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
-        return np.maximum(np.minimum(*nearest), max(1.0, float(-decision.min())))
+        least = 0.0 if self.reach else 1.0
+        return np.maximum(np.minimum(*nearest), max(least, float(-decision.min())))
+
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
+        """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
+        uncertain: less than `band`, as stretches of the border err to either side, each by itself;
+        there are as many as runs that hold it (support vectors): 1.5 (`_CONFIDENCE`) over the root
+        of their number times as much."""
+        count = len(self._support_vectors[0]) if self.is_mixed else 1
+        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(max(count, 1)))
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
@@ -112,14 +129,13 @@ class Occurrence:
         return self._level_points(_LEVELS)
 
     def _level_points(self, levels: Sequence[float]) -> np.ndarray:
-        """Unit points (P, k) just above each level of the decision value over its scale, each
+        """Unit points (P, k) just above each level of the decision value over its band, each
         between two points of the box of which one is above and one below all levels."""
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        decision = self.decision(spread)
-        highs = spread[decision > max(levels) * self._scale]
-        lows = spread[decision < min(levels) * self._scale]
+        ratios = self._ratios(spread)
+        highs, lows = spread[ratios > max(levels)], spread[ratios < min(levels)]
         if not len(highs) or not len(lows):
             return spread[:0]
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
@@ -127,15 +143,14 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                happens = (self.decision(middle) >= level * self._scale)[:, None]
+                happens = (self._ratios(middle) >= level)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
             border_points.append(high)
         return np.concatenate(border_points)
 
-    @property
-    def _scale(self) -> float:
-        """Size of the decision value next to the border."""
-        return 1.0
+    def _ratios(self, points: np.ndarray) -> np.ndarray:
+        """Decision values (P) over the half-widths of the undecided band at points (P, k)."""
+        return self.decision(points) / np.maximum(self.band(points), np.finfo(float).tiny)
 
     @cached_property
     def _free(self) -> np.ndarray:
@@ -161,10 +176,20 @@ class Occurrence:
         points, signs = self._training_runs()
         kernel = matern(points, points) * signs * signs[:, None]
         root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
-        bound = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
+        bound = scipy.linalg.solve_triangular(root, self._sizes(points, signs), lower=True)
         weights, _ = scipy.optimize.nnls(root.T, bound, maxiter=100 * len(points))
         is_support = weights > 0
         return points[is_support], (weights * signs)[is_support]
+
+    def _sizes(self, points: np.ndarray, signs: np.ndarray) -> np.ndarray:
+        """Least size (n) of the function at runs: below 1 in those near to others that differ, as
+        it would else be so steep there that it bends far from them."""
+        sizes = np.ones(len(points))
+        if self.reach:
+            for sign in (-1.0, 1.0):
+                tree = scipy.spatial.cKDTree(points[signs == -sign])
+                sizes[signs == sign] = tree.query(points[signs == sign])[0] / self.reach
+        return np.minimum(sizes, 1.0)
 
     @cached_property
     def _decision(self) -> np.ndarray:
@@ -241,6 +266,7 @@ class FittedOccurrence(Occurrence):
         size of `decision` is compared: everywhere `error`, that of the fit."""
         return np.full(len(points), self.error)
 
-    @property
-    def _scale(self) -> float:
-        return self.error
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
+        """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
+        uncertain: everywhere the median leave-one-out error of the fit."""
+        return np.full(len(points), self.fit.median_error)

@@ -29,15 +29,24 @@ class Limit:
     run_error: float = 0.0
     border_error: float = 0.0
 
-    def conditions(self, points: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    def conditions(
+        self, points: np.ndarray, known: dict | None = None
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in [-1,
-        1]^k: a list of one or two pairs of values (P) and their errors (P). The first is of whether
+        1]^k: a list of one or two pairs of values (P) and their errors (P), by which volume
+        fractions are uncertain. The first is of whether
         the quantity exists (of "happens" with level 0: does not), by its decision function
         (`Occurrence.decision`); the second of its distance from the level, in its unit, left out of
-        "happens" and where no run has the quantity."""
-        surrogate = self.surrogate
-        decision = surrogate.occurrence.decision(points)
-        band = surrogate.occurrence.band(points) + self.border_error
+        "happens" and where no run has the quantity. known: what limits of the same surrogates
+        gave at these points, which is filled."""
+        surrogate, known = self.surrogate, {} if known is None else known
+
+        def evaluate(function: Callable) -> np.ndarray:
+            key = id(surrogate), function.__name__
+            return known[key] if key in known else known.setdefault(key, function(points))
+
+        decision = evaluate(surrogate.occurrence.decision)
+        band = evaluate(surrogate.occurrence.usual_band) + self.border_error
         if np.isinf(self.border_error):  # all runs agree, and finer ones do not
             decision, band = np.sign(decision), np.full(len(points), 2.0)
         if self.kind == "happens":
@@ -45,8 +54,9 @@ class Limit:
         if surrogate.fit is None:
             return [(decision, band)]
         sign = 1.0 if self.kind == "at_most" else -1.0
-        margin = sign * (self.level - surrogate.predict(points))
-        return [(decision, band), (margin, np.full(len(points), self.error))]
+        margin = sign * (self.level - evaluate(surrogate.predict))
+        error = surrogate.fit.median_error + self.run_error
+        return [(decision, band), (margin, np.full(len(points), error))]
 
     @property
     def error(self) -> float:
@@ -110,30 +120,68 @@ def find_least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
 def share_of_box(
     limits: Sequence[Limit], free: np.ndarray, lower: np.ndarray = -1.0, upper: np.ndarray = 1.0
 ) -> tuple[float, float]:
-    """Volume fraction of the box in which all limits are satisfied, and its uncertainty: how far it
-    changes at most if all errors were to one side. free (k): mask of directions with a width;
-    lower, upper (k each): corners, in [-1, 1]^k, of the part of the box that counts, by default
-    all. Measured on one line in one dimension, on many lines spread over the box in several;
-    borders of where limits are satisfied are found on each by linear interpolation."""
-    free = np.asarray(free, dtype=bool)
-    # The lines go along the direction with the largest differences.
+    """Volume fraction of the box in which all limits are satisfied, and its uncertainty: of one set
+    of limits what `shares_of_box` tells of several."""
+    return shares_of_box([limits], free, lower, upper)[0]
+
+
+def shares_of_box(
+    sets: Sequence[Sequence[Limit]],
+    free: np.ndarray,
+    lower: np.ndarray = -1.0,
+    upper: np.ndarray = 1.0,
+) -> list[tuple[float, float]]:
+    """Volume fractions of the box in which all limits of a set are satisfied, and uncertainties: by
+    how much these change by the errors of `Limit.conditions`, calibrated on boxes of known
+    fractions (about twice the deviation). Measured on one line in one dimension, on many lines
+    spread over the box in several; borders of where limits are satisfied are found on each by
+    linear interpolation.
+
+    Parameters
+    ----------
+    sets
+        Sets of limits; surrogates that they share are evaluated once.
+    free
+        Mask (k) of directions with a width.
+    lower, upper
+        Corners (k each), in [-1, 1]^k, of the part of the box that counts, by default all.
+
+    Returns
+    -------
+    list
+        Of each set the fraction and its uncertainty, both from 0 to 1."""
+    free, shares = np.asarray(free, dtype=bool), [(0.0, 0.0)] * len(sets)
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE
     line = np.linspace(-1.0, 1.0, count) if free.any() else np.zeros(2)
-    direction = int(np.argmax(free)) if single else _steepest(limits, free)
-    start_axes = free.copy()
-    start_axes[direction] = False
-    starts = scan_points(start_axes, _LINES if start_axes.any() else 1, corners=False)
-    fractions = []
-    for first in range(0, len(starts), _BLOCK):
-        points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
-        points[:, :, direction] = line
-        flat = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower)
-        rows = [row for limit in limits for row in limit.conditions(flat)]
-        rows = [tuple(array.reshape(-1, len(line)) for array in row) for row in rows]
-        fractions.append([_parts_met(rows, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)])
-    fraction, least, most = np.concatenate(fractions, axis=1).mean(axis=1)
-    return float(fraction), float(max(most - fraction, fraction - least))
+    # The lines go along the direction with the largest differences.
+    directions = [int(np.argmax(free)) if single else _steepest(limits, free) for limits in sets]
+    for direction in sorted(set(directions)):
+        numbers = [i for i in range(len(sets)) if directions[i] == direction]
+        start_axes = free.copy()
+        start_axes[direction] = False
+        starts = scan_points(start_axes, _LINES if start_axes.any() else 1, corners=False)
+        fractions = []
+        for first in range(0, len(starts), _BLOCK):
+            points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
+            points[:, :, direction] = line
+            flat, known = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower), {}
+            conditions = [
+                [
+                    tuple(array.reshape(-1, len(line)) for array in row)
+                    for limit in sets[i]
+                    for row in limit.conditions(flat, known)
+                ]
+                for i in numbers
+            ]
+            fractions.append([
+                [_parts_met(rows, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)]
+                for rows in conditions
+            ])  # fmt: skip
+        means = np.concatenate(fractions, axis=2).mean(axis=2).tolist()
+        for i, (fraction, least, most) in zip(numbers, means, strict=True):
+            shares[i] = fraction, max(most - fraction, fraction - least)
+    return shares
 
 
 def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:

@@ -91,7 +91,10 @@ def decide(part, world, timing):
                 if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
                     first, last = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
                     rate = part.rates[i, LAST, s]
-                    latch.pass_by(part, i, s, first, last, rate, end, timing.step)
+                    if timing.time == 0.0:
+                        latch.pass_by(part, i, s, first, first, rate, 0.0, timing.step)
+                    if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
+                        latch.pass_by(part, i, s, first, last, rate, end, timing.step)
                     if part.state[i, latch.IS_CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]

@@ -3,6 +3,7 @@
 A latch catches when the opening comes within `capture_range` of its `angle` from the `side` it
 looks to, if it turns no faster than `max_capture_rate` then; if it is faster, as soon as it has
 become slower while still within that range; and if it leaves there too fast, the latch has missed.
+Where a run starts within that range, or at the very angle, it catches at the start.
 It holds at the opening psi_c at which it caught, so that nothing jumps: no moment before; then
 
     -k (psi - psi_c) - c dpsi/dt                  both ways, or

@@ -32,6 +32,9 @@ TRACK = 3  # recorded: moment, impulse, rate when it caught
 ANGLE_TOL = 1e-6
 """Openings (rad) beyond the reach that are looked at one by one; only to save time."""
 
+AT_START = 1e-9
+"""Openings (rad) beyond the reach that count as within it at the start of a run."""
+
 
 class Latches(NamedTuple):
     """Arrays of all l latches (lanes: samples). hinge (l,): index of each one's hinge; numbers (l,
@@ -85,22 +88,28 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     that it has caught, at which joint coordinate (rad), rate (rad/s) and time (s), or that it
     missed. part: all latches (Latches); s: index of the sample (its lane); psi_start, psi_end:
     coordinate at the start and end of the step (rad), linear between; last_rate: rate in the step
-    before (rad/s); end: time of its end (s); step: its length (s). `first` and `last` in the code
+    before (rad/s); end: time of its end (s), 0 at the start of a run, where both coordinates are
+    the same, and the rate is `last_rate`; step: its length (s). `first` and `last` in the code
     (rad): coordinates at start and end, from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
-    change = psi_end - psi_start
-    if part.numbers[i, APPROACH, s] * change < 0.0:
+    approach, half = part.numbers[i, APPROACH, s], (psi_end - psi_start) / step
+    if end == 0.0:
+        half = last_rate
+    if approach * half < 0.0:
         return
-    sign = -1.0 if change < 0.0 else 1.0
+    sign = -1.0 if half < 0.0 or (half == 0.0 and approach < 0.0) else 1.0
     first, last = sign * (psi_start - angle) + reach, sign * (psi_end - angle) + reach
-    is_entered = first < 0.0 and last >= 0.0
-    if not (is_entered or (reach > 0.0 and 0.0 <= first <= 2.0 * reach)):
+    is_entered = first < 0.0 and last >= 0.0 and end > 0.0
+    is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
+    if end == 0.0:
+        is_inside = -AT_START <= first <= 2.0 * reach + AT_START
+    if not (is_entered or is_inside):
         return
     part_of_step = -first / (last - first) if is_entered else 1.0
-    half = change / step
     rate = half + (part_of_step - 0.5) * (half - last_rate)
     if abs(rate) <= part.numbers[i, MAX_RATE, s]:
         place = 0.0 if is_entered else min(last, 2.0 * reach)
+        place = last if end == 0.0 else place
         part.state[i, IS_CAUGHT, s] = 1.0
         part.state[i, HOLD_ANGLE, s] = angle + sign * (place - reach)
         part.state[i, SIGN, s] = sign
@@ -108,7 +117,7 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
         part.state[i, CATCH_TIME, s] = end - (1.0 - part_of_step) * step
         part.state[i, CATCH_RATE, s] = rate
     elif last > 2.0 * reach or reach == 0.0:
-        fraction = (2.0 * reach - first) / (last - first)
+        fraction = (2.0 * reach - first) / (last - first) if end > 0.0 else 1.0
         part.state[i, NEWS, s] = 2.0
         part.state[i, CATCH_TIME, s] = end - (1.0 - fraction) * step
 
@@ -127,12 +136,13 @@ def hold(part, i, rate):
     direction of its catch; 0 in lanes where it has not caught. part: arrays of all latches
     (Latches); rate: of the joint coordinate (rad/s), in that direction."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
-    fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
+    # < 0 in the step in which it caught, but for one that holds from the start on
+    fresh = where_negative(-load(part.state, i, CATCH_TIME), 0.5 - load(part.state, i, NEWS), 0.5)
     gap, last = excess(part, i, NEW), excess(part, i, OLD)
     # Both ways: it begins where it caught. One-sided: the other way, from the step after.
     onset_gap, start_gap = where_negative(fresh, last, gap), where_negative(fresh, gap, last)
     spring = -1.0 * stiffness * (gap + edge(gap, onset_gap))
-    damper = -1.0 * damping * rate * onset(gap, onset_gap)
+    damper = -1.0 * damping * rate * where_negative(fresh, onset(gap, last), 1.0)
     push, resist = press(-1.0 * gap, -1.0 * start_gap, -1.0 * rate, stiffness, damping)
     one_sided, is_free = load(part.numbers, i, ONE_SIDED), 0.5 - load(part.state, i, IS_CAUGHT)
     spring = where_negative(is_free, where_negative(one_sided, push, spring), 0.0)
@@ -148,8 +158,7 @@ def forces(part, world, timing):
     moment and impulse are stored; world (World): solver state, changed; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
-        if timing.time > 0.0:
-            watch(part, i, h, timing)
+        watch(part, i, h, timing)
         rate = follow_rate(part.openings, part.rates, i, h, timing)
         sign = load(part.state, i, SIGN)
         spring, damper = hold(part, i, sign * rate)

@@ -1,0 +1,19 @@
+"""Matplotlib's figures, loaded at less cost where nobody reads what it says of them."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+
+def make_figure(**options: Any) -> Any:
+    """Make an empty `matplotlib.figure.Figure`, with `options` of its own. In a process of the
+    program's commands, in which nobody calls `help`, matplotlib is loaded without the texts on all
+    settings of its classes, which take 0.2 s."""
+    if getattr(sys.modules["__main__"], "__package__", None) == "deployable":
+        from matplotlib import artist
+
+        artist.kwdoc = lambda _: ""
+    from matplotlib.figure import Figure
+
+    return Figure(**options)

@@ -188,3 +188,21 @@ def test_what_is_wrong_with_a_file_is_told(path):
     )
     edit(path, "axis: z", "axis: up")
     assert "line 28: joints.hinge.axis: 'up' is not allowed" in problems({**RAW, "scene": scene})
+
+
+def test_values_and_times_of_a_curve_of_a_load_may_be_intervals(path):
+    file = path.parent / "structures" / "panel.yaml"
+    text = file.read_text(encoding="utf-8")
+    text = text.replace("parameters:\n", """parameters:
+  F: {value: 2, unit: N, range: [0, 10]}
+  t1: {value: 0.5, unit: s, range: [0.01, 10]}
+""", 1)  # fmt: skip
+    text += """
+curves: {c: {times: [0, t1, t1 + 0.1 s, 10 s], values: [F/(1 N), F/(1 N), 0, 0]}}
+loads: {push: {part: panel, at: tip, force: [1 N, 0, 0], curve: c}}
+"""
+    file.write_text(text, encoding="utf-8")
+    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    raw["intervals"] = {"F": {"relative": 0.1}, "t1": {"relative": 0.1}}
+    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
+    assert load_config([path]).experiment.box.free.all()

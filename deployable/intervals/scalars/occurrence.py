@@ -1,10 +1,10 @@
 """In which part of the box something happens: a smooth border between the runs, or its time.
 
 The border is where the smoothest function vanishes that is at least 1 in all runs in which it
-happens and at most -1 in all others: a support vector machine with a hard margin (Cortes and Vapnik
-1995), whose kernel is Matérn's for functions with two derivatives. Open is where the size of the
-function is below those at the nearest runs of both kinds, which there are next to the border at
-least 1. Further runs are sought about the border (Basudhar and Missoum 2010)."""
+happens and at most -1 in all others, or less in proportion where these are near to each other: a
+support vector machine with a hard margin (Cortes and Vapnik 1995), whose kernel is Matérn's for
+functions with two derivatives. Open is where the size of the function is below those at the nearest
+runs of both kinds. Further runs are sought about the border (Basudhar and Missoum 2010)."""
 
 from __future__ import annotations
 

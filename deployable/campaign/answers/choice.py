@@ -39,9 +39,8 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, choose_step, read_plan
+from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
-from deployable.campaign.results.facts import ROUNDING
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
 

@@ -65,8 +65,8 @@ def answer(
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
     if base_plan.experiment.is_adaptive:
         with open_netcdf(folder.quantities) as file:
-            spent = base_plan.adaptive.rounds[-1].runs + int(file.further_runs + file.check_runs)
-        model.account.limit = base_plan.experiment.accuracy.max_runs - spent
+            count = base_plan.adaptive.rounds[-1].runs + int(file.further_runs + file.check_runs)
+        model.account.limit = base_plan.experiment.accuracy.max_runs - count
     design = design_points(experiment, choose)
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)

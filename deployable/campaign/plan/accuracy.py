@@ -227,16 +227,16 @@ def allow_check_runs(plan: Plan) -> int:
     accuracy, rounds = plan.experiment.accuracy, plan.adaptive
     if rounds.met is not None:
         return accuracy.max_runs - accuracy.reserve - rounds.rounds[-1].runs
-    spent = (rounds.rounds[-1].runs if rounds.rounds else 0) + _count_new_runs(plan)
-    kept = 0 if "step" in rounds.check else 2 * count_check_runs(plan.experiment)
-    return accuracy.max_runs - accuracy.reserve - spent - kept
+    count = (rounds.rounds[-1].runs if rounds.rounds else 0) + _count_new_runs(plan)
+    reserve = 0 if "step" in rounds.check else 2 * count_check_runs(plan.experiment)
+    return accuracy.max_runs - accuracy.reserve - count - reserve
 
 
 def _refinement_state(
-    plan: Plan, shares: Mapping, is_step_free: bool = True, checked: int | None = None
+    plan: Plan, shares: Mapping, is_step_free: bool = True, check_count: int | None = None
 ) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would; in the
-    check of this round that was `checked` runs, if known."""
+    check of this round that was `check_count` runs, if known."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
@@ -246,9 +246,9 @@ def _refinement_state(
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for component in plan.adaptive.check:
-        runs += check_runs if checked is None else 0
+        runs += check_runs if check_count is None else 0
         seconds += _whole(check_runs) * factor[component] * time
-    runs += int(checked or 0)
+    runs += int(check_count or 0)
     reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
     answers = CHECKED_RUNS * len(plan.experiment.quantities) + target.reserve
     affordable = min(

@@ -15,11 +15,12 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _infill_points, add_runs
-from deployable.campaign.plan.decide import RefinementState, Resources
+from deployable.campaign.plan.accuracy import _infill_points, _QuantityEstimate, add_runs
+from deployable.campaign.plan.decide import UNKNOWN, RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
 from deployable.campaign.results.templates import sentence
+from deployable.intervals.scalars import estimate_bounds, fit_scalar
 
 
 @pytest.fixture
@@ -357,3 +358,18 @@ def test_a_campaign_that_was_stopped_goes_on_to_the_same_end(met, tmp_path):
     with xr.open_dataset(met.bounds) as before, xr.open_dataset(folder.bounds) as after:
         for name in ("lower", "upper", "error", "error_mesh", "error_step"):
             np.testing.assert_array_equal(before[name], after[name])
+
+
+def test_a_quantity_of_one_run_is_unknown_and_one_of_rounding_is_constant():
+    points = np.linspace(-1.0, 1.0, 9)[:, None]
+
+    def share(*values):
+        values = np.array(values, dtype=float)
+        surrogate = fit_scalar(points, values)
+        bounds = estimate_bounds(surrogate, points, values)
+        return _QuantityEstimate(surrogate, bounds).relative_error()[0]
+
+    assert share(*[np.nan] * 8, 2.0) == UNKNOWN
+    assert share(*[np.nan] * 9) == 0.0
+    assert share(*(2.0 + 4e-16 * np.arange(9) ** 2)) == 0.0
+    assert 0 < share(*(np.arange(9) > 4)) < UNKNOWN

@@ -39,9 +39,8 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, choose_step, read_plan
+from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
-from deployable.campaign.results.facts import ROUNDING
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
 
@@ -66,8 +65,8 @@ def answer(
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
     if base_plan.experiment.is_adaptive:
         with open_netcdf(folder.quantities) as file:
-            spent = base_plan.adaptive.rounds[-1].runs + int(file.further_runs + file.check_runs)
-        model.account.limit = base_plan.experiment.accuracy.max_runs - spent
+            count = base_plan.adaptive.rounds[-1].runs + int(file.further_runs + file.check_runs)
+        model.account.limit = base_plan.experiment.accuracy.max_runs - count
     design = design_points(experiment, choose)
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)

@@ -59,8 +59,8 @@ def answer(
         model.account.ids |= set(str(getattr(file, "check_ids", "")).split())
     if model.experiment.is_adaptive:
         model.account.limit = allow_check_runs(model.plan)
-        left, reserve = model.account.limit, CHECKED_RUNS * len(model.experiment.quantities)
-        model.max_refinements = max(left - reserve, left // 2)
+        limit, reserve = model.account.limit, CHECKED_RUNS * len(model.experiment.quantities)
+        model.max_refinements = max(limit - reserve, limit // 2)
     if model.experiment.design.method == "screening":
         model.max_refinements = max(0, model.experiment.design.samples - len(model.distinct_rows))
     specs = list_limits(requirements, list(model.experiment.quantities))

@@ -25,12 +25,21 @@ from deployable.campaign.plan.decide import (
     COMPONENTS,
     ROUND,
     RUN_FILES,
+    UNKNOWN,
     RefinementState,
     Resources,
 )
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
-from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
+from deployable.campaign.plan.plan import (
+    ROUNDING,
+    Plan,
+    Round,
+    Rounds,
+    TimeStep,
+    choose_step,
+    make_plan,
+)
 from deployable.intervals.scalars import (
     NEAREST,
     BoundEstimate,
@@ -40,7 +49,6 @@ from deployable.intervals.scalars import (
 )
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
-_UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 
 
 def start_plan(experiment: Experiment) -> Plan:
@@ -69,7 +77,8 @@ def extend_plan(
         quantities = _estimate_quantities(base, samples)
         shares, free = _relative_errors(plan, bounds, quantities), base.solver.step == "auto"
         check_runs = bounds.attrs.get("check_runs") if plan.adaptive.check else 0
-        refinement = _refinement_state(plan, shares, free, check_runs)
+        places = {name: row.worst_place(base) for name, row in quantities.items()}
+        refinement = replace(_refinement_state(plan, shares, free, check_runs), places=places)
         cost, decision = refinement.cost, refinement.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
@@ -139,11 +148,22 @@ class _QuantityEstimate(NamedTuple):
         """Error of bounds by the surrogate over their width, and the width; 0 if all is equal."""
         if not self.bounds:
             return 0.0, 0.0
-        width = self.bounds[1].value - self.bounds[0].value
-        if not width > 0:
-            return 0.0, 0.0
-        error = max(self.surrogate.bound_error, *(estimate.error for estimate in self.bounds))
-        return float(min(error / width, _UNKNOWN)), float(width)
+        width = float(self.bounds[1].value - self.bounds[0].value)
+        error = np.max([self.surrogate.bound_error, *(e.error for e in self.bounds)])
+        size = max(abs(estimate.value) for estimate in self.bounds)
+        if width <= ROUNDING * size:  # of a single run nothing is known
+            return (0.0 if error <= ROUNDING * size else UNKNOWN), 0.0
+        share = float(error) / width
+        return (share if share < UNKNOWN else UNKNOWN), width  # NaN, too
+
+    def worst_place(self, experiment: Experiment) -> str:
+        """Where the run is that the others predict worst, as parameter values in words."""
+        fit, box = self.surrogate.fit, experiment.box
+        if fit is None:
+            return ""
+        point = fit.points[np.argmax(np.abs(np.nan_to_num(fit.left_out)))]
+        values = zip(box.names, box.from_unit(point), box.free, strict=True)
+        return ", ".join(f"{name} = {value:.3g}" for name, value, free in values if free)
 
 
 def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _QuantityEstimate]:
@@ -188,7 +208,7 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     for component in ("step", "mesh"):
         if name.format(component) in row:
             error = float(row[name.format(component)]) / width if width > 0 else 0.0
-            new[component] = error if error < _UNKNOWN else _UNKNOWN  # NaN, too
+            new[component] = error if error < UNKNOWN else UNKNOWN  # NaN, too
         elif component in previous:
             new[component] = previous[component]
     return new
@@ -207,16 +227,16 @@ def allow_check_runs(plan: Plan) -> int:
     accuracy, rounds = plan.experiment.accuracy, plan.adaptive
     if rounds.met is not None:
         return accuracy.max_runs - accuracy.reserve - rounds.rounds[-1].runs
-    spent = (rounds.rounds[-1].runs if rounds.rounds else 0) + _count_new_runs(plan)
-    kept = 0 if "step" in rounds.check else 2 * count_check_runs(plan.experiment)
-    return accuracy.max_runs - accuracy.reserve - spent - kept
+    count = (rounds.rounds[-1].runs if rounds.rounds else 0) + _count_new_runs(plan)
+    reserve = 0 if "step" in rounds.check else 2 * count_check_runs(plan.experiment)
+    return accuracy.max_runs - accuracy.reserve - count - reserve
 
 
 def _refinement_state(
-    plan: Plan, shares: Mapping, is_step_free: bool = True, checked: int | None = None
+    plan: Plan, shares: Mapping, is_step_free: bool = True, check_count: int | None = None
 ) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would; in the
-    check of this round that was `checked` runs, if known."""
+    check of this round that was `check_count` runs, if known."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
@@ -226,9 +246,9 @@ def _refinement_state(
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for component in plan.adaptive.check:
-        runs += check_runs if checked is None else 0
+        runs += check_runs if check_count is None else 0
         seconds += _whole(check_runs) * factor[component] * time
-    runs += int(checked or 0)
+    runs += int(check_count or 0)
     reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
     answers = CHECKED_RUNS * len(plan.experiment.quantities) + target.reserve
     affordable = min(

@@ -5,7 +5,7 @@ part: surrogate, step and mesh."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from deployable.campaign.config.sections import Accuracy
@@ -38,6 +38,9 @@ COMPONENTS = ("step", "mesh")
 
 CHECKED_RUNS = 14
 """Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
+
+UNKNOWN = 1e6
+"""Share of a width: an error that is not known, or larger."""
 
 ROUND, RUN_FILES = 0.5, 0.01
 """Core seconds of a round beside its runs: a check that takes less is made at once; and of a run
@@ -139,17 +142,19 @@ class RefinementState:
     tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
     name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
     and the errors that this one was checked for; cost: resources spent and needed; is_step_free:
-    whether the step may be halved, since the config does not give one."""
+    whether the step may be halved, since the config does not give one; places: where in the box
+    quantities are predicted worst, in words, by name."""
 
     accuracy: Accuracy
     shares: Shares
     state: Rounds
     cost: Resources
     is_step_free: bool
+    places: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors of responses and quantities above their tolerances, without unknown ones (NaN)."""
+        """Errors of responses and quantities above their tolerances; not NaN, of constant ones."""
         return [error for error in self._all if error.total > error.tolerance]
 
     @property
@@ -241,9 +246,11 @@ class RefinementState:
                         f"{_percent(previous)} of the width with {record.nodes} runs, "
                         f"{_percent(value)} with {nodes}"
                     )
+                    place = self.places.get(error.name, "")
+                    place = f", about {place}" if place else ""
                     return (
                         f"the surrogate's error of {error.name} does not fall with more runs "
-                        f"({shares}): it jumps, or has an edge, inside the box"
+                        f"({shares}): it jumps, or has an edge, inside the box{place}"
                     )
         return ""
 
@@ -303,8 +310,9 @@ class RefinementState:
         tolerance = error.tolerance
         allowance = max(tolerance - min(error.discretization, tolerance / 2), 0.1 * tolerance)
         if error.parts["surrogate"] > allowance:
+            is_known = error.parts["surrogate"] < UNKNOWN
             nodes = math.ceil(nodes * min(error.parts["surrogate"] / allowance, 100.0))
-            texts.append(f"some {nodes} runs")
+            texts.append(f"some {nodes} runs" if is_known else "more runs")
         time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
         return (
             f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
@@ -332,4 +340,4 @@ def _halvings(error: Errors, fall: float) -> int:
 
 
 def _percent(value: float) -> str:
-    return f"{100 * value:.2g} %"
+    return f"{100 * value:.2g} %" if value < UNKNOWN else "an unknown share"

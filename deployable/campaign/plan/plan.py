@@ -41,6 +41,9 @@ from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
 from fpm.files.seals import DamagedError
 
+ROUNDING = 1e-12
+"""Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
+
 MAX_PLAN_ROWS = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from deployable.campaign.files import open_netcdf, read_json
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, read_plan
+from deployable.campaign.plan.plan import ROUNDING, Plan, read_plan
 from deployable.campaign.results.run_roles import count_roles, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
@@ -28,9 +28,6 @@ SMALL, LARGE = 0.05, 0.25
 
 SOFT = 0.05
 """Overlap (rad) from which faces that touch are said to pass through each other."""
-
-ROUNDING = 1e-12
-"""Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
 
 _SIZES = {"rad": 1.0, "m": 1e-3}
 """Least sizes by unit, beside which a width is rounding: of directions 1, of structures 1 mm."""
@@ -96,6 +93,7 @@ def facts_of(
     if experiment.is_adaptive:
         for row in rows:
             row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
+        mark_constant(facts)
         facts["accuracy"] = _accuracy(plan, rows)
         in_rounds = facts["accuracy"]["runs"] - facts["design"]["runs"]
         facts["check_runs"] += in_rounds - bounds_checks
@@ -359,7 +357,12 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     `name` and what is `asked`), which are `unmet`; why rounds ended; mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
-    intervals = [row for row in rows if row.get("lower", 0.0) is not None]
+    intervals = [
+        row
+        for row in rows
+        if row.get("lower", 0.0) is not None
+        and not ("constant" in row and row.get("runs_with", 2) > 1)
+    ]
     unmet = [row["name"] for row in intervals if not _is_met(row["errors"])]
     reason = last.reason
     if not unmet and intervals:

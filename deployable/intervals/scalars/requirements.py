@@ -30,20 +30,20 @@ class Limit:
     border_error: float = 0.0
 
     def conditions(
-        self, points: np.ndarray, known: dict | None = None
+        self, points: np.ndarray, cache: dict | None = None
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in [-1,
         1]^k: a list of one or two pairs of values (P) and their errors (P), by which volume
         fractions are uncertain. The first is of whether
         the quantity exists (of "happens" with level 0: does not), by its decision function
         (`Occurrence.decision`); the second of its distance from the level, in its unit, left out of
-        "happens" and where no run has the quantity. known: what limits of the same surrogates
+        "happens" and where no run has the quantity. cache: what limits of the same surrogates
         gave at these points, which is filled."""
-        surrogate, known = self.surrogate, {} if known is None else known
+        surrogate, cache = self.surrogate, {} if cache is None else cache
 
         def evaluate(function: Callable) -> np.ndarray:
             key = id(surrogate), function.__name__
-            return known[key] if key in known else known.setdefault(key, function(points))
+            return cache[key] if key in cache else cache.setdefault(key, function(points))
 
         decision = evaluate(surrogate.occurrence.decision)
         band = evaluate(surrogate.occurrence.usual_band) + self.border_error
@@ -165,12 +165,12 @@ def shares_of_box(
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
             points[:, :, direction] = line
-            flat, known = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower), {}
+            flat, cache = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower), {}
             conditions = [
                 [
                     tuple(array.reshape(-1, len(line)) for array in row)
                     for limit in sets[i]
-                    for row in limit.conditions(flat, known)
+                    for row in limit.conditions(flat, cache)
                 ]
                 for i in numbers
             ]

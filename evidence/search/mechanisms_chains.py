@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from evidence.search.mechanisms_slides import SLIDE, WAY, mechanism
+from evidence.search.mechanisms_slides import SLIDE, WAY, mechanism, peak
 
 DESIGN = {"method": "screening", "samples": 400}
 
@@ -53,9 +53,7 @@ def train(*values):
     kick = shapes[:, -1] / root[:, -1:]
     force = k[:, :1] * root[:, :1] * ((shapes[:, 0] * kick)[:, None] @ waves)[:, 0]
     way = root[:, -1] * np.sum(shapes[:, -1] * kick * waves[:, :, 200], axis=1)
-    at = np.clip(force.argmax(axis=1), 1, 499)
-    a, b, c = (force[np.arange(len(m)), at + j] for j in (-1, 0, 1))
-    return -b - (a - c) ** 2 / (8 * (2 * b - a - c)), 1.5 + way
+    return -peak(force), 1.5 + way
 
 
 def latches(*values):

@@ -102,6 +102,13 @@ def summit(function: Callable[[np.ndarray], np.ndarray], times: np.ndarray) -> n
     return function(low)[:, 0]
 
 
+def peak(values: np.ndarray) -> np.ndarray:
+    """Largest of values (P, T), by the parabola through the largest and its neighbours."""
+    at = np.clip(values.argmax(axis=1), 1, values.shape[1] - 2)
+    a, b, c = (values[np.arange(len(values)), at + j] for j in (-1, 0, 1))
+    return b + (a - c) ** 2 / (8 * (2 * b - a - c))
+
+
 def column(*arrays: np.ndarray) -> list[np.ndarray]:
     """Arrays (P, 1) of arrays (P)."""
     return [a[:, None] for a in arrays]
@@ -235,10 +242,10 @@ def clash(ma, mb, v, kb):
         return np.array([y[1], -push / ma, y[3], (push - kb * y[2]) / mb])
 
     still = 0 * ma
-    y = integrate(rates, np.array([still, v, still, still]), 1.2, 600)
+    y = integrate(rates, np.array([still, v, still, still]), 1.2, 1200)
     force = 2000 * (y[:, 0] - y[:, 2] - 0.1)
     slope = 2000 * (y[:, 1] - y[:, 3])
-    return force.max(axis=0), cubic_crossing(force - 1, slope, 2e-3, 2, 1), y[-1, 1]
+    return peak(force.T), cubic_crossing(force - 1, slope, 1e-3, 2, 1), y[-1, 1]
 
 
 def chain(ta, ka, JA, kb):

@@ -86,14 +86,14 @@ class Mechanism:
         }
         for name, ends in self.edges.items():
             bounds[name] = tuple(np.where(np.isnan(ends), bounds[name], ends).tolist())
-        kept = {
+        fractions = {
             key: float(
                 np.mean(np.less_equal(side * values[:, self.names.index(name)], side * level))
             )
             for key, (name, side, level, _) in limits(bounds).items()
         }
         happens = dict(zip(self.names, np.isfinite(values).mean(axis=0).tolist(), strict=True))
-        return {"bounds": bounds, "happens": happens, "kept": kept}
+        return {"bounds": bounds, "happens": happens, "kept": fractions}
 
 
 Bounds = Mapping[str, Sequence[float]]
@@ -115,8 +115,8 @@ def limits(bounds: Bounds) -> dict[str, tuple[str, int, float, float]]:
 def config(mechanism: Mechanism, bounds: Bounds, design: Mapping[str, Any]) -> dict[str, Any]:
     """The campaign of a mechanism, whose structure is in `box.yaml`."""
     sides = {-1: "at_least", 1: "at_most"}
-    asked = {key: getattr(mechanism, key) for key in ("responses", "quantities", "margins")}
-    asked["requirements"] = {
+    entries = {key: getattr(mechanism, key) for key in ("responses", "quantities", "margins")}
+    entries["requirements"] = {
         key: {quantity: {sides[side]: level}}
         for key, (quantity, side, level, _) in limits(bounds).items()
     }
@@ -127,7 +127,7 @@ def config(mechanism: Mechanism, bounds: Bounds, design: Mapping[str, Any]) -> d
         "intervals": {
             key: {"lower": ends[0], "upper": ends[1]} for key, ends in mechanism.intervals.items()
         },
-        **{key: dict(value) for key, value in asked.items() if value},
+        **{key: dict(value) for key, value in entries.items() if value},
         **design,
     }
 
@@ -142,14 +142,14 @@ def play(
         try:
             Path("box.yaml").write_text(mechanism.structure)
             Path("c.yaml").write_text(json.dumps(config(mechanism, truth["bounds"], design)))
-            before = sum(os.times()[:4])
+            start_time = sum(os.times()[:4])
             campaign.run("c.yaml", results="r", figures=False, notify=lambda text: None)
-            seconds = sum(os.times()[:4]) - before
+            seconds = sum(os.times()[:4]) - start_time
             summary = json.loads(Path("r/box/summary.json").read_text())
             runs = len(list(Path("r/box/trajectories").glob("*.nc")))
         finally:
             os.chdir(start)
-    said = {quantity["name"]: quantity for quantity in summary["quantities"]}
+    answers = {quantity["name"]: quantity for quantity in summary["quantities"]}
     shares = {requirement["name"]: requirement for requirement in summary["requirements"]}
     accuracy = summary.get("accuracy") or {}
     return {
@@ -157,7 +157,7 @@ def play(
         "accuracy_met": accuracy.get("met"), "bounds": [
             bound for name in mechanism.names
             for bound in _bounds(
-                said[name], name, truth, accuracy.get("unmet", []) if accuracy else [name]
+                answers[name], name, truth, accuracy.get("unmet", []) if accuracy else [name]
             )
         ], "shares": [
             {"requirement": name, "true": truth["kept"][name], "said": shares[name]["share"],
@@ -168,20 +168,22 @@ def play(
     }  # fmt: skip
 
 
-def _bounds(said: Mapping[str, Any], name: str, truth: Mapping, unmet: list[str]) -> Iterable[dict]:
+def _bounds(
+    answer: Mapping[str, Any], name: str, truth: Mapping, unmet: list[str]
+) -> Iterable[dict]:
     """Both bounds of a quantity: shares of the true width by which they are off, and the errors."""
     lower, upper = truth["bounds"][name]
     width = upper - lower
-    error = said.get("errors", {}).get("whole", said["error"])
+    error = answer.get("errors", {}).get("whole", answer["error"])
     for end, true in (("lower", lower), ("upper", upper)):
         value, attained = (
-            np.nan if x is None else x for x in (said[end], said[f"simulated_{end}"])
+            np.nan if x is None else x for x in (answer[end], answer[f"simulated_{end}"])
         )
         yield {
             "bound": f"{name} {end}", "true": true, "said": value, "attained": attained,
             "off": abs(value - true) / width, "runs_off": abs(attained - true) / width,
             "error": np.inf if error is None else error / width,
-            "predicted": end in said["predicted_ends"], "partial": truth["happens"][name] < 1,
+            "predicted": end in answer["predicted_ends"], "partial": truth["happens"][name] < 1,
             "told_met": name not in unmet,
         }  # fmt: skip
 
@@ -218,9 +220,9 @@ def truths(module: str) -> dict[str, Any]:
 
 def measure(module: str, quick: bool = False) -> list[dict[str, Any]]:
     """All boxes of a module of this package, checked; the first one with `quick`."""
-    known = truths(module)
+    references = truths(module)
     boxes = importlib.import_module(f"evidence.search.{module}").BOXES
-    return [check(box, known[box.name]) for box in (boxes[:1] if quick else boxes)]
+    return [check(box, references[box.name]) for box in (boxes[:1] if quick else boxes)]
 
 
 def _share(values: Iterable[bool]) -> float:
@@ -250,7 +252,7 @@ def rows(checks: Sequence[Mapping[str, Any]], mode: str) -> list[Row]:
         for share in shares
     ]
     is_worse = [not b["off"] <= np.nan_to_num(b["runs_off"], nan=np.inf) + 1e-4 for b in bounds]
-    found = [
+    findings = [
         at_least("true bounds within the error", _share(map(is_within, bounds)), 0.95),
         at_least("of quantities that exist in a part of the box",
                  _share(is_within(b) for b in bounds if b["partial"]), 0.9),
@@ -263,22 +265,22 @@ def rows(checks: Sequence[Mapping[str, Any]], mode: str) -> list[Row]:
     ]  # fmt: skip
     if mode == "accuracy":
         limit = TOLERANCE + FLOOR
-        told = [b for b in bounds if b["told_met"]]
+        verdicts = [b for b in bounds if b["told_met"]]
         whole = [answer for answer in answers if answer["accuracy_met"]]
         cost = [
             check["accuracy"]["seconds"] / check["rivals"][check["as_right"]][0]
             for check in checks if check["as_right"]
         ]  # fmt: skip
-        found += [
+        findings += [
             at_most("bounds told to be as accurate as asked that are not",
-                    sum(not b["off"] <= limit for b in told), 0),
+                    sum(not b["off"] <= limit for b in verdicts), 0),
             at_most("campaigns told so that are not", sum(worst(a) > limit for a in whole), 0),
             at_most("runs over those that are allowed, largest",
                     max(answer["runs"] for answer in answers) / MAX_RUNS, 1),
             at_most("cpu time over the cheapest preset that is as right, median",
                     float(np.median(cost)) if cost else 0.0, 2),
         ]  # fmt: skip
-    return set_group(f"mechanisms, {mode}", found)
+    return set_group(f"mechanisms, {mode}", findings)
 
 
 def report(checks: Sequence[Mapping[str, Any]]) -> Report:
@@ -292,5 +294,5 @@ def report(checks: Sequence[Mapping[str, Any]]) -> Report:
     header = ("box", "by", "runs", "cpu time (s)", "bound", "true", "reported", "of the runs",
               "off (%)", "error (%)", "", "within")  # fmt: skip
     text = "\n## Mechanisms\n\nOff and error: of the width.\n\n" + table(header, lines)
-    found = [row for mode in ("accuracy", "default") for row in rows(checks, mode)]
-    return Report(found, {"mechanisms": checks}, text)
+    findings = [row for mode in ("accuracy", "default") for row in rows(checks, mode)]
+    return Report(findings, {"mechanisms": checks}, text)

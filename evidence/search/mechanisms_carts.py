@@ -63,7 +63,7 @@ def columns(*values: Values) -> Values:
     return np.stack(np.broadcast_arrays(*values), axis=1)
 
 
-def when(condition: Values, values: Values) -> Values:
+def exists(condition: Values, values: Values) -> Values:
     """Values where something holds."""
     return np.where(condition, values, np.nan)
 
@@ -71,9 +71,9 @@ def when(condition: Values, values: Values) -> Values:
 def race(v: Values, r: Values, k: Values) -> Values:
     """Times of the first of two latches, 0.5 ahead and 0.4 behind, and of each."""
     w = np.sqrt(k)
-    up, down = reach(-r, v, w, 0.5 - r), reach(r, -v, w, 0.4 + r)
-    first = np.fmin(up, down)
-    return columns(first, when(up == first, up), when(down == first, down))
+    rise, fall = reach(-r, v, w, 0.5 - r), reach(r, -v, w, 0.4 + r)
+    first = np.fmin(rise, fall)
+    return columns(first, exists(rise == first, rise), exists(fall == first, fall))
 
 
 def ratchet(v: Values, k: Values, r: Values) -> Values:
@@ -99,7 +99,7 @@ def latch(k: Values, r: Values, d: Values = 1.0) -> Values:
     return columns(time, np.where(np.isfinite(time), rate, 0.0))
 
 
-def driven(k: Values, c: Values, m: Values = 1.0) -> Values:
+def amplitude(k: Values, c: Values, m: Values = 1.0) -> Values:
     """Root mean square, over 12 s, of what sin(10 t) drives from rest."""
     k, c, m = np.broadcast_arrays(k, c, m)
     t, decay = 6 * (PHASES + 1), c / (2 * m)
@@ -107,26 +107,26 @@ def driven(k: Values, c: Values, m: Values = 1.0) -> Values:
     w = np.sqrt(k / m - decay**2)
     x = -size.imag
     v = -10 * size.real + decay * x
-    forced = (size[:, None] * np.exp(10j * t)).imag
-    own = np.exp(-decay[:, None] * t) * (
+    answer = (size[:, None] * np.exp(10j * t)).imag
+    transient = np.exp(-decay[:, None] * t) * (
         x[:, None] * np.cos(w[:, None] * t) + (v / w)[:, None] * np.sin(w[:, None] * t)
     )
-    return np.sqrt((forced + own) ** 2 @ WEIGHTS / 2)[:, None]
+    return np.sqrt((answer + transient) ** 2 @ WEIGHTS / 2)[:, None]
 
 
 def corner(v: Values, k: Values, F: Values) -> Values:
     """Time and rate at 0.62, reached against a spring and a load."""
-    w, behind = np.sqrt(k), F / k
-    time = reach(behind, v, w, 0.62 + behind)
-    left = v**2 - k * 0.62**2 - 2 * F * 0.62
-    return columns(time, when(np.isfinite(time), np.sqrt(np.maximum(left, 0))))
+    w, offset = np.sqrt(k), F / k
+    time = reach(offset, v, w, 0.62 + offset)
+    energy = v**2 - k * 0.62**2 - 2 * F * 0.62
+    return columns(time, exists(np.isfinite(time), np.sqrt(np.maximum(energy, 0))))
 
 
 def plateau(v: Values, m: Values) -> Values:
     """How far a cart goes into a spring of two slopes, up to a latch at 0.5."""
     energy = m * v**2 / 2
-    bent = np.minimum(2 * np.sqrt(0.9 + energy) - 1.8, 0.5)  # 1 + energy - 0.1 under the root
-    return columns(np.where(energy < 0.1, np.sqrt(energy / 2.5), bent))
+    stretch = np.minimum(2 * np.sqrt(0.9 + energy) - 1.8, 0.5)  # 1 + energy - 0.1 under the root
+    return columns(np.where(energy < 0.1, np.sqrt(energy / 2.5), stretch))
 
 
 def humps(k: Values, c: Values) -> Values:
@@ -139,9 +139,9 @@ def stop(v: Values, k: Values) -> Values:
     """When a stop at 0.25 is hit, how far it is pressed in, and its force."""
     w, q = np.sqrt(k), 400.0
     time = reach(0 * v, v, w, 0.25)
-    over = np.maximum(v**2 - k * 0.0625, 0)
-    deep = (np.sqrt(k**2 * 0.0625 + (k + q) * over) - 0.25 * k) / (k + q)
-    return columns(time, np.where(over > 0, 0.25 + deep, v / w), -q * deep)
+    energy = np.maximum(v**2 - k * 0.0625, 0)
+    deep = (np.sqrt(k**2 * 0.0625 + (k + q) * energy) - 0.25 * k) / (k + q)
+    return columns(time, np.where(energy > 0, 0.25 + deep, v / w), -q * deep)
 
 
 def rebound(v: Values, c: Values, m: Values) -> Values:
@@ -167,27 +167,27 @@ def relay(k: Values, k2: Values, r2: Values, idle: Values) -> Values:
 def separatrix(v: Values, q: Values) -> Values:
     """Time at which a cart that is pushed back before 0, and away behind it, comes to 0.5."""
     w = np.sqrt(q)
-    ahead, behind = (v / w - 0.5) / 2, (-0.5 - v / w) / 2
-    ahead = np.where(ahead > 0, ahead, np.nan)
+    growth, decay = (v / w - 0.5) / 2, (-0.5 - v / w) / 2
+    growth = np.where(growth > 0, growth, np.nan)
     times = [
-        np.log((level + np.sqrt(level**2 - 4 * ahead * behind)) / (2 * ahead)) / w
+        np.log((level + np.sqrt(level**2 - 4 * growth * decay)) / (2 * growth)) / w
         for level in (0.45, 0.5)
     ]
-    return columns(*(when(time <= 3, time) for time in times))
+    return columns(*(exists(time <= 3, time) for time in times))
 
 
 def slow(v: Values, c: Values, m: Values) -> Values:
     """Time at which a cart that a damper brakes is caught at 0.6, and where it is after 3 s."""
-    far, rate = m * v / c, c / m
-    time = -np.log(np.where(far > 0.6, 1 - 0.6 / far, np.nan)) / rate
-    return columns(when(time <= 3, time), np.minimum(far * (1 - np.exp(-3 * rate)), 0.6))
+    distance, rate = m * v / c, c / m
+    time = -np.log(np.where(distance > 0.6, 1 - 0.6 / distance, np.nan)) / rate
+    return columns(exists(time <= 3, time), np.minimum(distance * (1 - np.exp(-3 * rate)), 0.6))
 
 
-def missed(v: Values, k: Values) -> Values:
+def capture(v: Values, k: Values) -> Values:
     """Times at which a latch at 0.3 catches, and at which it is passed too fast."""
     time = reach(0 * v, v, np.sqrt(k), 0.3)
     fast = v**2 - 0.09 * k > 0.64
-    return columns(when(~fast, time), when(fast, time))
+    return columns(exists(~fast, time), exists(fast, time))
 
 
 def swings(v: Values, k: Values, c: Values) -> Values:
@@ -196,18 +196,18 @@ def swings(v: Values, k: Values, c: Values) -> Values:
     w = np.sqrt(k - a**2)
     x = lambda t: v / w * np.exp(-a * t) * np.sin(w * t)  # noqa: E731
     rate = lambda t: v * np.exp(-a * t) * (np.cos(w * t) - a / w * np.sin(w * t))  # noqa: E731
-    caught = np.full(len(v), np.nan)
+    catch = np.full(len(v), np.nan)
     for number in range(4):
         peak = (np.arctan2(w, a) + 2 * np.pi * number) / w
         low = np.maximum(peak - np.pi / w, 0)
-        high, is_up = peak, x(peak) >= 0.2
+        high, rises = peak, x(peak) >= 0.2
         for _ in range(60):
             middle = (low + high) / 2
-            above = x(middle) >= 0.2
-            low, high = np.where(above, low, middle), np.where(above, middle, high)
-        catches = is_up & (rate(high) <= 0.9) & np.isnan(caught) & (high <= 3)
-        caught = np.where(catches, high, caught)
-    return columns(caught, np.where(np.isfinite(caught), rate(caught), 0.0))
+            side = x(middle) >= 0.2
+            low, high = np.where(side, low, middle), np.where(side, middle, high)
+        catches = rises & (rate(high) <= 0.9) & np.isnan(catch) & (high <= 3)
+        catch = np.where(catches, high, catch)
+    return columns(catch, np.where(np.isfinite(catch), rate(catch), 0.0))
 
 
 def swing(v: Values, k: Values, m: Values, F: Values) -> Values:
@@ -229,7 +229,7 @@ TEETH = "; ".join(
     "stiffness: 20 kN/m, damping: 100 N s/m}"
     for name, level in (("one", 0.2), ("two", 0.4), ("three", 0.6))
 )
-CAUGHT = {"t": CATCH, "rate": {"final": "caught"}}
+CATCH_QUANTITIES = {"t": CATCH, "rate": {"final": "caught"}}
 WITH_RATE = {"x": X, "caught": {"latch_rate": "pin"}}
 DRIVE = ("curves: {wave: {expression: sin(10 rad/s * t), over: [0, 12 s]}}\n"
          "loads: {push: {part: cart, at: a, force: [1 N, 0, 0], curve: wave}}")  # fmt: skip
@@ -251,17 +251,17 @@ BOXES = (
         "push: {type: torsion spring, joint: rail, stiffness: kt, rest: phi}; "
         "dry: {type: friction, joint: rail, moment: M, sticks: exactly}",
         {"x": X, "w": RATE}, opening="0"),
-    box("latch in 60 %", {"k": (15, 25), "r": (0.4, 0.65)}, CAUGHT, of_columns(latch),
+    box("latch in 60 %", {"k": (15, 25), "r": (0.4, 0.65)}, CATCH_QUANTITIES, of_columns(latch),
         SPRING % "r" + PIN % "1 m", WITH_RATE),
-    box("latch in 5 %", {"k": (15, 25), "r": (0.4, 0.54), "d": (1.0, 1.2)}, CAUGHT,
+    box("latch in 5 %", {"k": (15, 25), "r": (0.4, 0.54), "d": (1.0, 1.2)}, CATCH_QUANTITIES,
         of_columns(latch), SPRING % "r" + PIN % "d", WITH_RATE),
-    box("needle", {"k": (60, 140)}, RMS, of_columns(lambda k: driven(k, 0.3)),
+    box("needle", {"k": (60, 140)}, RMS, of_columns(lambda k: amplitude(k, 0.3)),
         (SPRING % "0 m" + DAMPER).replace("damping: c", "damping: 0.3 N s/m"), duration=12,
         instants=1201, top=DRIVE),
-    box("needle, two parameters", {"k": (60, 140), "c": (0.2, 0.6)}, RMS, of_columns(driven),
+    box("needle, two parameters", {"k": (60, 140), "c": (0.2, 0.6)}, RMS, of_columns(amplitude),
         SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
     box("resonance inside", {"k": (60, 140), "c": (1.5, 2.5), "mass": (0.9, 1.1)}, RMS,
-        of_columns(driven), SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
+        of_columns(amplitude), SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
     box("corner", {"v": (1.0, 1.6), "k": (4, 8), "F": (0.2, 1.0)},
         {"t": CATCH, "rate": {"value": "w", "at": "t"}}, of_columns(corner),
         SPRING % "0 m" + PIN % "0.62 m", {"x": X, "w": RATE}),
@@ -301,9 +301,9 @@ BOXES = (
     box("slows down", {"v": (0.8, 1.2), "c": (1, 2), "mass": (0.9, 1.1)},
         {"t": CATCH, "end": {"final": "x"}}, of_columns(slow), DAMPER + "; " + PIN % "0.6 m"),
     box("passed too fast", {"v": (0.6, 1.4), "k": (2, 6)},
-        {"t": CATCH, "missed": {"event": "misses"}}, of_columns(missed),
+        {"t": CATCH, "missed": {"event": "misses"}}, of_columns(capture),
         SPRING % "0 m" + (PIN % "0.3 m").replace("}", SLOW % 0.8), duration=1),
-    box("caught by a later swing", {"v": (0.8, 2), "k": (9, 16), "c": (0.4, 0.8)}, CAUGHT,
+    box("caught by a later swing", {"v": (0.8, 2), "k": (9, 16), "c": (0.4, 0.8)}, CATCH_QUANTITIES,
         of_columns(swings),
         SPRING % "0 m" + DAMPER + "; " + (PIN % "0.2 m").replace("}", SLOW % 0.9),
         WITH_RATE),

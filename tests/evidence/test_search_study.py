@@ -49,7 +49,7 @@ def a_check(off: float, error: float) -> dict:
         "met": "all" if off > error else "some",
         "all": False,
     }
-    answer = {"box": "latch", "seconds": 3.0, "runs": 401 if off > error else 400,
+    answer = {"box": "latch", "seconds": 3.0, "runs": mechanisms.MAX_RUNS + (off > error),
               "accuracy_met": error < 0.05, "bounds": [bound], "shares": [share]}  # fmt: skip
     rivals = {"default": (1.0 if off > error else 2.0, 0.0)}
     return {"accuracy": answer, "default": answer, "rivals": rivals, "as_right": "default"}

@@ -18,7 +18,7 @@ from evidence.rows import at_least, at_most
 DIMENSIONS, TYPES = (1, 2, 3, 4, 6), ("happens", "margin", "level", "time")
 RUNS = 20  # for each parameter
 _POINTS = 2**18  # of a Sobol sequence, for true fractions
-_FLOOR, _TOLD = 5e-4, 1e-3  # errors of true fractions; errors whose size should be told
+_FLOOR, _LEAST = 5e-4, 1e-3  # errors of true fractions; errors whose size should be told
 
 Margin = Callable[[np.ndarray], np.ndarray]
 
@@ -90,7 +90,7 @@ def measure_fractions(quick: bool = False) -> list[FractionCheck]:
 def report_fractions(checks: list[FractionCheck]) -> Report:
     """What is asked of the uncertainty of volume fractions, and all of them as a table."""
     coverage = [c.error <= c.uncertainty + _FLOOR for c in checks]
-    ratios = [c.uncertainty / c.error for c in checks if c.error > _TOLD]
+    ratios = [c.uncertainty / c.error for c in checks if c.error > _LEAST]
     rows = [
         at_least("true fractions within the uncertainty", float(np.mean(coverage)), 0.95),
         at_most("uncertainty over the true error (median)", float(np.median(ratios)), 3.0),

@@ -44,7 +44,7 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     with xr.open_dataset(folder.bounds) as written:
         xr.testing.assert_identical(written.load(), bounds)
     promised = Workflow(campaign.check_config(raw)).results()
-    assert len(promised) == 18
+    assert len(promised) == 13
     for name in promised:
         assert (tmp_path / Path(name).relative_to("results")).stat().st_size > 500
     assert "test: 7 of 7 runs done" in said

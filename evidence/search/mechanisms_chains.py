@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from evidence.search.mechanisms_slides import SLIDE, WAY, mechanism, peak
+from evidence.search.mechanisms_slides import SLIDE, TRAVEL, mechanism, peak
 
 DESIGN = {"method": "screening", "samples": 400}
 
@@ -52,8 +52,8 @@ def train(*values):
     waves = np.sin(w[:, :, None] * times) / w[:, :, None]
     kick = shapes[:, -1] / root[:, -1:]
     force = k[:, :1] * root[:, :1] * ((shapes[:, 0] * kick)[:, None] @ waves)[:, 0]
-    way = root[:, -1] * np.sum(shapes[:, -1] * kick * waves[:, :, 200], axis=1)
-    return -peak(force), 1.5 + way
+    travel = root[:, -1] * np.sum(shapes[:, -1] * kick * waves[:, :, 200], axis=1)
+    return -peak(force), 1.5 + travel
 
 
 def latches(*values):
@@ -127,7 +127,7 @@ record: {o: {part: ground, at: o}, top: {part: stack, at: p8}}
         + rows(10, "  s{i}: {{type: spring, joint: slide, stiffness: k{i}, rest: 0}}\n")
         + "record: {block: {part: block, at: o}}",
         sums,
-        WAY | {"speed": {"velocity": "block", "component": "norm"}},
+        TRAVEL | {"speed": {"velocity": "block", "component": "norm"}},
         {"t_zero": {"crossing": "way", "level": 0}, "fastest": {"largest": "speed"}},
         start="0.1 m",
         duration=1.0,

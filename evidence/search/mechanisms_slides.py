@@ -28,9 +28,12 @@ def compose_text(parameters: str, body: str, start: str = "0") -> str:
     lines = []
     for name, unit, *ends in (line.split() for line in parameters.split(",")):
         a, b = map(float, ends)
-        ends, stated = [1.1 * a - 0.1 * b, 1.1 * b - 0.1 * a], f"unit: {unit.replace('_', ' ')}, "
+        ends, unit_text = (
+            [1.1 * a - 0.1 * b, 1.1 * b - 0.1 * a],
+            f"unit: {unit.replace('_', ' ')}, ",
+        )
         lines.append(
-            f"  {name}: {{value: {(a + b) / 2!r}, {stated if unit != '1' else ''}range: {ends}, "
+            f"  {name}: {{value: {(a + b) / 2!r}, {unit_text if unit != '1' else ''}range: {ends}, "
             f"description: {name}}}"
         )
     points = "" if "points:" in body else "points: {o: [0, 0, 0]}\n"
@@ -53,7 +56,10 @@ def mechanism(
 
 
 def crossing(
-    function: Callable[[np.ndarray], np.ndarray], times: np.ndarray, number: int = 1, way: int = 0
+    function: Callable[[np.ndarray], np.ndarray],
+    times: np.ndarray,
+    number: int = 1,
+    travel: int = 0,
 ) -> np.ndarray:
     """Time (P) of the nth zero of a function of times (P or 1, T), NaN where there is none.
 
@@ -66,18 +72,18 @@ def crossing(
     )
     instants = np.repeat(times[None], len(values), axis=0)
     instants[:, 1:-1] += top / 2 * times[1]  # where it turns: a crossing there is not missed
-    above = function(instants) > 0
-    turns = above[:, 1:] != above[:, :-1]
-    if way:
-        turns &= above[:, 1:] == (way > 0)
+    signs = function(instants) > 0
+    turns = signs[:, 1:] != signs[:, :-1]
+    if travel:
+        turns &= signs[:, 1:] == (travel > 0)
     column = (np.cumsum(turns, axis=1) < number).sum(axis=1)
     exists = column < turns.shape[1]
-    rows, column = np.arange(len(above)), np.minimum(column, turns.shape[1] - 1)
-    low, high, side = instants[rows, column], instants[rows, column + 1], above[rows, column]
+    rows, column = np.arange(len(signs)), np.minimum(column, turns.shape[1] - 1)
+    low, high, side = instants[rows, column], instants[rows, column + 1], signs[rows, column]
     for _ in range(45):
         middle = (low + high) / 2
-        same = (function(middle[:, None])[:, 0] > 0) == side
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+        equality = (function(middle[:, None])[:, 0] > 0) == side
+        low, high = np.where(equality, middle, low), np.where(equality, high, middle)
     return np.where(exists, low, np.nan)
 
 
@@ -97,15 +103,15 @@ def summit(function: Callable[[np.ndarray], np.ndarray], times: np.ndarray) -> n
     low, high = np.maximum(largest - times[1], 0), np.minimum(largest + times[1], times[-1])
     for _ in range(60):
         a, b = low + (high - low) / 3, high - (high - low) / 3
-        left = function(a) > function(b)
-        low, high = np.where(left, low, a), np.where(left, b, high)
+        remainder = function(a) > function(b)
+        low, high = np.where(remainder, low, a), np.where(remainder, b, high)
     return function(low)[:, 0]
 
 
 def peak(values: np.ndarray) -> np.ndarray:
     """Largest of values (P, T), by the parabola through the largest and its neighbours."""
-    at = np.clip(values.argmax(axis=1), 1, values.shape[1] - 2)
-    a, b, c = (values[np.arange(len(values)), at + j] for j in (-1, 0, 1))
+    indices = np.clip(values.argmax(axis=1), 1, values.shape[1] - 2)
+    a, b, c = (values[np.arange(len(values)), indices + j] for j in (-1, 0, 1))
     return b + (a - c) ** 2 / (8 * (2 * b - a - c))
 
 
@@ -129,7 +135,7 @@ def integrate(
 
 
 def cubic_crossing(
-    x: np.ndarray, v: np.ndarray, h: float, number: int = 1, way: int = 0
+    x: np.ndarray, v: np.ndarray, h: float, number: int = 1, travel: int = 0
 ) -> np.ndarray:
     """Time (P) of the nth zero of values x (T, P) with rates v, by cubics between instants."""
 
@@ -142,7 +148,7 @@ def cubic_crossing(
             + s**2 * (3 - 2 * s) * b - s**2 * (1 - s) * q
         )  # fmt: skip
 
-    return crossing(value, h * np.arange(len(x)), number, way)
+    return crossing(value, h * np.arange(len(x)), number, travel)
 
 
 def hang(v, m, EA):
@@ -152,10 +158,10 @@ def hang(v, m, EA):
     ends, phase = (np.arcsin(np.clip((weight - x) / amplitude, -1, 1)) / w for x in (0, level))
     flight = 2 * np.sqrt(np.maximum(v**2 - m * G**2 / k, 0)) / G
     loose, low = amplitude > weight, amplitude > weight - level
-    again = np.where(loose, 2 * ends + flight - phase, np.pi / w - phase)
+    second = np.where(loose, 2 * ends + flight - phase, np.pi / w - phase)
     return (
         np.maximum(weight - amplitude, 0), weight + amplitude,
-        np.where(low, phase, np.nan), np.where(low, again, np.nan),
+        np.where(low, phase, np.nan), np.where(low, second, np.nan),
     )  # fmt: skip
 
 
@@ -178,11 +184,15 @@ def creep(w, M, a):
         rest = level[:, None] + work + drag - (M * side)[:, None] * p
         root = np.sqrt(slope**2 - 2 * rise * rest)
         flat = rise == 0
-        ends = [np.where(flat, -rest / slope, (-slope + way * root) / rise) for way in (1, -1)]
-        inside = [(y >= 0) & (y <= np.diff(HUMP)) for y in ends]
-        ways = [side[:, None] * (y + p - x[:, None]) for y in ends]
-        ways = [np.where(ok & (d > 1e-6), d, np.inf) for d, ok in zip(ways, inside, strict=True)]
-        x = np.where(moves, x + side * np.min(ways, axis=(0, 2)), x)
+        ends = [
+            np.where(flat, -rest / slope, (-slope + travel * root) / rise) for travel in (1, -1)
+        ]
+        validity = [(y >= 0) & (y <= np.diff(HUMP)) for y in ends]
+        travels = [side[:, None] * (y + p - x[:, None]) for y in ends]
+        travels = [
+            np.where(ok & (d > 1e-6), d, np.inf) for d, ok in zip(travels, validity, strict=True)
+        ]
+        x = np.where(moves, x + side * np.min(travels, axis=(0, 2)), x)
         largest = np.maximum(largest, x)
         pull = a * np.interp(x, HUMP, TABLE)
         moves = moves & (abs(pull) > M)
@@ -241,8 +251,8 @@ def clash(ma, mb, v, kb):
         push = 2000 * np.maximum(y[0] - y[2] - 0.1, 0)
         return np.array([y[1], -push / ma, y[3], (push - kb * y[2]) / mb])
 
-    still = 0 * ma
-    y = integrate(rates, np.array([still, v, still, still]), 1.2, 1200)
+    zero = 0 * ma
+    y = integrate(rates, np.array([zero, v, zero, zero]), 1.2, 1200)
     force = 2000 * (y[:, 0] - y[:, 2] - 0.1)
     slope = 2000 * (y[:, 1] - y[:, 3])
     return peak(force.T), cubic_crossing(force - 1, slope, 1e-3, 2, 1), y[-1, 1]
@@ -279,8 +289,8 @@ def overshoot(J, k, c):
     w, d, times = np.sqrt(k / J), c / (2 * J), np.linspace(0, 6, 121)
 
     def turn(t):
-        one = np.ones_like(J)
-        return 1 + swing(t, *column(-one, 0 * one, w, d))
+        unity = np.ones_like(J)
+        return 1 + swing(t, *column(-unity, 0 * unity, w, d))
 
     return np.maximum(summit(turn, times) - 1, 0), crossing(lambda t: turn(t) - 1.02, times)
 
@@ -298,14 +308,14 @@ def third(x, J, k, c):
 def ratio(F, c, m):
     """A mass that a force drives through oil."""
 
-    def way(t):
+    def travel(t):
         return (F / c)[:, None] * (t - (m / c)[:, None] * -np.expm1(-t * (c / m)[:, None]))
 
     end = F / c * -np.expm1(-8 * c / m)
     return (
-        crossing(lambda t: way(t) - 1, np.linspace(0, 8, 17)),
+        crossing(lambda t: travel(t) - 1, np.linspace(0, 8, 17)),
         end,
-        way(np.full((1, 1), 2.0))[:, 0],
+        travel(np.full((1, 1), 2.0))[:, 0],
     )
 
 
@@ -314,12 +324,12 @@ def eight(m, ka, kb, ca, cb, x, v, i):
     rest, w, d = m * G * np.sin(i) / (ka + kb), np.sqrt((ka + kb) / m), (ca + cb) / (2 * m)
     times = np.linspace(0, 2, 81)
 
-    def way(t):
+    def travel(t):
         return rest[:, None] + swing(t, *column(x - rest, v, w, d))
 
     return (
-        crossing(lambda t: way(t) - 0.1, times, 1, 1), summit(way, times),
-        way(np.full((1, 1), 0.5))[:, 0],
+        crossing(lambda t: travel(t) - 0.1, times, 1, 1), summit(travel, times),
+        travel(np.full((1, 1), 0.5))[:, 0],
     )  # fmt: skip
 
 
@@ -330,28 +340,28 @@ def speed(u, v, w):
 
 def corner(x, v, F, H):
     """When a latch catches that forces drive a mass to: in time in a corner of the box."""
-    a, way = F + H, 1.3 - x
-    times = 2 * way / (v + np.sqrt(v**2 + 2 * a * way))
+    a, travel = F + H, 1.3 - x
+    times = 2 * travel / (v + np.sqrt(v**2 + 2 * a * travel))
     return np.where(times < 1, times, np.nan), np.where(times < 1, 1.3, x + v + a / 2)
 
 
 def band(u, v, w, M, p):
     """A hub that dry friction stops: it stays short of a latch, is caught, or is too fast."""
     rate = u + v + w
-    left = rate**2 - 2 * M * p
-    caught = (left > 0) & (left < 1)
-    times = (rate - np.sqrt(np.maximum(left, 0))) / M
-    return np.where(caught, times, np.nan), np.where(caught, p, rate**2 / (2 * M))
+    remainder = rate**2 - 2 * M * p
+    catch = (remainder > 0) & (remainder < 1)
+    times = (rate - np.sqrt(np.maximum(remainder, 0))) / M
+    return np.where(catch, times, np.nan), np.where(catch, p, rate**2 / (2 * M))
 
 
-def outside(a, b, c, d):
+def outer(a, b, c, d):
     """When a mass comes to a latch: in time outside of a ball."""
     times = 0.9 / np.sqrt(a**2 + b**2 + c**2 + d**2)
     return (np.where(times < 1, times, np.nan),)
 
 
-ANGLE, WAY = {"angle": {"opening": "axle"}}, {"way": {"opening": "slide"}}
-ONE = "curves: {one: {times: [0, 10 s], values: [1, 1]}}\n"
+ANGLE, TRAVEL = {"angle": {"opening": "axle"}}, {"way": {"opening": "slide"}}
+CONSTANT = "curves: {one: {times: [0, 10 s], values: [1, 1]}}\n"
 
 BOXES = (
     mechanism(
@@ -433,7 +443,7 @@ gravity: [(9.81 m/s2)*cos(b)*cos(i), (9.81 m/s2)*sin(b)*cos(i), (9.81 m/s2)*sin(
         "play of a drive",
         "r rad/s 0.8 1.2,k N_m/rad 20 40,Iz kg_m2 0.4 0.6,b rad 0.02 0.1",
         ROTOR
-        + ONE
+        + CONSTANT
         + """
 opening_rates: {kick: {joint: axle, rate: r/2}}
 actions: {drive: {type: motor, joint: axle, rate: r, curve: one, stiffness: k, backlash: b}}
@@ -580,7 +590,7 @@ actions: {oil: {type: damper, joint: slide, damping: c}}
 record: {block: {part: block, at: o}}
 """,
         ratio,
-        WAY | {"speed": {"velocity": "block", "component": "x"}},
+        TRAVEL | {"speed": {"velocity": "block", "component": "x"}},
         {
             "t_one": {"crossing": "way", "level": 1},
             "end": {"final": "speed"},
@@ -604,7 +614,7 @@ actions:
 gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
 """,
         eight,
-        WAY,
+        TRAVEL,
         {
             "t_in": {"crossing": "way", "level": 0.1, "way": "rising"},
             "farthest": {"largest": "way"},
@@ -641,7 +651,7 @@ loads:
 actions: {pin: {type: latch, joint: slide, position: 1.3 m, side: below}}
 """,
         corner,
-        WAY,
+        TRAVEL,
         {"t_latch": {"event": "latches"}, "stays": {"final": "way"}},
         start="x",
         duration=1.0,
@@ -671,8 +681,8 @@ actions:
 opening_rates: {kick: {joint: slide, rate: sqrt(a*a + b*b + c*c + d*d)}}
 actions: {pin: {type: latch, joint: slide, position: 0.9 m, side: below}}
 """,
-        outside,
-        WAY,
+        outer,
+        TRAVEL,
         {"t_latch": {"event": "latches"}},
         duration=1.0,
         instants=101,

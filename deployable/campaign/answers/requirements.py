@@ -99,7 +99,8 @@ def _judge_limits(
         "share_uncertainty": open_,
         "runs": len(model.distinct_rows) + model.rest_count,
     }
-    if is_met.all() and all(_may_hold(result, i) for i in indices):
+    if is_met.all():  # where surrogates break what all runs keep, no run shows it
+        row["share_uncertainty"] = max(open_, 1.0 - fraction)
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
         return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
@@ -109,12 +110,6 @@ def _judge_limits(
     if violated_limits and not any(is_refuted(model, result, i) for i in violated_limits):
         return {"met": "some", **row, "share_uncertainty": 1.0}
     return {"met": "none", **row}
-
-
-def _may_hold(result: LimitAssessment, i: int) -> bool:
-    """Whether limit `i` is broken by the surrogate nowhere by more than its error."""
-    margin, error = result.worst[i][0], result.limits[i].error
-    return bool(margin >= 0 or margin >= -error)
 
 
 def _requirement(

@@ -144,11 +144,16 @@ class Fit:
         """Root mean square of the leave-one-out errors."""
         return float(np.sqrt(np.mean(self.left_out**2)))
 
-    @property
-    def median_error(self) -> float:
-        """Median of the sizes of the leave-one-out errors, by which volume fractions of the box are
-        uncertain: along a limit-state surface errors of both signs cancel."""
-        return float(np.median(np.abs(self.left_out)))
+    def median_errors(self, points: np.ndarray) -> np.ndarray:
+        """Errors (P) at `points` (P, k) in [-1, 1]^k by which volume fractions of the box are
+        uncertain: the median size of the leave-one-out errors of the runs near by, or of all runs
+        if larger. Along a limit-state surface errors of both signs cancel, so that the largest
+        tells too much; beside a kink or jump those of all runs, of which most are far, too little.
+        """
+        sizes = np.abs(self.left_out)
+        count = min(2 * int((np.ptp(self.points, axis=0) > 0).sum()) + 3, len(sizes))
+        rows = scipy.spatial.KDTree(self.points).query(points, count)[1].reshape(len(points), -1)
+        return np.maximum(np.median(sizes[rows], axis=1), np.median(sizes))
 
     def formula(self) -> Formula:
         """Write the fitted function as a table that other programs can evaluate."""

@@ -268,5 +268,5 @@ class FittedOccurrence(Occurrence):
 
     def usual_band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
-        uncertain: everywhere the median leave-one-out error of the fit."""
-        return np.full(len(points), self.fit.median_error)
+        uncertain: by the leave-one-out errors of the fit (`Fit.median_errors`)."""
+        return self.fit.median_errors(points)

@@ -55,8 +55,7 @@ class Limit:
             return [(decision, band)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - evaluate(surrogate.predict))
-        error = surrogate.fit.median_error + self.run_error
-        return [(decision, band), (margin, np.full(len(points), error))]
+        return [(decision, band), (margin, evaluate(surrogate.fit.median_errors) + self.run_error)]
 
     @property
     def error(self) -> float:

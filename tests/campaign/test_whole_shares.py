@@ -202,7 +202,8 @@ def verdict(kind, numbers, margins=np.nan, asked=HAPPENS, beyond=(0.0, 0.0), fre
     model.points, model.numbers = unit, np.array(numbers, dtype=float)[:, None]
     model.margins = np.broadcast_to(margins, len(numbers))[:, None]
     found = assess_limits(model, model.surrogates(), [asked], np.array(beyond)[:, None])
-    return requirements._judge_limits(model, found, [0])["met"]
+    shares = requirements._find_shares(model, found)
+    return requirements._judge_limits(model, found, (0,), shares)["met"]
 
 
 X = np.linspace(-1, 1, 9)
@@ -214,6 +215,9 @@ def test_all_is_said_where_nothing_is_open_and_no_margin_is_below_its_error():
     assert verdict("limit", X, asked=at_most, beyond=(0.9, 0.0)) == "all"
     assert verdict("limit", X, asked=at_most, beyond=(1.1, 0.0)) == "undecided"
     assert verdict("limit", X + 1.5, asked=at_most) == "some"
+    # A spline goes beyond the step by more than its error says; no run does.
+    steps = np.where(np.abs(X) < 0.4, -1e3 * (X < 0), 1.99 * (X > 0) - 1e3 * (X < 0))
+    assert verdict("limit", steps, asked=at_most) == "undecided"
     assert (
         verdict("limit", np.abs(np.sin(9 * X)), asked=LimitSpec("low", 0, "at_most", 1.05))
         == "undecided"

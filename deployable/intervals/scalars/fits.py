@@ -152,7 +152,7 @@ class Fit:
         """
         sizes = np.abs(self.left_out)
         count = min(2 * int((np.ptp(self.points, axis=0) > 0).sum()) + 3, len(sizes))
-        rows = scipy.spatial.KDTree(self.points).query(points, count)[1].reshape(len(points), -1)
+        rows = scipy.spatial.KDTree(self.points).query(points, count)[1].reshape(len(points), count)
         return np.maximum(np.median(sizes[rows], axis=1), np.median(sizes))
 
     def formula(self) -> Formula:

@@ -107,7 +107,7 @@ STUDIES = {
             "search",
             "Searching bounds of quantities that are known",
             uses=("deployable",),
-            parts=("boxes", "rivals", "carts", "slides", "chains"),
+            parts=("boxes", "rivals", "fractions", "carts", "slides", "chains"),
             quick=True,
         ),
         Study(

@@ -157,7 +157,7 @@ def test_dollars_in_names_are_no_formulas_of_figures(tmp_path):
     figure = Figure()
     figure.subplots().set_title(r"$\frac{$")
     save(figure, tmp_path / "a")
-    assert (tmp_path / "a.svg").exists()
+    assert (tmp_path / "a.pdf").exists()
 
 
 def set_name(variable: str, name: str):

@@ -70,6 +70,25 @@ def peak(values: np.ndarray) -> float:
     return top
 
 
+def extreme_value(curves: Curves, response: Response, sign: float) -> float:
+    """Return the largest (sign 1) or smallest (-1) value of a response in one run: by a parabola
+    (`peak`), unless something happens between the instants that it goes through, as at an impact.
+    It is then the extreme recorded value, or that just before such an event (`value_at`), beyond it
+    by at most as much as the response changed between the instants before. curves: of the run."""
+    time, values = curves.time, sign * response.evaluate(curves)
+    if response.along:  # no curve over time
+        return sign * peak(values)
+    i = int(values.argmax())
+    previous, following = max(i - 1, 0), min(i + 1, len(values) - 1)
+    times = curves.events[:, 0]
+    instants = times[(times > time[previous]) & (times < time[following])]
+    if not len(instants):
+        return sign * peak(values)
+    ends = [sign * value_at(curves, response, instant, True) for instant in instants]
+    most = values[i] + np.abs(np.diff(values[max(i - 2, 0) : i + 1])).max(initial=0.0)
+    return sign * float(np.clip(max(ends), values[i], most))
+
+
 def find_root(time: np.ndarray, values: np.ndarray, i: int) -> float:
     """Return the time (s) at which values (t,) at instants `time` (t,) s vanish between the
     instants of indices i and i + 1, at which they differ in sign, by a cubic through four."""

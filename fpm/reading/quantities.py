@@ -11,7 +11,7 @@ import numpy as np
 from fpm.files.trajectory import IMPACTS, Curves
 from fpm.reading import margins
 from fpm.reading.event_margins import gate_margin
-from fpm.reading.events import find_root, peak, value_at
+from fpm.reading.events import extreme_value, find_root, peak, value_at
 from fpm.reading.responses import Response
 
 
@@ -177,7 +177,7 @@ def _smallest(quantity: Quantity, curves: Curves) -> float:
     """The smallest value: of what lies along a way, of all of it, and not of its curve alone."""
     if quantity.response.along:
         return margins.least(quantity.response, curves)[0]
-    return -peak(-quantity.response.evaluate(curves))
+    return extreme_value(curves, quantity.response, -1.0)
 
 
 def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
@@ -248,7 +248,8 @@ class QuantityType(NamedTuple):
 
 KINDS = {
     "largest": QuantityType(
-        _of_values(lambda q, time, y: peak(y)), "largest {about}", is_instantaneous=True
+        lambda q, curves: extreme_value(curves, q.response, 1.0),
+        "largest {about}", is_instantaneous=True,
     ),
     "smallest": QuantityType(_smallest, "smallest {about}", is_instantaneous=True),
     "smallest_at": QuantityType(_place_of_smallest, "{place} of the smallest {about}"),

@@ -132,6 +132,16 @@ def test_a_crossing_is_found_to_the_fourth_order():
     assert errors[1] < errors[0] / 8
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("rebound", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("blow", [1.0001, 1.0023, 1.0049])
+def test_a_peak_at_an_impact_is_not_that_of_a_parabola_across_it(blow, rebound, sign):
+    """What a latch or stop ends goes no farther than it was at the impact."""
+    values = sign * np.where(blow > TIME, TIME, blow - rebound * (TIME - blow))
+    kind, events = ("largest" if sign > 0 else "smallest"), np.array([[blow, 3, 0]])
+    assert read({kind: "x"}, values, step=1e-5, events=events) == pytest.approx(sign * blow, 1e-9)
+
+
 def test_a_value_at_an_event_is_the_one_before_it():
     """The curve breaks at 0.9025 s, between two instants."""
     events = EVENTS.copy()

@@ -211,7 +211,7 @@ def _events(outcome) -> dict[str, classic.NetcdfVariable]:
         **_names("event_element", (e.name for e in eventful), "element that has events"),
         **_names("event_element", event_names, "events of the element, by number", "event_names"),
         **_names("event_element", (e.joint for e in eventful), "joint it is on", "event_joint"),
-        "event_gate": _variable(("event_element", "gate_number"), gates, "1", text),
+        "event_gate": _variable(("event_element", "gate_number"), gates, "", text),
         "event_time": _variable("event", time, "s", "time of an event"),
         "event_of": _variable("event", element, "1", "index of the event's element"),
         "event_number": _variable("event", number, "1", "number of the event"),

@@ -132,6 +132,7 @@ def test_ctrl_c_says_what_is_there_and_how_to_go_on():
         import os, signal, sys, time
         from deployable.campaign.runs.progress import Progress, report_step
         from deployable.campaign.interrupts import end_on_ctrl_c
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
         end_on_ctrl_c()
         with report_step(Progress("mast", 9, lambda: 4).describe, print):
             os.kill(os.getpid(), signal.SIGINT)

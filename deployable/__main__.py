@@ -8,9 +8,6 @@ from deployable import check_fpm_module
 from deployable.one_thread import set_environment
 
 set_environment()  # before numpy is loaded
-# Python's compiled code is kept as that of the time loop is, whatever PYTHONDONTWRITEBYTECODE says:
-# to compile the program again takes half of a short stage.
-sys.dont_write_bytecode = False
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
 # Nothing here is an array of dask, which xarray would load to see so, where it is installed.

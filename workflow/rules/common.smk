@@ -11,7 +11,6 @@ from shlex import quote
 ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
 PACKAGES = [str(ROOT)] if (ROOT / "deployable").is_dir() else []
 sys.path[:0] = PACKAGES
-sys.dont_write_bytecode = False  # as `deployable/__main__.py` says
 
 from deployable import check_fpm_module
 

@@ -79,9 +79,9 @@ def extreme_value(curves: Curves, response: Response, sign: float) -> float:
     if response.along:  # no curve over time
         return sign * peak(values)
     i = int(values.argmax())
-    previous, following = max(i - 1, 0), min(i + 1, len(values) - 1)
+    start, end = time[max(i - 1, 0)], time[min(i + 1, len(time) - 1)]
     times = curves.events[:, 0]
-    instants = times[(times > time[previous]) & (times < time[following])]
+    instants = times[(times > start) & (times < end)]
     if not len(instants):
         return sign * peak(values)
     ends = [sign * value_at(curves, response, instant, True) for instant in instants]

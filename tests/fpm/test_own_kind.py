@@ -70,7 +70,7 @@ def test_its_events_and_what_it_records_are_in_the_file(outcome, tmp_path):
     passes = (0.5 + np.arange(3)) * np.pi / RATE
     np.testing.assert_allclose(outcome.events[:, 0], passes, atol=1e-5)
     assert outcome.events[:, 2].tolist() == [1, 0, 1]  # slackens first
-    assert outcome.eventful == (("ground spring 0", ("stretches", "slackens"), ""),)
+    assert outcome.eventful == (("ground spring 0", ("stretches", "slackens"), "", None),)
     fpm.trajectory.write(outcome.dataset(), tmp_path / "run.nc")
     back = fpm.trajectory.read(tmp_path / "run.nc")
     assert np.array_equal(back.event_time, outcome.events[:, 0])

@@ -205,7 +205,7 @@ def test_responses_of_any_name_have_figures_of_their_own(raw, tmp_path):
     raw["responses"] = {name: {"distance": ["B", "D"]} for name in ODD}
     campaign.run(raw, tmp_path, notify=lambda text: None)
     figures = list((tmp_path / "test/figures").rglob("*.*"))
-    assert len(figures) == 3 * len({*ODD, "of the campaign"})
+    assert len(figures) == 2 * len({*ODD, "of the campaign"})
     assert {path.stem for path in figures} == set(ODD)
 
 

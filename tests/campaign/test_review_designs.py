@@ -320,7 +320,7 @@ def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
         name: next(row for row in rows_of(text[name]) if row[0] == "4.7.5.3") for name in "xyz"
     }
     # which
-    assert "rows: 0 not met; 2 undecided (4.7.5.4.3 t_lock, 4.8.2.6)" in text["x"]
+    assert "rows: 0 not met; 0 undecided" in text["x"]  # its latch has a margin that says so
     assert margin["x"][4] == "met in all of the box, by analysis"
     part = r"not met in a part of the box; (at least \d+|\d+ ± \d+) % of the box"
     assert re.match(part, margin["y"][4])

@@ -99,13 +99,8 @@ class FileStatements:
         self.names.sort()
         self.overall = self._overall(file)
         self.entries = list(self._entries(sheets))
-        uses = self.names.uses
-        for full in reversed(self.names.order):  # what only numbers use that nothing uses
-            number = self.names.numbers[full]
-            if "let" in number.key.split(".")[-2:-1] and number.bound and not uses[full]:
-                uses.subtract(number.bound.full.values())
         for name, p in inputs.items() if not self.problems else ():
-            if not uses[name]:  # a slip of the pen
+            if not self.names.uses[name]:  # a slip of the pen
                 allowed = "nothing uses it; allowed: parameters in use"
                 self.problems.say(p.line, f"parameters.{name}: {allowed}")
 

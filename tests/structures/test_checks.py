@@ -76,8 +76,6 @@ WRONG = [
      "opening_rates.r.rate: '2 Hz' is not allowed; allowed: a value in rad/s, deg/s or rpm"),
     ("record:", "assemble: yes\nrecord:", "assemble: 'yes' is not allowed; allowed: true, false"),
     ("  L: {", "  M: {value: 1}\n  L: {", "parameters.M: nothing uses it"),
-    ("mesh: n\nlet:\n", "  M: {value: 1}\nmesh: n\nlet:\n  one: 2*M\n  two: one + 1\n",
-     "parameters.M: nothing uses it"),
 ]  # fmt: skip
 
 

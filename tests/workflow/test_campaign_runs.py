@@ -121,7 +121,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
         ):
             xr.testing.assert_identical(first, second)
     ends = [path.relative_to(results) for path in results.rglob("figures/**/*.*")]
-    assert len(ends) == 15
+    assert len(ends) == 10
     for name in ("plan.json", "summary.json", "summary.md", *ends):
         first, second = (
             without_moment((folder / name).read_bytes()) for folder in (results, tmp_path / "small")

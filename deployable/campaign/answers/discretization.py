@@ -23,7 +23,7 @@ from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 
-_HALVINGS = 6
+_HALVINGS = 10
 """Of the way on which finer runs cease to have a number."""
 
 MAX_POINT_DISTANCE = 0.1

@@ -32,7 +32,11 @@ from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge
 from deployable.campaign.config.sections import Jobs, Verify, plain_data
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import allow_check_runs
+from deployable.campaign.plan.accuracy import (
+    affordable_runs,
+    allow_check_runs,
+    left_tolerances,
+)
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Notify
@@ -57,14 +61,17 @@ def answer(
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     with open_netcdf(folder.bounds) as file:  # whose check is counted already
         model.account.ids |= set(str(getattr(file, "check_ids", "")).split())
+    tolerances: list[float] = []
     if model.experiment.is_adaptive:
         model.account.limit = allow_check_runs(model.plan)
         limit, reserve = model.account.limit, CHECKED_RUNS * len(model.experiment.quantities)
-        model.max_refinements = max(limit - reserve, limit // 2)
+        affordable = max(affordable_runs(model.plan), reserve)
+        model.max_refinements = min(max(limit - reserve, limit // 2), affordable)
+        tolerances = left_tolerances(model.plan)
     if model.experiment.design.method == "screening":
         model.max_refinements = max(0, model.experiment.design.samples - len(model.distinct_rows))
     specs = list_limits(requirements, list(model.experiment.quantities))
-    bounds = converge_bounds(model, verify.max_iterations, specs)
+    bounds = converge_bounds(model, verify.max_iterations, specs, tolerances)
     if count := len(model.refinements):
         notify(f"{model.experiment.name}: further runs at bounds and limits: {count}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}

@@ -1,5 +1,6 @@
 """Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
+from deployable.campaign.plan.jobs import LANES
 from deployable.intervals.box import MOST_FULL
 from deployable.intervals.designs import scan_points
 
@@ -18,6 +20,7 @@ _PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where o
 _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
 _MOST_SPREAD = 4  # times as many where a quantity has no value
 _CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
+_STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -52,36 +55,83 @@ class QuantityBounds:
         surrogate leaves it possible that values lie beyond the bound; NaN without a value."""
         return max((e.error for e in self.estimates), default=np.nan)
 
+    @property
+    def relative_error(self) -> float:
+        """Error of the bounds where runs were sampled adaptively, the larger of `error` and the
+        surrogate's `bound_error`, over the width; infinite without a width, 0 if all is equal; NaN
+        without a value."""
+        error, width = max(self.error, self.surrogate.bound_error), self.outer[1] - self.outer[0]
+        return 0.0 if error == 0 else float(error / width) if width else np.inf
+
 
 def converge_bounds(
-    model: ModelEvaluator, max_iterations: int, specs: Sequence[LimitSpec] = ()
+    model: ModelEvaluator,
+    max_iterations: int,
+    specs: Sequence[LimitSpec] = (),
+    tolerances: Sequence[float] = (),
 ) -> list[QuantityBounds]:
     """Bound all quantities by runs and surrogates, one `QuantityBounds` each, in order, in at most
     `max_iterations` iterations; 0: by the runs so far. An iteration adds runs to `model` at the
     surrogates' bounds and where these may still go farther, at limit-state surfaces of events, and
-    where the limits `specs` are worst, then refits; where none is to be added, it ends."""
+    where the limits `specs` are worst, then refits; where none is to be added, it ends.
+    tolerances (q): errors, as fractions of widths, that are asked for (`accuracy`): where one is
+    exceeded, and falls with runs, iterations go on with runs spread over the box, too, as long as
+    the evaluator allows any."""
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
-    climbs = _Climbs(model)
-    for iteration in range(max_iterations + 1):
-        if iteration < max_iterations:
+    climbs, progress = _Climbs(model), _Progress(tolerances)
+    for iteration in itertools.count():
+        if iteration < max_iterations or tolerances:
             climbs.run()
         surrogates = model.surrogates()
         while iteration == 0 < max_iterations and _grow(model, climbs.missing_points(surrogates)):
             climbs.run()
             surrogates = model.surrogates()
         bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
-        if iteration == max_iterations:
-            break
-        points = [point for b in bounds for point in _infill(b)]
-        if specs:
+        unmet = progress.find_unmet(bounds, len(model.points))
+        is_extra = iteration >= max_iterations
+        points = [point for b in (unmet if is_extra else bounds) for point in _infill(b)]
+        if specs and not is_extra:
             decisive = assess_limits(model, surrogates, specs).points
             points += [point for point in decisive if model.nearest(point)[1] > SAME_POINT]
-        if not _grow(model, points):
+        if unmet and (is_extra or not points):
+            points += [*_spread(model, max(LANES, len(model.points) // 4))]
+        if not points or not _grow(model, points):
             break
         mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
+
+
+class _Progress:
+    """Which quantities more runs bring nearer to the errors that are asked for, none without
+    tolerances."""
+
+    def __init__(self, tolerances: Sequence[float]) -> None:
+        self.tolerances = tolerances
+        self.history: list[tuple[int, list[float]]] = []
+
+    def find_unmet(self, bounds: Sequence[QuantityBounds], count: int) -> list[QuantityBounds]:
+        """Bounds whose errors exceed what is asked for, and have fallen since there were half as
+        many runs as the `count` that there are now."""
+        if not self.tolerances:
+            return []
+        shares = [b.relative_error for b in bounds]
+        earlier = [row for number, row in self.history if 2 * number <= count]
+        limits = earlier[-1] if earlier else [np.inf] * len(shares)
+        self.history.append((count, shares))
+        return [
+            b
+            for b, share, limit, tolerance in zip(
+                bounds, shares, limits, self.tolerances, strict=True
+            )
+            if share > tolerance and share <= _STAGNANT * limit
+        ]
+
+
+def _spread(model: ModelEvaluator, count: int) -> np.ndarray:
+    """Unit points (count, k) spread over the box, after as many others as there are runs."""
+    return scan_points(model.experiment.box.free, len(model.points) + count, corners=False)[-count:]
 
 
 def _grow(model: ModelEvaluator, points: Sequence[np.ndarray]) -> bool:
@@ -129,7 +179,7 @@ class _Climbs:
         count = min((_MOST_SPREAD if is_blank else 1) * total - present, total)
         if count <= 0:
             return np.reshape(corners, (-1, len(box.free)))
-        spread = scan_points(box.free, present + count, corners=False)[-count:]
+        spread = _spread(model, len(corners) + count)[-count:]
         return np.concatenate([*[point[None] for point in corners], spread])
 
     def run(self) -> None:
@@ -138,20 +188,21 @@ class _Climbs:
         for _ in range(_MOST_CLIMBS):
             points = [
                 point
-                for climb, values in self._active()
-                if (point := climb.propose(model.points, values)) is not None
+                for climb, *results in self._active()
+                if (point := climb.propose(model.points, *results)) is not None
             ]
             if not _grow(model, points):
                 break
 
-    def _active(self) -> Iterator[tuple[Any, np.ndarray]]:
-        """Searches, and the values (R) of the runs so far that they go by."""
+    def _active(self) -> Iterator[tuple[Any, ...]]:
+        """Searches, and the values (R) of the runs so far that they go by, with event margins (R)
+        where these tell where there is a value."""
         numbers, margins = self.model.numbers.T, self.model.margins.T
         for pair, margin_climb, values, margin in zip(
             self.climbs, self.margin_climbs, numbers, margins, strict=False
         ):
             if np.isfinite(values).any():
-                yield from ((climb, values) for climb in pair)
+                yield from ((climb, values, margin) for climb in pair)
             elif np.isfinite(margin).all():
                 yield margin_climb, margin
 

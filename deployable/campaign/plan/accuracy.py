@@ -3,12 +3,16 @@
 Each round has a plan (`rounds/<round>/plan.json`) with a mesh, a step, and runs through which a
 spline goes; those of later rounds are sought where the bounds are decided. A round whose plan says
 so is checked: its bounds know what a finer mesh and half the step change. What comes next is
-decided by `decide`; here results become its arguments and its decision a plan."""
+decided by `decide`; here results become its arguments and its decision a plan.
 
-from collections.abc import Mapping, Sequence
+Rounds add runs for responses alone. Bounds of quantities are sought after the rounds, one run
+after the other (`answers.quantity_bounds`), with at least half of the runs that are allowed; the
+rounds only make step and mesh fine enough for them."""
+
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,10 +30,10 @@ from deployable.campaign.plan.decide import (
     ROUND,
     RUN_FILES,
     UNKNOWN,
+    Errors,
     RefinementState,
     Resources,
 )
-from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import (
     ROUNDING,
@@ -39,13 +43,6 @@ from deployable.campaign.plan.plan import (
     TimeStep,
     choose_step,
     make_plan,
-)
-from deployable.intervals.scalars import (
-    NEAREST,
-    BoundEstimate,
-    ScalarSurrogate,
-    estimate_bounds,
-    fit_scalar,
 )
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
@@ -74,11 +71,10 @@ def extend_plan(
     `samples.nc` and `bounds.nc` of that round."""
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
-        quantities = _estimate_quantities(base, samples)
-        shares, free = _relative_errors(plan, bounds, quantities), base.solver.step == "auto"
+        widths = _quantity_widths(base, samples)
+        shares, free = _relative_errors(plan, bounds, widths), base.solver.step == "auto"
         check_runs = bounds.attrs.get("check_runs") if plan.adaptive.check else 0
-        places = {name: row.worst_place(base) for name, row in quantities.items()}
-        refinement = replace(_refinement_state(plan, shares, free, check_runs), places=places)
+        refinement = _refinement_state(plan, shares, free, check_runs)
         cost, decision = refinement.cost, refinement.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
@@ -92,8 +88,7 @@ def extend_plan(
         points = list(state.points)
         if decision.action == "runs":
             names = [errors.name for errors in refinement.reducible]
-            unmet = [estimate for name, estimate in quantities.items() if name in names]
-            new = _infill_points(base, samples, names, cost.next_runs, len(rounds), unmet)
+            new = _infill_points(base, samples, names, cost.next_runs, len(rounds))
             points += new.tolist()
     finer = base
     if decision.action == "mesh":
@@ -138,54 +133,24 @@ def _has_mesh(experiment: Experiment) -> bool:
     return experiment.scene_type.mesh is not None
 
 
-class _QuantityEstimate(NamedTuple):
-    """The surrogate of a quantity, and estimates of its bounds, none where no run has it."""
-
-    surrogate: ScalarSurrogate
-    bounds: tuple[BoundEstimate, ...]
-
-    def relative_error(self) -> tuple[float, float]:
-        """Error of bounds by the surrogate over their width, and the width; 0 if all is equal."""
-        if not self.bounds:
-            return 0.0, 0.0
-        width = float(self.bounds[1].value - self.bounds[0].value)
-        error = np.max([self.surrogate.bound_error, *(e.error for e in self.bounds)])
-        size = max(abs(estimate.value) for estimate in self.bounds)
-        if width <= ROUNDING * size:  # of a single run nothing is known
-            return (0.0 if error <= ROUNDING * size else UNKNOWN), 0.0
-        share = float(error) / width
-        return (share if share < UNKNOWN else UNKNOWN), width  # NaN, too
-
-    def worst_place(self, experiment: Experiment) -> str:
-        """Where the run is that the others predict worst, as parameter values in words."""
-        fit, box = self.surrogate.fit, experiment.box
-        if fit is None:
-            return ""
-        point = fit.points[np.argmax(np.abs(np.nan_to_num(fit.left_out)))]
-        values = zip(box.names, box.from_unit(point), box.free, strict=True)
-        return ", ".join(f"{name} = {value:.3g}" for name, value, free in values if free)
-
-
-def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _QuantityEstimate]:
-    """Surrogates and bounds of all quantities by name, from the runs so far."""
-    if not experiment.quantities:
-        return {}
-    points, numbers = samples["normalized"].values, samples["quantities"].values
-    margins = margins_of_samples(experiment, samples, np.arange(len(points)))
-    estimates = {}
-    columns = zip(experiment.quantity_list, numbers.T, margins.T, strict=True)
-    for quantity, values, margin in columns:
-        end = experiment.solver.duration if quantity.is_time else None
-        surrogate = fit_scalar(points, values, end, quantity.least, margin)
-        bounds = estimate_bounds(surrogate, points, values)
-        estimates[quantity.name] = _QuantityEstimate(surrogate, bounds)
-    return estimates
+def _quantity_widths(experiment: Experiment, samples: Any) -> dict[str, float]:
+    """Differences of the largest and the least value of quantities in the runs, by name; 0 where
+    these are equal, or there is none."""
+    widths = {}
+    for i, name in enumerate(experiment.quantities):
+        values = samples["quantities"].values[:, i]
+        values = values[np.isfinite(values)]
+        size = np.abs(values).max(initial=0.0)
+        width = float(np.ptp(values)) if len(values) else 0.0
+        widths[name] = width if width > ROUNDING * size else 0.0
+    return widths
 
 
 def _relative_errors(
-    plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
+    plan: Plan, bounds: Any, widths: Mapping[str, float]
 ) -> dict[str, dict[str, float]]:
-    """Errors of responses and quantities by part, as shares of widths; step, mesh: last checked."""
+    """Errors by part, as shares of widths: of responses by surrogate, step and mesh, of quantities
+    by step and mesh; these two as last checked. widths: of quantities in the runs."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
@@ -196,10 +161,8 @@ def _relative_errors(
         new = {"surrogate": float(surrogate)}
         errors[name] = _parts(previous.get(name, {}), new, row, "share_{}", 1.0)
     for i, name in enumerate(plan.experiment.quantities):
-        surrogate, width = quantities[name].relative_error()
         row = bounds.isel(quantity=i) if "quantity" in bounds.dims else {}
-        new = {"surrogate": surrogate}
-        errors[name] = _parts(previous.get(name, {}), new, row, "quantity_error_{}", width)
+        errors[name] = _parts(previous.get(name, {}), {}, row, "quantity_error_{}", widths[name])
     return errors
 
 
@@ -232,6 +195,23 @@ def allow_check_runs(plan: Plan) -> int:
     return accuracy.max_runs - accuracy.reserve - count - reserve
 
 
+def affordable_runs(plan: Plan) -> int:
+    """Return how many runs the core time of an `accuracy` leaves for bounds of quantities after its
+    last round. plan: of that."""
+    seconds = 60 * plan.experiment.accuracy.max_core_minutes - plan.adaptive.rounds[-1].seconds
+    return max(0, int(seconds / run_seconds(plan.experiment, plan.time)))
+
+
+def left_tolerances(plan: Plan) -> list[float]:
+    """Return errors (q) that surrogates of quantities may have, as fractions of widths, to keep the
+    tolerances of an `accuracy` with those by step and mesh. plan: of its last round."""
+    last, tolerances = plan.adaptive.rounds[-1].shares, plan.experiment.accuracy.tolerances
+    return [
+        Errors(name, tolerances[name], last.get(name, {})).allowance
+        for name in plan.experiment.quantities
+    ]
+
+
 def _refinement_state(
     plan: Plan, shares: Mapping, is_step_free: bool = True, check_count: int | None = None
 ) -> RefinementState:
@@ -250,7 +230,9 @@ def _refinement_state(
         seconds += _whole(check_runs) * factor[component] * time
     runs += int(check_count or 0)
     reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
-    answers = CHECKED_RUNS * len(plan.experiment.quantities) + target.reserve
+    answers = target.reserve
+    if count := len(plan.experiment.quantities):
+        answers += max(CHECKED_RUNS * count, (target.max_runs - target.reserve) // 2)
     affordable = min(
         target.max_runs - runs - reserve[0] - answers,
         (60 * target.max_core_minutes - seconds - reserve[1]) / time,
@@ -287,10 +269,9 @@ def _infill_points(
     unmet: list[str],
     count: int,
     seed: int,
-    quantities: Sequence[_QuantityEstimate] = (),
 ) -> np.ndarray:
-    """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may be
-    extended, at limit-state surfaces, where a spline predicts wider responses; the rest spread."""
+    """Unit points (n, k) of the next `count` runs: where a spline predicts wider responses of those
+    that are `unmet`; the rest spread."""
     runs, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 
@@ -300,10 +281,6 @@ def _infill_points(
             if len(points) < count and np.linalg.norm(rivals - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
-    for surrogate, estimates in quantities:
-        for estimate in estimates:
-            take(estimate.points, NEAREST)
-        take(surrogate.occurrence.infill_points(LANES), NEAREST)
     spacing = 2.0 * len(runs) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples["values"].values[:, rows].astype(float)

@@ -5,7 +5,7 @@ part: surrogate, step and mesh."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 from deployable.campaign.config.sections import Accuracy
@@ -105,6 +105,12 @@ class Errors:
         return sum(self.parts.values())
 
     @property
+    def surrogate(self) -> float:
+        """Error by the surrogate, as a fraction of the width; 0 of quantities, whose bounds are
+        sought after the rounds."""
+        return self.parts.get("surrogate", 0.0)
+
+    @property
     def discretization(self) -> float:
         """Error by mesh and step, as a fraction of the width; more runs do not reduce it."""
         return self.parts.get("mesh", 0.0) + self.parts.get("step", 0.0)
@@ -142,20 +148,23 @@ class RefinementState:
     tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
     name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
     and the errors that this one was checked for; cost: resources spent and needed; is_step_free:
-    whether the step may be halved, since the config does not give one; places: where in the box
-    quantities are predicted worst, in words, by name."""
+    whether the step may be halved, since the config does not give one."""
 
     accuracy: Accuracy
     shares: Shares
     state: Rounds
     cost: Resources
     is_step_free: bool
-    places: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors of responses and quantities above their tolerances; not NaN, of constant ones."""
-        return [error for error in self._all if error.total > error.tolerance]
+        """Errors of responses above their tolerances, and of quantities above the share of these
+        that step and mesh may take; not NaN, of constant ones."""
+        return [
+            error
+            for error in self._all
+            if error.total > error.tolerance * (1.0 if error.surrogate else _FINAL_SHARE)
+        ]
 
     @property
     def _all(self) -> list[Errors]:
@@ -216,13 +225,14 @@ class RefinementState:
         fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
         to three quarters of their allowance, at the rate at which they fell last."""
         factors = [
-            (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
+            (error.surrogate / (_SPARE * error.allowance)) ** (1 / self._rate(error))
             for error in self.reducible
         ]
         return min(max([_LEAST, *factors]), _MOST)
 
     def _need(self, error: Errors) -> Need:
-        """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves."""
+        """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves of
+        responses; those for quantities come after the rounds."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         fraction = _INITIAL_SHARE if is_first else _FINAL_SHARE
         if not error.discretization > fraction * error.tolerance:
@@ -232,12 +242,12 @@ class RefinementState:
             cause = f"the config keeps its {action}"
         elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"
-        is_needed = not cause or error.discretization >= error.tolerance
+        is_needed = not cause or not error.surrogate or error.discretization >= error.tolerance
         return Need(action, cause) if is_needed else Need("runs")
 
     def _stagnation(self, error: Errors) -> str:
         """Why no more runs help: the error hardly fell with four times as many; empty if it did."""
-        nodes, value = self.cost.nodes, error.parts["surrogate"]
+        nodes, value = self.cost.nodes, error.surrogate
         for record in self.state.rounds:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
                 previous = record.shares.get(error.name, {}).get("surrogate", math.inf)
@@ -246,11 +256,9 @@ class RefinementState:
                         f"{_percent(previous)} of the width with {record.nodes} runs, "
                         f"{_percent(value)} with {nodes}"
                     )
-                    place = self.places.get(error.name, "")
-                    place = f", about {place}" if place else ""
                     return (
                         f"the surrogate's error of {error.name} does not fall with more runs "
-                        f"({shares}): it jumps, or has an edge, inside the box{place}"
+                        f"({shares}): it jumps, or has an edge, inside the box"
                     )
         return ""
 
@@ -274,7 +282,8 @@ class RefinementState:
         last, nodes = self.state.rounds[-1] if self.state.rounds else None, self.cost.nodes
         if last is None or last.action != "runs" or not 0 < last.nodes < nodes:
             return _RATE
-        previous, current = last.shares[error.name]["surrogate"], error.parts["surrogate"]
+        previous = last.shares[error.name].get("surrogate", 0.0)
+        current = error.surrogate
         if current <= 0 or previous <= current:
             return _RATES[0]
         rate = math.log(previous / current) / math.log(nodes / last.nodes)
@@ -284,7 +293,7 @@ class RefinementState:
         """Whether the next runs should suffice, and a check is cheaper than a round of its own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
         return self.cost.need_of("check")[1] <= ROUND and all(
-            error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
+            error.surrogate * fall ** self._rate(error) <= error.allowance
             for error in self.reducible
         )
 
@@ -309,9 +318,9 @@ class RefinementState:
             texts.append(f"a {error.larger} {2**halvings} times as fine")
         tolerance = error.tolerance
         allowance = max(tolerance - min(error.discretization, tolerance / 2), 0.1 * tolerance)
-        if error.parts["surrogate"] > allowance:
-            is_known = error.parts["surrogate"] < UNKNOWN
-            nodes = math.ceil(nodes * min(error.parts["surrogate"] / allowance, 100.0))
+        if error.surrogate > allowance:
+            is_known = error.surrogate < UNKNOWN
+            nodes = math.ceil(nodes * min(error.surrogate / allowance, 100.0))
             texts.append(f"some {nodes} runs" if is_known else "more runs")
         time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
         return (

@@ -3,8 +3,9 @@ a local model finds within a radius, and on from there (Conn, Gould and Toint, T
 Methods, 2000).
 
 The model passes through the runs near by. Where some of them have no value, or are found beyond a
-jump, the search keeps to the side of the extreme run by a smooth border, which lies half way to the
-runs beyond it: so it bisects towards that border and goes along it."""
+jump, the search keeps to the side of the extreme run by a smooth border: where a model of event
+margins vanishes, if these are known and tell the sides, else half way to the runs beyond it, so
+that it bisects towards that border and goes along it."""
 
 from __future__ import annotations
 
@@ -45,11 +46,16 @@ class Climb:
     end: float | None = None  # largest value (times the sign) when the search ended
     floor: float = -np.inf  # largest value (times the sign) of a run beyond a jump
     promise: tuple[np.ndarray, float, float] | None = None  # next run, its value; largest so far
+    margins: np.ndarray | None = None  # of the runs so far
 
-    def propose(self, points: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    def propose(
+        self, points: np.ndarray, values: np.ndarray, margins: np.ndarray | None = None
+    ) -> np.ndarray | None:
         """Next normalized point (k) at which a run may exceed all others by more than `TOLERANCE`;
         None where there is none. points (N, k): of the runs so far; values (N): of the quantity in
-        these, NaN where a run has none."""
+        these, NaN where a run has none; margins (N): event margins, above 0 where a run has the
+        quantity, NaN where not known, None if of no run."""
+        self.margins = np.full(len(values), np.nan) if margins is None else margins
         heights = self.sign * np.where(np.isfinite(values), values, np.nan)
         width = float(np.ptp(heights[np.isfinite(heights)])) if np.isfinite(heights).any() else 0.0
         if not width > 0:
@@ -121,7 +127,7 @@ class Climb:
         if gaps[high, low] < _JUMP_GAP:
             self.floor, self.probes = float(heights[rows_near[low]]), _PROBES
             self.failures, self.radius = 0, _RADIUS
-            return self.propose(points, heights * self.sign)
+            return self.propose(points, heights * self.sign, self.margins)
         self.probes += 1
         return (points[rows_near[high]] + points[rows_near[low]]) / 2
 
@@ -144,7 +150,7 @@ class Climb:
 
     def _model(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
-    ) -> tuple[_Model, Occurrence | None, float]:
+    ) -> tuple[_Model, _Border | None, float]:
         """The model of the runs near a run, the border beside it, if any, and by how much the model
         is below that run."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
@@ -152,10 +158,14 @@ class Climb:
         order = np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable")
         rows_near = order[is_valid[order]][:count]
         rows = order[~is_valid[order]][:count]
-        border = None
+        border: _Border | None = None
         if len(rows):
             rows = np.concatenate([rows_near, rows])
-            border = Occurrence(points[rows], is_valid[rows], reach=0.0)
+            margins, signs = self.margins[rows], np.where(is_valid[rows], 1.0, -1.0)
+            if (margins * signs > 0).all():
+                border = _MarginBorder(points[rows], margins)
+            else:
+                border = Occurrence(points[rows], is_valid[rows], reach=0.0)
         has_root = border is not None and not np.isfinite(heights[rows]).all()  # no mere jump
         model = _Model(points[rows_near], heights[rows_near], border if has_root else None)
         return model, border, float(heights[row] - model.evaluate(origin[None])[0])
@@ -174,6 +184,7 @@ class Climb:
             trial = np.clip(trial, *np.clip([origin - self.radius, origin + self.radius], -1, 1))
             if border is not None:
                 trial = _clip_to_border(trial, border, level)
+            if isinstance(border, Occurrence):  # which knows the sides of runs alone
                 gaps = [
                     scipy.spatial.cKDTree(border.points[kind]).query(trial)[0]
                     for kind in (border.happens, ~border.happens)
@@ -187,7 +198,7 @@ class Climb:
         return best, height
 
 
-def _clip_to_border(trial: np.ndarray, border: Occurrence, level: float) -> np.ndarray:
+def _clip_to_border(trial: np.ndarray, border: _Border, level: float) -> np.ndarray:
     """Of points (P, k) those inside a level of a border, and points just inside it, each between
     one of the others and the next one inside."""
     is_inside = border.decision(trial) >= level
@@ -206,7 +217,7 @@ class _Model:
     """A smooth function through heights (N) of runs at points (N, k), by a kernel as wide as these
     lie apart and a linear trend; with a border also in the root of the distance from it."""
 
-    def __init__(self, points: np.ndarray, heights: np.ndarray, border: Occurrence | None) -> None:
+    def __init__(self, points: np.ndarray, heights: np.ndarray, border: _Border | None) -> None:
         self.origin, self.border = points[0], border
         self.length = float(np.linalg.norm(points - points[0], axis=1).max()) or 1.0
         self.mean = float(heights.mean())
@@ -232,3 +243,20 @@ class _Model:
     def evaluate(self, trial: np.ndarray) -> np.ndarray:
         """Heights (P) at points (P, k)."""
         return self.mean + self._kernel(self._coordinates(trial)) @ self.weights
+
+
+class _MarginBorder:
+    """The border at which a model of event margins (N) of runs at points (N, k) vanishes, the first
+    of which is the extreme run. Margins jump where another event comes first: those far below 0
+    count as far below as the largest is above."""
+
+    def __init__(self, points: np.ndarray, margins: np.ndarray) -> None:
+        self.scale = float(margins[0])
+        self.model = _Model(points, np.maximum(margins, -margins.max()), None)
+
+    def decision(self, points: np.ndarray) -> np.ndarray:
+        """Margins (P) at points (P, k) over that of the extreme run."""
+        return self.model.evaluate(points) / self.scale
+
+
+_Border = Occurrence | _MarginBorder

@@ -23,8 +23,11 @@ from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 
-_HALVINGS = 10
-"""Of the way on which finer runs cease to have a number."""
+_HALVINGS, _NEIGHBOURS = 6, (1, 2, 4, 8, 16, 32, 64)
+"""Of the way on which finer runs cease to have a number; to which of the next runs it may go."""
+
+_CLOSE = 0.01
+"""Of the width: a number that near to the bound needs no nearer one."""
 
 MAX_POINT_DISTANCE = 0.1
 """In unit coordinates: a planned run so near a point stands for it."""
@@ -125,7 +128,7 @@ def estimate_discretization_errors(
         lost_rows = np.isfinite(values) & ~np.isfinite(finer_values)
         if lost_rows.any():
             points[lost_rows], finer_values[lost_rows] = _find_nearest_values(
-                model, level.finer, q[lost_rows], points[lost_rows]
+                model, level.finer, q[lost_rows], points[lost_rows], values[lost_rows]
             )
         change = np.abs(finer_values - values).reshape(-1, 2)
         worst = 2 * np.arange(len(bounds)) + np.nan_to_num(change).argmax(axis=1)
@@ -140,14 +143,28 @@ def estimate_discretization_errors(
 
 
 def _find_nearest_values(
-    model: ModelEvaluator, plan: Plan, indices: np.ndarray, points: np.ndarray
+    model: ModelEvaluator,
+    plan: Plan,
+    indices: np.ndarray,
+    points: np.ndarray,
+    values: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
-    nearest to points at which they do not, on the way to the middle of all runs that have them."""
-    inner = np.array([model.points[np.isfinite(model.numbers[:, q])].mean(axis=0) for q in indices])
-    values, _ = model.evaluate(plan, inner)
-    numbers, row = values[np.arange(len(indices)), indices], np.arange(len(indices))
+    nearest to points at which they do not, on the way to the next of a few runs that have them by
+    this plan, too; NaN where none of these does. values (P): those of the bounds, near which the
+    search ends."""
+    row, starts = np.arange(len(indices)), np.empty((len(_NEIGHBOURS), *points.shape))
+    for i, q in enumerate(indices):
+        present = model.points[np.isfinite(model.numbers[:, q])]
+        order = np.argsort(np.linalg.norm(present - points[i], axis=1), kind="stable")
+        starts[:, i] = present[order[np.minimum(_NEIGHBOURS, len(order) - 1)]]
+    start_numbers = np.array([model.evaluate(plan, start)[0][row, indices] for start in starts])
+    first = np.isfinite(start_numbers).argmax(axis=0)
+    inner, numbers = starts[first, row], start_numbers[first, row]
+    widths = np.array([np.nanmax(x) - np.nanmin(x) for x in model.numbers[:, indices].T])
     for _ in range(_HALVINGS):
+        if not (np.abs(numbers - values) > _CLOSE * widths).any():
+            break
         middle = (points + inner) / 2
         current = model.evaluate(plan, middle)[0][row, indices]
         exists = np.isfinite(current)

@@ -88,7 +88,10 @@ def converge_bounds(
         while iteration == 0 < max_iterations and _grow(model, climbs.missing_points(surrogates)):
             climbs.run()
             surrogates = model.surrogates()
-        bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
+        bounds = [
+            _bounds(model, q, s, mispredictions[q], climbs.remainders(q))
+            for q, s in enumerate(surrogates)
+        ]
         unmet = progress.find_unmet(bounds, len(model.points))
         is_extra = iteration >= max_iterations
         points = [point for b in (unmet if is_extra else bounds) for point in _infill(b)]
@@ -194,6 +197,12 @@ class _Climbs:
             if not _grow(model, points):
                 break
 
+    def remainders(self, q: int) -> tuple[float, float]:
+        """By how much the lower and the upper bound of quantity `q` may be exceeded, as searches
+        were ended by the limit on runs."""
+        lower, upper = self.climbs[q] if self.climbs else (None, None)
+        return (lower.remainder, upper.remainder) if lower else (0.0, 0.0)
+
     def _active(self) -> Iterator[tuple[Any, ...]]:
         """Searches, and the values (R) of the runs so far that they go by, with event margins (R)
         where these tell where there is a value."""
@@ -208,7 +217,11 @@ class _Climbs:
 
 
 def _bounds(
-    model: ModelEvaluator, q: int, surrogate: Any, mispredictions: np.ndarray
+    model: ModelEvaluator,
+    q: int,
+    surrogate: Any,
+    mispredictions: np.ndarray,
+    remainders: tuple[float, float],
 ) -> QuantityBounds:
     from deployable.intervals.scalars import TOLERANCE, estimate_bounds
 
@@ -218,7 +231,14 @@ def _bounds(
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates = estimate_bounds(surrogate, model.points, values, mispredictions)
+    estimates = tuple(
+        estimate._replace(error=max(estimate.error, remainder))
+        for estimate, remainder in zip(
+            estimate_bounds(surrogate, model.points, values, mispredictions),
+            remainders,
+            strict=True,
+        )
+    )
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
     points = model.points[list(rows)]

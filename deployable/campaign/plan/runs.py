@@ -103,6 +103,11 @@ class RunAccount:
     def __init__(self, limit: float = math.inf, known_ids: Iterable[str] = ()) -> None:
         self.limit, self.count, self.ids = limit, 0, set(known_ids)
 
+    @property
+    def remaining(self) -> float:
+        """How many more runs the limit allows."""
+        return self.limit - self.count
+
     def count_runs(self, ids: Sequence[str]) -> list[bool]:
         """Count the runs with these ids, as long as the limit allows, each once, and return for
         each whether it may be made (or is counted already)."""

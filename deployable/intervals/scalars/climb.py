@@ -9,7 +9,7 @@ that it bisects towards that border and goes along it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -31,6 +31,7 @@ _STEEP = 3.0  # if that is also more than so many times what it promised
 _JUMP, _JUMP_GAP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, their gap, runs for it
 _SHARE = 0.1  # of such a gain, by a border, where the model, smooth, promises too little
 _POLL = 0.05  # of the width, that a model may lose where a single parameter is moved
+_NEAREST = 1e-6  # a point that near to a run needs none
 _FAILURES = 3  # steps without a gain, after which a search ends
 
 
@@ -47,6 +48,16 @@ class Climb:
     floor: float = -np.inf  # largest value (times the sign) of a run beyond a jump
     promise: tuple[np.ndarray, float, float] | None = None  # next run, its value; largest so far
     margins: np.ndarray | None = None  # of the runs so far
+    record: list[float] = field(default_factory=list)  # largest values (times the sign) so far
+
+    @property
+    def remainder(self) -> float:
+        """By how much the bound may still be exceeded where the search did not come to its end:
+        what its last proposal promised, or the later half of its steps gained, if more; 0 else."""
+        if self.end is not None or not self.record:
+            return 0.0
+        gain = self.record[-1] - self.record[len(self.record) // 2]
+        return max(gain, 0.0 if self.promise is None else self.promise[1] - self.record[-1])
 
     def propose(
         self, points: np.ndarray, values: np.ndarray, margins: np.ndarray | None = None
@@ -61,6 +72,7 @@ class Climb:
         if not width > 0:
             return None
         row = int(np.nanargmax(heights))
+        self.record.append(float(heights[row]))
         if self.end is not None:
             if heights[row] - self.end <= TOLERANCE * width:
                 return None
@@ -68,12 +80,15 @@ class Climb:
         self._learn(points, heights, width)
         is_valid = np.isfinite(heights) & (heights > self.floor)
         is_valid[row] = True
-        if self.failures < _FAILURES and self.radius >= _LEAST_RADIUS:
+        share = 1.0 if is_valid.all() else _SHARE
+        while self.failures < _FAILURES and self.radius >= _LEAST_RADIUS:
             best, height = self._best(points, heights, is_valid, row)
-            share = 1.0 if is_valid.all() else _SHARE
-            if height - heights[row] > share * TOLERANCE * width:
+            if height - heights[row] <= share * TOLERANCE * width:
+                break
+            if np.abs(points - best).max(axis=1).min() > _NEAREST:
                 self.promise = best, height, float(heights[row])
                 return best
+            self.failures, self.radius = self.failures + 1, 0.4 * self.radius
         point = self._probe(points, heights, is_valid, row, width)
         self.end = float(heights[row]) if point is None else None
         return point
@@ -93,6 +108,8 @@ class Climb:
             self.radius = max(self.radius, _RADIUS)  # what it failed by may have been the jump
         if is_fallen or not np.isfinite(gain):
             self.failures, self.misses = 0, self.misses + 1
+            if self.misses > 1 and self.margins[run] < 0:  # the model of margins is not good so far
+                self.radius *= 0.5
             return
         self.misses = 0
         if gain < 0.1 * hope:
@@ -160,10 +177,12 @@ class Climb:
         rows = order[~is_valid[order]][:count]
         border: _Border | None = None
         if len(rows):
+            few = 3 + 2 * int(free.sum())
+            nearest = np.concatenate([rows_near[:few], rows[:few]])
+            margins, signs = self.margins[nearest], np.where(is_valid[nearest], 1.0, -1.0)
             rows = np.concatenate([rows_near, rows])
-            margins, signs = self.margins[rows], np.where(is_valid[rows], 1.0, -1.0)
             if (margins * signs > 0).all():
-                border = _MarginBorder(points[rows], margins)
+                border = _MarginBorder(points[nearest], margins)
             else:
                 border = Occurrence(points[rows], is_valid[rows], reach=0.0)
         has_root = border is not None and not np.isfinite(heights[rows]).all()  # no mere jump

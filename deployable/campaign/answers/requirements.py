@@ -40,6 +40,9 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Notify
 
 
+_LINES = 512  # of a share with one interval halved, which is an outlook
+
+
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
     """Assess in which part of the box a campaign's requirements are met, and write
     `requirements.json` into `folder`, its results with `quantities.nc` and `refinement.nc`; nothing
@@ -159,6 +162,6 @@ def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str
     for j in np.flatnonzero(box.free):
         lower, upper = -np.ones(box.dimension), np.ones(box.dimension)
         lower[j], upper[j] = (0.5 * (model.nominal[j] + end) for end in (-1.0, 1.0))
-        fraction, open_ = share_of_box(result.limits, box.free, lower, upper)
+        fraction, open_ = share_of_box(result.limits, box.free, lower, upper, _LINES)
         rows[box.names[j]] = {"share": fraction, "share_uncertainty": open_}
     return rows

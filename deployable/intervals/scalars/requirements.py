@@ -117,11 +117,15 @@ def find_least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def share_of_box(
-    limits: Sequence[Limit], free: np.ndarray, lower: np.ndarray = -1.0, upper: np.ndarray = 1.0
+    limits: Sequence[Limit],
+    free: np.ndarray,
+    lower: np.ndarray = -1.0,
+    upper: np.ndarray = 1.0,
+    lines: int = _LINES,
 ) -> tuple[float, float]:
     """Volume fraction of the box in which all limits are satisfied, and its uncertainty: of one set
     of limits what `shares_of_box` tells of several."""
-    return shares_of_box([limits], free, lower, upper)[0]
+    return shares_of_box([limits], free, lower, upper, lines)[0]
 
 
 def shares_of_box(
@@ -129,6 +133,7 @@ def shares_of_box(
     free: np.ndarray,
     lower: np.ndarray = -1.0,
     upper: np.ndarray = 1.0,
+    lines: int = _LINES,
 ) -> list[tuple[float, float]]:
     """Volume fractions of the box in which all limits of a set are satisfied, and uncertainties: by
     how much these change by the errors of `Limit.conditions`, calibrated on boxes of known
@@ -144,6 +149,8 @@ def shares_of_box(
         Mask (k) of directions with a width.
     lower, upper
         Corners (k each), in [-1, 1]^k, of the part of the box that counts, by default all.
+    lines
+        How many lines are spread over the box.
 
     Returns
     -------
@@ -159,7 +166,7 @@ def shares_of_box(
         numbers = [i for i in range(len(sets)) if directions[i] == direction]
         start_axes = free.copy()
         start_axes[direction] = False
-        starts = scan_points(start_axes, _LINES if start_axes.any() else 1, corners=False)
+        starts = scan_points(start_axes, lines if start_axes.any() else 1, corners=False)
         fractions = []
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)

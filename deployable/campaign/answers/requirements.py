@@ -39,7 +39,6 @@ from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Notify
 
-
 _LINES = 512  # of a share with one interval halved, which is an outlook
 
 

@@ -6,6 +6,7 @@ the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import comb
 
 import numpy as np
@@ -25,6 +26,7 @@ _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
 _MAX_KRIGING_RUNS = 2000  # runs for which that is corrected
 _MOST_TERMS, _FOLDS = 24, 5  # products and higher degrees of many parameters; folds to test them
 _INDEPENDENT = 1.0  # least norm of a further term beyond those so far
+_ALONE = 0.5  # of half the mean spacing of runs: farther from all others a run stands alone
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
@@ -149,11 +151,23 @@ class Fit:
         uncertain: the median size of the leave-one-out errors of the runs near by, or of all runs
         if larger. Along a limit-state surface errors of both signs cancel, so that the largest
         tells too much; beside a kink or jump those of all runs, of which most are far, too little.
-        """
-        sizes = np.abs(self.left_out)
+        Runs next to which others were made are predicted better than the rest of the box, and do
+        not count, as long as others do."""
+        tree, sizes = self._tested
         count = min(2 * int((np.ptp(self.points, axis=0) > 0).sum()) + 3, len(sizes))
-        rows = scipy.spatial.KDTree(self.points).query(points, count)[1].reshape(len(points), count)
+        rows = tree.query(points, count)[1].reshape(len(points), count)
         return np.maximum(np.median(sizes[rows], axis=1), np.median(sizes))
+
+    @cached_property
+    def _tested(self) -> tuple[scipy.spatial.KDTree, np.ndarray]:
+        """Runs that stand alone, as a tree, and the sizes of their leave-one-out errors."""
+        directions = int((np.ptp(self.points, axis=0) > 0).sum())
+        rows = np.arange(len(self.points))
+        if len(rows) > 2 * directions + 3 and directions:
+            gaps = scipy.spatial.KDTree(self.points).query(self.points, 2)[0][:, 1]
+            alone = np.flatnonzero(gaps >= _ALONE * len(rows) ** (-1.0 / directions))
+            rows = alone if len(alone) >= 2 * directions + 3 else rows
+        return scipy.spatial.KDTree(self.points[rows]), np.abs(self.left_out[rows])
 
     def formula(self) -> Formula:
         """Write the fitted function as a table that other programs can evaluate."""

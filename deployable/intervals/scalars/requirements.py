@@ -4,14 +4,18 @@ parameters that meets them best, by the worst case over the intervals about it."
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..designs import scan_points
+from .occurrence import FittedOccurrence, Occurrence
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
 _BLOCK = 64  # lines
+_NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
+_CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
 
 
 @dataclass(frozen=True)
@@ -53,9 +57,36 @@ class Limit:
             return [(decision if self.level else -decision, band)]
         if surrogate.fit is None:
             return [(decision, band)]
+        if self._border is not None:
+            border = self._border
+            error = border.usual_band(points) + self.run_error * self._steepness
+            return [(decision, band), (border.decision(points), error)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - evaluate(surrogate.predict))
         return [(decision, band), (margin, evaluate(surrogate.fit.median_errors) + self.run_error)]
+
+    @cached_property
+    def _border(self) -> Occurrence | None:
+        """The border by runs alone between those that keep the level and those that do not, where
+        it leaves less of the box open than the fit does, as beside steps, plateaus and jumps."""
+        fit = self.surrogate.fit
+        kept = self.find_margins(fit.values) >= 0
+        border = Occurrence(fit.points, kept)
+        if not border.is_mixed:
+            return None
+        by_fit = FittedOccurrence(fit.points, kept, fit, fit.error, self.level)
+        return border if border.open_fraction < _CLEARLY * by_fit.open_fraction else None
+
+    @cached_property
+    def _steepness(self) -> float:
+        """Change of the border's decision function for one of the quantity, by the runs next to
+        the border."""
+        fit = self.surrogate.fit
+        decision = np.abs(self._border.decision(fit.points))
+        rows = np.argsort(decision, kind="stable")[:_NEXT]
+        return float(
+            np.median(decision[rows] / np.maximum(np.abs(self.level - fit.values[rows]), _TINY))
+        )
 
     @property
     def error(self) -> float:

@@ -322,7 +322,7 @@ def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
     # which
     assert "rows: 0 not met; 0 undecided" in text["x"]  # its latch has a margin that says so
     assert margin["x"][4] == "met in all of the box, by analysis"
-    part = r"not met in a part of the box; (at least \d+|\d+ ± \d+) % of the box"
+    part = r"not met in a part of the box; (at least \d+|\d+ ± \d+|\d+\.\d+) % of the box"
     assert re.match(part, margin["y"][4])
     assert margin["z"][4].startswith("partly analysed: met from 0 to 1.047 rad; the travel is 0 to")
     assert "by own factors (HA 1.5 for 6)" in text["z"]

@@ -36,4 +36,4 @@ def test_the_arms_move_by_the_authors_equations(tmp_path):
     table = np.array([times, *exact, *torques(times)]).T
     np.savetxt(tmp_path / "arms.csv", table, delimiter=",", header=header, comments="")
     assert np.ptp(exact, axis=1).min() > 1.0
-    assert max(largest_differences(tmp_path / "arms.csv").values()) < 1e-3
+    assert max(largest_differences(tmp_path / "arms.csv", 1.0).values()) < 1e-3

@@ -33,7 +33,8 @@ def test_a_mass_falls_free_and_bounces_in_the_cable(bounce):
     held = 2 / RATE * (np.pi - np.arctan(speed * RATE / G))
     times, which = bounce.events[:, 0], bounce.events[:, 2]
     assert which.tolist() == [k % 2 for k in range(len(times))]
-    assert bounce.eventful == (("cable rope", ("tightens", "slackens"), ""),)
+    (rope,) = bounce.eventful
+    assert (rope.name, rope.events, rope.joint) == ("cable rope", ("tightens", "slackens"), "")
     period = 2 * fall + held
     exact = np.sort(
         [fall + k * period for k in range(7)] + [fall + held + k * period for k in range(7)]

@@ -186,9 +186,13 @@ class _Climbs:
         return np.concatenate([*[point[None] for point in corners], spread])
 
     def run(self) -> None:
-        """Go on until no search promises a gain."""
+        """Go on until no search promises a gain, or half of the runs that are left are made: the
+        others are for limit-state surfaces, and for where other bounds may be."""
         model = self.model
+        most = len(model.refinements) + (model.max_refinements - len(model.refinements)) / 2
         for _ in range(_MOST_CLIMBS):
+            if len(model.refinements) >= most:
+                break
             points = [
                 point
                 for climb, *results in self._active()

@@ -98,9 +98,15 @@ def root_fit(
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
     fit = choose_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
-    function = RootFunction(fit.function, margin, scale)
-    return replace(fit, points=fit.points[:, :-1], kind=f"{fit.kind}, with the root of its margin",
-                   function=function)  # fmt: skip
+
+    def rooted(fit: Fit | None) -> Fit | None:
+        if fit is None:
+            return None
+        kind, function = f"{fit.kind}, with the root of its margin", fit.function
+        return Fit(fit.points[:, :-1], fit.values, fit.left_out, kind,
+                   RootFunction(function, margin, scale), rooted(fit.rival))  # fmt: skip
+
+    return rooted(fit)
 
 
 def _decay(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
@@ -111,13 +117,24 @@ def _decay(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
 class Fit:
     """A function fitted to the values (N) of runs at `points` (N, k) in [-1, 1]^k. left_out (N):
     leave-one-out errors, the value of each run less that of the function fitted to all others,
-    infinite for a run that no others predict; kind: its type in words; function: returns (P, 1)."""
+    infinite for a run that no others predict; kind: its type in words; function: returns (P, 1);
+    alternative: the best fit of the other kind, polynomial or spline, if there is one."""
 
     points: np.ndarray
     values: np.ndarray
     left_out: np.ndarray
     kind: str
     function: Surrogate | Spline | Kriging | RootFunction
+    alternative: Fit | None = None
+
+    @cached_property
+    def rival(self) -> Fit | None:
+        """The alternative with a correction through the runs, whose difference from this fit tells
+        what the choice between them decides; None without one that runs test."""
+        other = self.alternative
+        if other is None or not np.isfinite(other.mean_error):
+            return None
+        return _through_runs(other) if isinstance(other.function, Surrogate) else other
 
     @property
     def error(self) -> float:
@@ -194,7 +211,9 @@ def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     sparse = _sparse(points, values) if is_wide else None
     fits = [fit for fit in (*_polynomials(points, values), spline, sparse) if fit]
     best = min(fits, key=lambda fit: fit.mean_error)
-    return best if best is spline else _through_runs(best)
+    others = [fit for fit in fits if (fit is spline) != (best is spline)]
+    best = replace(best, alternative=min(others, key=lambda fit: fit.mean_error, default=None))
+    return best if isinstance(best.function, Spline) else _through_runs(best)
 
 
 def _through_runs(fit: Fit) -> Fit:

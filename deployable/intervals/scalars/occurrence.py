@@ -85,16 +85,16 @@ class Occurrence:
         least = 0.0 if self.reach else 1.0
         return np.maximum(np.minimum(*nearest), max(least, float(-decision.min())))
 
-    def usual_band(self, points: np.ndarray) -> np.ndarray:
+    def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
-        there are as many as runs that hold it (support vectors) and are apart from each other: 1.5
-        (`_CONFIDENCE`) over the root of their number times as much."""
+        there are as many as runs that hold it (support vectors) and are apart from each other:
+        `confidence` over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
         spacing = len(self.points) ** (-1.0 / max(int(self._free.sum()), 1))
         cells = np.unique(np.round(self._support_vectors[0] / (2 * spacing)), axis=0)
-        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(len(cells)))
+        return self.band(points) * min(1.0, confidence / np.sqrt(len(cells)))
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here

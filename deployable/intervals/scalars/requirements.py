@@ -3,7 +3,7 @@ parameters that meets them best, by the worst case over the intervals about it."
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,8 +13,9 @@ from .occurrence import FittedOccurrence, Occurrence
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
-_BLOCK = 64  # lines
+_BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
+_LEVEL_CONFIDENCE = 3.0  # as `_CONFIDENCE` of borders, of runs drawn to other places
 _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
 
 
@@ -50,20 +51,32 @@ class Limit:
             return cache[key] if key in cache else cache.setdefault(key, function(points))
 
         decision = evaluate(surrogate.occurrence.decision)
-        band = evaluate(surrogate.occurrence.usual_band) + self.border_error
+        open_band = evaluate(surrogate.occurrence.usual_band) + self.border_error
         if np.isinf(self.border_error):  # all runs agree, and finer ones do not
-            decision, band = np.sign(decision), np.full(len(points), 2.0)
+            decision, open_band = np.sign(decision), np.full(len(points), 2.0)
         if self.kind == "happens":
-            return [(decision if self.level else -decision, band)]
+            return [(decision if self.level else -decision, open_band)]
         if surrogate.fit is None:
-            return [(decision, band)]
+            return [(decision, open_band)]
         if self._border is not None:
             border = self._border
-            error = border.usual_band(points) + self.run_error * self._steepness
-            return [(decision, band), (border.decision(points), error)]
+            band = border.usual_band(points, _LEVEL_CONFIDENCE)
+            error = band + self.run_error * self._steepness
+            return [(decision, open_band), (border.decision(points), error)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - evaluate(surrogate.predict))
-        return [(decision, band), (margin, evaluate(surrogate.fit.median_errors) + self.run_error)]
+        error = evaluate(surrogate.fit.median_errors) + self.run_error
+        return [(decision, open_band), (margin, error)]
+
+    @cached_property
+    def rival(self) -> "Limit | None":
+        """The limit with the other kind of fits (`ScalarSurrogate.rival`); None without such."""
+        rival = None if self.surrogate is None else self.surrogate.rival
+        if rival is None:
+            return None
+        if self.kind != "happens" and self._border is not None:  # which no fit tells
+            rival = replace(rival, fit=self.surrogate.fit)
+        return replace(self, surrogate=rival)
 
     @cached_property
     def _border(self) -> Occurrence | None:
@@ -168,9 +181,9 @@ def shares_of_box(
 ) -> list[tuple[float, float]]:
     """Volume fractions of the box in which all limits of a set are satisfied, and uncertainties: by
     how much these change by the errors of `Limit.conditions`, calibrated on boxes of known
-    fractions (about twice the deviation). Measured on one line in one dimension, on many lines
-    spread over the box in several; borders of where limits are satisfied are found on each by
-    linear interpolation.
+    fractions (about twice the deviation), or, if that is more, by the other kind of fits. Measured
+    on one line in one dimension, on many lines spread over the box in several; borders of where
+    limits are satisfied are found on each by linear interpolation.
 
     Parameters
     ----------
@@ -198,30 +211,49 @@ def shares_of_box(
         start_axes = free.copy()
         start_axes[direction] = False
         starts = scan_points(start_axes, lines if start_axes.any() else 1, corners=False)
-        fractions = []
+        fractions, others = [], []
+        rivals = [_rivals(sets[i]) for i in numbers]
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
             points[:, :, direction] = line
             flat, cache = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower), {}
-            conditions = [
-                [
-                    tuple(array.reshape(-1, len(line)) for array in row)
-                    for limit in sets[i]
-                    for row in limit.conditions(flat, cache)
+
+            fractions.append([_met(sets[i], flat, cache, len(line), (0, -1, 1)) for i in numbers])
+            if first <= len(starts) // _RIVAL_SHARE:
+                rows = [
+                    _met(other, flat, cache, len(line), (0,))[0] if other else fraction[0]
+                    for other, fraction in zip(rivals, fractions[-1], strict=True)
                 ]
-                for i in numbers
-            ]
-            fractions.append([
-                [_parts_met(rows, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)]
-                for rows in conditions
-            ])  # fmt: skip
+                others.append(np.subtract(rows, [fraction[0] for fraction in fractions[-1]]))
         means = np.concatenate(fractions, axis=2).mean(axis=2).tolist()
-        for i, (fraction, least, most) in zip(numbers, means, strict=True):
-            shares[i] = fraction, max(most - fraction, fraction - least)
+        changes = np.abs(np.concatenate(others, axis=1).mean(axis=1)).tolist()
+        for i, (fraction, least, most), change in zip(numbers, means, changes, strict=True):
+            shares[i] = fraction, max(most - fraction, fraction - least, change)
     return shares
 
 
-def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:
+def _rivals(limits: Sequence[Limit]) -> list[Limit]:
+    """The limits with the other kind of fits; none where no limit has such."""
+    rivals = [limit.rival for limit in limits]
+    if all(other is None for other in rivals):
+        return []
+    return [other or limit for limit, other in zip(limits, rivals, strict=True)]
+
+
+def _met(
+    limits: Sequence[Limit], points: np.ndarray, cache: dict, count: int, signs: Sequence[int]
+) -> list[np.ndarray]:
+    """Parts (L) of lines of `count` points each, of points (L count, k), on which all limits plus
+    `sign` errors are satisfied, for each of the `signs`."""
+    conditions = [
+        tuple(array.reshape(-1, count) for array in row)
+        for limit in limits
+        for row in limit.conditions(points, cache)
+    ]
+    return [_parts_met(conditions, sign).mean(axis=1) for sign in signs]
+
+
+def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: int) -> np.ndarray:
     """Parts (L, S - 1) of stretches of lines on which values plus `sign` errors (L, S) are >= 0."""
     start, end = np.zeros((1, 1)), np.ones((1, 1))
     for values, error in conditions:

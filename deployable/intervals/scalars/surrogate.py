@@ -155,6 +155,17 @@ class ScalarSurrogate:
         compare parts of the box with each other; splines, and surrogates without a fit, stay."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
+    @cached_property
+    def rival(self) -> ScalarSurrogate | None:
+        """The surrogate with the other kind of fits, polynomials or splines (`Fit.rival`), also of
+        the border of where the quantity exists; None where neither fit has one."""
+        fit, occurrence = self.fit and self.fit.rival, self.occurrence
+        if isinstance(occurrence, FittedOccurrence) and occurrence.fit.rival is not None:
+            occurrence = replace(occurrence, fit=occurrence.fit.rival)
+        if fit is None and occurrence is self.occurrence:
+            return None
+        return replace(self, fit=fit or self.fit, occurrence=occurrence)
+
     @property
     def is_censored(self) -> bool:
         """Whether the quantity is a time that in a part of the box comes after the runs have ended,

@@ -17,6 +17,17 @@ _COLUMNS = 512
 MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
+def stands_alone(points: np.ndarray) -> np.ndarray:
+    """Mask (N) of the runs at `points` (N, k) in [-1, 1]^k that are farther from all others than a
+    quarter of the mean spacing of as many runs, spread over the box. Where runs were made next to
+    each other, they tell less of the rest of the box."""
+    directions = int((np.ptp(points, axis=0) > 0).sum())
+    if len(points) < 2 or not directions:
+        return np.ones(len(points), dtype=bool)
+    gaps = scipy.spatial.cKDTree(points).query(points, 2)[0][:, 1]
+    return gaps >= 0.5 * len(points) ** (-1.0 / directions)
+
+
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
     """Choose the runs that a fit takes, without near repeats: returns increasing indices. points
     (N, k): of the runs, in [-1, 1]^k; factor: they are farther apart (Euclidean) than this times

@@ -15,6 +15,7 @@ from deployable.intervals.designs import scan_points
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
+_MOST_SHARE = 0.7  # of the runs that are left, for local searches of one iteration
 _MOST_CLIMBS = 40  # runs in a row of a local search
 _PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where others are made
 _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
@@ -186,10 +187,12 @@ class _Climbs:
         return np.concatenate([*[point[None] for point in corners], spread])
 
     def run(self) -> None:
-        """Go on until no search promises a gain, or half of the runs that are left are made: the
+        """Go on until no search promises a gain, or most of the runs that are left are made: the
         others are for limit-state surfaces, and for where other bounds may be."""
         model = self.model
-        most = len(model.refinements) + (model.max_refinements - len(model.refinements)) / 2
+        most = len(model.refinements) + _MOST_SHARE * (
+            model.max_refinements - len(model.refinements)
+        )
         for _ in range(_MOST_CLIMBS):
             if len(model.refinements) >= most:
                 break

@@ -17,7 +17,7 @@ from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
 from ..formula import Formula, polynomial
-from ..spline_equations import distinct
+from ..spline_equations import distinct, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 _LEAST_RUNS = 4  # below them one more coordinate is not tested
@@ -26,7 +26,6 @@ _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
 _MAX_KRIGING_RUNS = 2000  # runs for which that is corrected
 _MOST_TERMS, _FOLDS = 24, 5  # products and higher degrees of many parameters; folds to test them
 _INDEPENDENT = 1.0  # least norm of a further term beyond those so far
-_ALONE = 0.5  # of half the mean spacing of runs: farther from all others a run stands alone
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
@@ -178,12 +177,9 @@ class Fit:
     @cached_property
     def _tested(self) -> tuple[scipy.spatial.KDTree, np.ndarray]:
         """Runs that stand alone, as a tree, and the sizes of their leave-one-out errors."""
-        directions = int((np.ptp(self.points, axis=0) > 0).sum())
-        rows = np.arange(len(self.points))
-        if len(rows) > 2 * directions + 3 and directions:
-            gaps = scipy.spatial.KDTree(self.points).query(self.points, 2)[0][:, 1]
-            alone = np.flatnonzero(gaps >= _ALONE * len(rows) ** (-1.0 / directions))
-            rows = alone if len(alone) >= 2 * directions + 3 else rows
+        rows = np.flatnonzero(stands_alone(self.points))
+        if len(rows) < 2 * self.points.shape[1] + 3:
+            rows = np.arange(len(self.points))
         return scipy.spatial.KDTree(self.points[rows]), np.abs(self.left_out[rows])
 
     def formula(self) -> Formula:

@@ -18,7 +18,7 @@ import scipy
 
 from ..designs import scan_points, spread_points
 from ..formula import Formula
-from ..spline_equations import distinct
+from ..spline_equations import distinct, stands_alone
 
 if TYPE_CHECKING:
     from .fits import Fit
@@ -37,7 +37,7 @@ REACH = 0.25
 the function that separates them is at least in proportion to it."""
 
 # By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
-_CONFIDENCE = 1.5
+_CONFIDENCE = 1.4
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
@@ -88,13 +88,15 @@ class Occurrence:
     def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
-        there are as many as runs that hold it (support vectors) and are apart from each other:
+        there are as many as runs that hold it (support vectors) and are apart from each other, but
+        fewer where runs stand beside others: times the square of the share that does not.
         `confidence` over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
         spacing = len(self.points) ** (-1.0 / max(int(self._free.sum()), 1))
         cells = np.unique(np.round(self._support_vectors[0] / (2 * spacing)), axis=0)
-        return self.band(points) * min(1.0, confidence / np.sqrt(len(cells)))
+        count = max(1.0, len(cells) * float(stands_alone(self.points).mean()) ** 2)
+        return self.band(points) * min(1.0, confidence / np.sqrt(count))
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here

@@ -12,11 +12,17 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
+from deployable.campaign.answers.quantity_bounds import QuantityBounds
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _infill_points, _QuantityEstimate, add_runs
-from deployable.campaign.plan.decide import UNKNOWN, RefinementState, Resources
+from deployable.campaign.plan.accuracy import (
+    _infill_points,
+    _refinement_state,
+    add_runs,
+    start_plan,
+)
+from deployable.campaign.plan.decide import RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
 from deployable.campaign.results.templates import sentence
@@ -274,6 +280,7 @@ def told(rounds_met, *shares, asked=0.05):
     rows = [
         {"name": name, "errors": {"share": None if share == "none" else share, "target": asked}}
         | ({} if name == "x" else {"lower": None if share == "none" else 1.0})
+        | ({"search_end": f"{name} jumps"} if name != "x" and share != "none" else {})
         for name, share in zip("xyz", shares, strict=False)
     ]
     accuracy = Accuracy({}, 0, 0.0, "")
@@ -289,9 +296,10 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     found, text = told(True, 0.04, 0.16, None)
     assert (found["met"], found["unmet"]) == (False, ["y", "z"])
     assert "is not met by y (16 % for 5 %), z (unknown for 5 %); 1 other within" in text
-    assert "the rounds found it met; runs for the ends of quantities showed more" in text
+    ends = "The search for the bounds of {0} ended as {0} jumps".format
+    assert found["reason"] == f"{ends('y')}. {ends('z')}"
     found, text = told(False, 0.06)
-    assert (found["met"], found["reason"]) == (False, "the budget is spent")
+    assert (found["met"], found["reason"]) == (False, "The rounds ended as the budget is spent")
     assert "other" not in text
     found, text = told(False, 0.05004, 0.0506)  # as printed, 5 and 5.06 %
     assert found["unmet"] == ["y"] and "y (5.06 % for 5 %); 1 other" in text
@@ -366,10 +374,34 @@ def test_a_quantity_of_one_run_is_unknown_and_one_of_rounding_is_constant():
     def share(*values):
         values = np.array(values, dtype=float)
         surrogate = fit_scalar(points, values)
-        bounds = estimate_bounds(surrogate, points, values)
-        return _QuantityEstimate(surrogate, bounds).relative_error()[0]
+        extremes, ends = surrogate.range(), (np.nanmin(values), np.nanmax(values))
+        estimates = estimate_bounds(surrogate, points, values)
+        row = QuantityBounds(surrogate, extremes, *ends, points[0], points[0], estimates)
+        return row.relative_error
 
-    assert share(*[np.nan] * 8, 2.0) == UNKNOWN
-    assert share(*[np.nan] * 9) == 0.0
+    assert share(*[np.nan] * 8, 2.0) == np.inf
     assert share(*(2.0 + 4e-16 * np.arange(9) ** 2)) == 0.0
-    assert 0 < share(*(np.arange(9) > 4)) < UNKNOWN
+    assert 0 < share(*(np.arange(9) > 4)) < np.inf
+
+
+def test_rounds_add_no_runs_for_quantities_but_make_step_and_mesh_fine_enough_for_them():
+    def action(mesh, *rounds):
+        shares = {"x": {"surrogate": 0.01, "mesh": 0.0, "step": 0.0}, "y": {"mesh": mesh}}
+        aim = Accuracy({"x": 0.1, "y": 0.1}, 1000, 60.0, "n")
+        state = Rounds(rounds, (), check=("step", "mesh"))
+        return RefinementState(aim, shares, state, COST, True).decide().action
+
+    assert action(0.01) == "stop"
+    assert action(0.076) == "mesh"
+
+
+def test_half_of_the_runs_are_kept_for_quantities(asked):
+    asked["accuracy"] = {"tolerance": 0.1, "max_runs": 200}
+
+    def answers():
+        plan = start_plan(check_config(asked).experiment)
+        return _refinement_state(plan, {}).cost.reserve
+
+    assert answers() == 0
+    asked["quantities"] = {"top": {"largest": "BD"}}
+    assert answers() == 100

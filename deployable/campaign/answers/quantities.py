@@ -13,6 +13,8 @@ their bounds take, `refinement.nc`.
     error_limit, error_border       errors by step and mesh, if verified, for shares of the box: of
                                     the number, and of whether there is one
     is_time, fit                    1 for times of the run; what was fitted
+    search_end (quantity)           with an `accuracy`, why the search ended before an error is as
+                                    small as is asked; empty if it is
     least                           physical lower bound, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes"""
 
@@ -40,6 +42,7 @@ from deployable.campaign.plan.accuracy import (
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text import numbers
 from deployable.campaign.text.numbers import VOLUME
 from fpm.files.trajectory import CONVENTIONS
 
@@ -76,10 +79,32 @@ def answer(
         notify(f"{model.experiment.name}: further runs at bounds and limits: {count}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     dataset = quantities_dataset(model, bounds, finer)
+    if tolerances:
+        dataset["search_end"] = (_DIM, _describe_ends(model, bounds, tolerances))
     write_dataset(dataset, folder.quantities, "Intervals of quantities")
     write_dataset(
         make_refinement_dataset(model), folder.refinement, "Further runs for bounds of quantities"
     )
+
+
+def _describe_ends(
+    model: ModelEvaluator, bounds: list[QuantityBounds], tolerances: list[float]
+) -> list[str]:
+    """Why the search for the bounds of each quantity ended while an error was too large, and where
+    in the box the runs are predicted worst; empty texts for the others."""
+    box, types = model.experiment.box, model.experiment.scene_type.parameters
+    units = [{"name": name, "units": types[name].unit} for name in box.names]
+    is_spent = min(model.max_refinements - len(model.refinements), model.account.remaining) < 1
+    cause = "its runs are made" if is_spent else "more runs no longer lower its error"
+    texts = []
+    for b, tolerance in zip(bounds, tolerances, strict=True):
+        texts.append("")
+        if b.surrogate.fit is not None and b.relative_error > tolerance:
+            fit = b.surrogate.fit
+            values = box.from_unit(fit.points[np.argmax(np.abs(np.nan_to_num(fit.left_out)))])
+            place = numbers.place(dict(zip(box.names, values, strict=True)), units)
+            texts[-1] = f"{cause}; runs are predicted worst about {place}"
+    return texts
 
 
 def quantities_dataset(

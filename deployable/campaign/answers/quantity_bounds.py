@@ -10,6 +10,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.plan.jobs import LANES
+from deployable.campaign.plan.plan import ROUNDING
 from deployable.intervals.box import MOST_FULL
 from deployable.intervals.designs import scan_points
 
@@ -59,10 +60,13 @@ class QuantityBounds:
     @property
     def relative_error(self) -> float:
         """Error of the bounds where runs were sampled adaptively, the larger of `error` and the
-        surrogate's `bound_error`, over the width; infinite without a width, 0 if all is equal; NaN
-        without a value."""
-        error, width = max(self.error, self.surrogate.bound_error), self.outer[1] - self.outer[0]
-        return 0.0 if error == 0 else float(error / width) if width else np.inf
+        surrogate's `bound_error`, over the width; infinite without a width, 0 if all is equal but
+        for rounding; NaN without a value."""
+        error, (lower, upper) = max(self.error, self.surrogate.bound_error), self.outer
+        rounding = ROUNDING * max(abs(lower), abs(upper))
+        if upper - lower > rounding:
+            return float(error / (upper - lower))
+        return 0.0 if error <= rounding else np.inf if error > 0 else np.nan
 
 
 def converge_bounds(

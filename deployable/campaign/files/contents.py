@@ -65,7 +65,7 @@ number response parameter: width_overall
 number response time: error""",
     "quantities.nc": f"""{_QUANTITIES}
 @number: runs further_runs check_runs
-text quantity: fit
+text quantity: fit search_end?
 number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
 number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
 known quantity: unconverged_lower unconverged_upper runs_with runs_without

@@ -354,7 +354,8 @@ def _add_total_error(parts: Mapping[str, float | None], width: float | None) -> 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     """Whether an accuracy is `met`, by the last `errors` of responses and quantities (rows, with
-    `name` and what is `asked`), which are `unmet`; why rounds ended; mesh, runs, core seconds."""
+    `name` and what is `asked`), which are `unmet`; why rounds and searches ended, as sentences;
+    mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [
@@ -363,14 +364,22 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
     ]
-    unmet = [row["name"] for row in intervals if not _is_met(row["errors"])]
-    reason = last.reason
+    unmet_rows = [row for row in intervals if not _is_met(row["errors"])]
+    unmet = [row["name"] for row in unmet_rows]
+    reasons = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
+    reasons += [
+        f"The search for the bounds of {row['name']} ended as {row['search_end']}"
+        for row in unmet_rows
+        if row.get("search_end")
+    ]
+    reason = (
+        ". ".join(text.removesuffix(".") for text in reasons)
+        or "Finer steps and meshes change bounds too much"
+    )
     if not unmet and intervals:
         row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
         share, target = row["errors"]["share"], row["errors"]["target"]
         reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
-    elif plan.adaptive.met:
-        reason = "the rounds found it met; runs for the ends of quantities showed more"
     return {
         "met": not unmet,
         "unmet": unmet,
@@ -403,6 +412,8 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
             "units": str(data["quantity_units"][i]),
             "fit": str(data["fit"][i]),
         }
+        if "search_end" in data.variables and data["search_end"][i]:
+            row["search_end"] = str(data["search_end"][i])
         for key in (*_NUMBERS, *(key for key in _ERRORS if key in data.variables)):
             row[key] = _number(data[key][i])
         if errors := quantity_errors(row):

@@ -32,6 +32,9 @@ _JUMP, _JUMP_GAP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, their 
 _SHARE = 0.1  # of such a gain, by a border, where the model, smooth, promises too little
 _POLL = 0.05  # of the width, that a model may lose where a single parameter is moved
 _NEAREST = 1e-6  # a point that near to a run needs none
+_CORRECTED, _CORRECTION = 0.4, 0.3  # of what a run next to one beyond the border misses it by, so
+# that there is a further one; how near it is, of the way from the extreme run
+_AIM = 0.3  # of what such a run missed it by: margin that the next one should have
 _FAILURES = 3  # steps without a gain, after which a search ends
 
 
@@ -47,6 +50,8 @@ class Climb:
     end: float | None = None  # largest value (times the sign) when the search ended
     floor: float = -np.inf  # largest value (times the sign) of a run beyond a jump
     promise: tuple[np.ndarray, float, float] | None = None  # next run, its value; largest so far
+    missed: np.ndarray | None = None  # last run, just beyond the border, next to which one goes on
+    depth: float = 0.0  # minus the margin of that run
     margins: np.ndarray | None = None  # of the runs so far
     record: list[float] = field(default_factory=list)  # largest values (times the sign) so far
 
@@ -84,7 +89,10 @@ class Climb:
         while self.failures < _FAILURES and self.radius >= _LEAST_RADIUS:
             best, height = self._best(points, heights, is_valid, row)
             if height - heights[row] <= share * TOLERANCE * width:
-                break
+                if self.missed is None:
+                    break
+                self.missed, self.radius = None, 0.5 * self.radius
+                continue
             if np.abs(points - best).max(axis=1).min() > _NEAREST:
                 self.promise = best, height, float(heights[row])
                 return best
@@ -108,10 +116,16 @@ class Climb:
             self.radius = max(self.radius, _RADIUS)  # what it failed by may have been the jump
         if is_fallen or not np.isfinite(gain):
             self.failures, self.misses = 0, self.misses + 1
-            if self.misses > 1 and self.margins[run] < 0:  # the model of margins is not good so far
-                self.radius *= 0.5
+            if self.margins[run] < 0:  # the border bends; the model of margins knows that now
+                depth = -float(self.margins[run])
+                if self.misses == 1 or (
+                    self.missed is not None and depth < _CORRECTED * self.depth
+                ):
+                    self.missed, self.depth = best, depth
+                else:
+                    self.missed, self.radius = None, 0.5 * self.radius
             return
-        self.misses = 0
+        self.misses, self.missed = 0, None
         if gain < 0.1 * hope:
             self.radius *= 0.4
         elif gain > 0.7 * hope:
@@ -192,14 +206,20 @@ class Climb:
     def _best(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
     ) -> tuple[np.ndarray, float]:
-        """The best point (k) within the radius of a run, and what the model promises there."""
+        """The best point (k) within the radius of a run, and what the model promises there; next to
+        a run just beyond the border, once there is one (a second-order correction)."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
         model, border, offset = self._model(points, heights, is_valid, row)
         cloud = spread_points(free, _CLOUD, seed=3) * free
         best, height, radius = origin, heights[row], self.radius
-        level = 1.0 - 0.5**self.misses
+        level, centre = 1.0 - 0.5**self.misses, origin
+        if self.missed is not None:
+            centre = self.missed
+            radius = _CORRECTION * float(np.abs(self.missed - origin).max())
+            if isinstance(border, _MarginBorder):
+                level = _AIM * self.depth / border.scale
         for _ in range(_ZOOMS):
-            trial = np.concatenate([best + size * radius * cloud for size in _SIZES])
+            trial = np.concatenate([centre + size * radius * cloud for size in _SIZES] + [[origin]])
             trial = np.clip(trial, *np.clip([origin - self.radius, origin + self.radius], -1, 1))
             if border is not None:
                 trial = _clip_to_border(trial, border, level)
@@ -213,6 +233,7 @@ class Climb:
                 forecast = model.evaluate(trial) + offset
                 if forecast.max() > height:
                     best, height = trial[forecast.argmax()], float(forecast.max())
+                    centre = best
             radius *= 0.2
         return best, height
 

@@ -16,9 +16,12 @@ from deployable.campaign.answers.discretization import (
 )
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.answers.quantity_bounds import converge_bounds
+from deployable.campaign.plan.runs import RunAccount
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
+from deployable.intervals.scalars.fits import choose_fit
+from deployable.intervals.scalars.occurrence import FittedOccurrence
 
 HAPPENS = LimitSpec("there", 0, "happens", 1.0)
 BEYOND_THE_ERROR = 3.0
@@ -110,7 +113,9 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     """Of what happens above x = 0, and by finer runs above 0.3: twice the decision value there, as
     the rest of the way counts as much again."""
     x = np.linspace(-1, 1, 21)[:, None]
-    model = SimpleNamespace(points=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
+    model = SimpleNamespace(
+        points=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x, account=RunAccount()
+    )
 
     def told(plan, points):
         x = np.array(points)
@@ -124,6 +129,38 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border_error=found)
     share, open_ = share_of_box([limit], np.ones(1))
     assert share - open_ < 0.35 < share
+
+
+def test_runs_that_the_limit_does_not_allow_are_no_runs_without_the_event():
+    """Five of the runs next to a border may be made: none of four and four is."""
+    x = np.linspace(-1, 1, 21)[:, None]
+    model = SimpleNamespace(
+        points=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x, account=RunAccount(5)
+    )
+    model.evaluate = lambda plan, points: (_ for _ in ()).throw(AssertionError("not allowed"))
+    occurrence = Occurrence(x, np.isfinite(model.numbers[:, 0]))
+    shift, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
+    assert shift == 0.0
+
+
+@pytest.mark.parametrize("jump", [0.0, 100.0])
+def test_a_margin_that_jumps_in_finer_runs_moves_its_border_by_what_changes_sides(jump):
+    """Runs from 0 to 0.1 change sides; their margins fall by 0.1, and where they jump by 100."""
+    x = np.linspace(-1, 1, 41)[:, None]
+    fit = choose_fit(x, x[:, 0])
+    happens = x[:, 0] >= 0
+    occurrence = FittedOccurrence(x, happens, fit, fit.error)
+    model = SimpleNamespace(
+        points=x, numbers=np.where(happens[:, None], 1.0, np.nan), margins=x, account=RunAccount()
+    )
+
+    def evaluate(plan, points):
+        fine = np.array(points) - 0.101
+        return np.where(fine >= 0, 1.0, np.nan), np.where(fine >= 0, fine, fine - jump)
+
+    model.evaluate = evaluate
+    shift, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
+    assert 0.1 <= shift <= 0.41
 
 
 @pytest.mark.parametrize("happens", [True, False])
@@ -150,7 +187,7 @@ def test_a_border_moves_to_the_farthest_of_several_stretches():
     def told(plan, points):
         return np.where(points > [[0.25], [0.75]], 1.0, np.nan), None
 
-    model = SimpleNamespace(evaluate=told)
+    model = SimpleNamespace(evaluate=told, account=RunAccount())
     size = limit_states._bisect_segments(
         model, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95)
     )

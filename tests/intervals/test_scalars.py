@@ -23,6 +23,7 @@ from deployable.intervals.scalars import (
     shares_of_box,
     sub_box,
 )
+from deployable.intervals.spline_equations import stands_alone
 
 
 def runs(k: int, order: int = 4, held_out: int = 4) -> np.ndarray:
@@ -208,7 +209,7 @@ def test_no_error_is_known_of_what_happens_in_one_run_of_several():
     found = fit_scalar(points, np.array([1.0, np.nan, np.nan]), latest=2.0)
     assert found.error == np.inf
     share, open_ = share_of_box([Limit(found, "at_most", 0.9)], np.ones(1))
-    assert (share, open_) == (0.0, pytest.approx(0.5, abs=1e-3))
+    assert (share, open_) == (0.0, pytest.approx(0.5, abs=5e-3))
     assert fit_scalar(points[:1], np.array([1.0])).error == 0.0  # of a box without width
 
 
@@ -240,7 +241,7 @@ def test_what_only_comes_too_late_is_told_by_its_time():
     share, open_ = share_of_box([Limit(surrogate, "happens", 1.0)], np.ones(2))
     # Less than the whole square by the area between y = 0.5 / x - 1 and 1, for x from 1/4 to 1.
     assert share == pytest.approx(1 - (1.5 - 0.5 * np.log(4)) / 4, abs=1e-3)
-    assert open_ < 1e-6
+    assert open_ < 1e-4  # what the spline through the runs, the other kind of fit, would tell
     assert surrogate.range().high == pytest.approx(2.5, abs=1e-3)
     # Runs that would have been in time, but in which it does not happen: the nearest runs tell.
     missed = np.where((time <= 2.5) & (points[:, 0] > -0.5), time, np.nan)
@@ -408,6 +409,40 @@ def test_the_limit_that_breaks_first_bounds_the_largest_box_whichever_is_stated_
     assert find_max_scale([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)
 
 
+def test_a_level_beside_a_plateau_is_told_by_the_runs_that_keep_it():
+    """Of a number that is 0 in a part of the box, and at least 0.2 elsewhere: no fit tells where it
+    is below 0.01."""
+    points = scan_points(np.ones(2, bool), 80)
+    values = np.maximum(points @ [1.0, 0.6], 0.0)
+    values[values > 0] += 0.2
+    surrogate = fit_scalar(points, values)
+    limit = Limit(surrogate, "at_most", 0.01)
+    share, open_ = share_of_box([limit], np.ones(2))
+    assert abs(share - 0.5) <= open_ < 0.1
+    assert limit.rival is not None
+
+
+def test_shares_are_as_uncertain_as_the_other_kind_of_fits_has_it():
+    """Beside a kink polynomials and splines go wrong in different ways."""
+    points = scan_points(np.ones(2, bool), 40)
+    values = np.minimum(points @ [1.0, 0.4], 0.3)
+    surrogate = fit_scalar(points, values)
+    limit, free = Limit(surrogate, "at_least", 0.28), np.ones(2)
+    share, open_ = share_of_box([limit], free)
+    other, _ = share_of_box([limit.rival], free)
+    assert open_ >= 0.9 * abs(share - other)
+    draws = np.random.default_rng(0).uniform(-1, 1, (200_000, 2))
+    assert abs(share - (draws @ [1.0, 0.4] >= 0.28).mean()) <= open_
+
+
+def test_runs_beside_others_do_not_stand_alone():
+    spread = scan_points(np.ones(2, bool), 40, corners=False)
+    beside = spread[0] + 1e-3 * scan_points(np.ones(2, bool), 20, corners=False)
+    alone = stands_alone(np.concatenate([spread, beside]))
+    assert alone[1:40].mean() > 0.8 and not alone[40:].any()
+    assert stands_alone(spread[:1]).all()
+
+
 def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_once(monkeypatch):
     points = scan_points(np.ones(2, bool), 20)
     surrogate = fit_scalar(points, points @ [1.0, 0.3])
@@ -419,4 +454,4 @@ def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_onc
         type(surrogate), "predict", lambda s, x: calls.append(len(x)) or predict(s, x)
     )
     assert shares_of_box(sets, np.ones(2)) == alone
-    assert sum(calls) < 2048 * 65 * 1.01
+    assert sum(calls) < 2048 * 65 * 1.3  # and the other kind of fits on a quarter of the lines

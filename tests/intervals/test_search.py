@@ -152,3 +152,39 @@ def test_a_climb_goes_along_a_border_to_the_largest_value():
     while (point := climb.propose(points, f(points))) is not None and len(points) < 60:
         points = np.vstack([points, point])
     assert np.nanmax(f(points)) == pytest.approx(2.1, abs=0.008)
+
+
+def climbed(points, function, count):
+    """The largest value after a search of at most `count` runs, the search, and its runs."""
+    climb, runs = Climb(1.0), 0
+    while runs < count:
+        values, margins = function(points)
+        point = climb.propose(points, values, margins)
+        if point is None:
+            break
+        points, runs = np.vstack([points, point]), runs + 1
+    return np.nanmax(function(points)[0]), climb, runs
+
+
+def ceasing(x):
+    """Time of an event that ceases to occur at a curved border, where it is like a root; at most
+    0.9, at one end of the border."""
+    margins = 0.4 + 0.5 * x[:, 0] - 0.3 * x[:, 1] ** 2
+    times = 0.6 + 0.3 * x[:, 1] - np.sqrt(np.maximum(margins, 0.0))
+    return np.where(margins > 0, times, np.nan), margins
+
+
+def test_a_bound_at_a_border_is_reached_along_it_by_event_margins():
+    points = scan_points(np.ones(2, bool), 12)
+    value, climb, runs = climbed(points, ceasing, 40)
+    start, width = np.nanmax(ceasing(points)[0]), 1.9
+    assert 0.9 - start > 0.1 * width
+    assert 0.9 - value < 0.01 * width
+    assert runs < 40 and climb.remainder == 0.0
+
+
+def test_a_search_that_is_cut_short_tells_what_it_may_still_gain():
+    points = scan_points(np.ones(2, bool), 12)
+    value, climb, _ = climbed(points, ceasing, 3)
+    assert climb.remainder > 0.0
+    assert Climb(1.0).remainder == 0.0

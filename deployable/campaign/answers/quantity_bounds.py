@@ -232,7 +232,7 @@ def _bounds(
     q: int,
     surrogate: Any,
     mispredictions: np.ndarray,
-    remainders: tuple[float, float],
+    remainders: tuple[float, float] = (0.0, 0.0),
 ) -> QuantityBounds:
     from deployable.intervals.scalars import TOLERANCE, estimate_bounds
 

@@ -185,6 +185,6 @@ def test_a_bound_at_a_border_is_reached_along_it_by_event_margins():
 
 def test_a_search_that_is_cut_short_tells_what_it_may_still_gain():
     points = scan_points(np.ones(2, bool), 12)
-    value, climb, _ = climbed(points, ceasing, 3)
+    _, climb, _ = climbed(points, ceasing, 3)
     assert climb.remainder > 0.0
     assert Climb(1.0).remainder == 0.0

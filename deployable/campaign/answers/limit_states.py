@@ -15,6 +15,7 @@ from deployable.campaign.plan.plan import Plan
 from deployable.intervals.estimates import extrapolate_error
 
 _SIDE = 4  # runs at once on each side of a border: eight side by side cost what three do
+_JUMP = 10.0  # times the median change of scores: more is a jump
 _HALVINGS = 3  # of the stretch on which a border lies
 
 
@@ -37,16 +38,16 @@ def estimate_limit_state_error(
     shift, number, test_rows, differs = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
     change = np.zeros(0)
     for rows in _iterate_rows(np.abs(scores), happens):
-        if model.account.remaining < len(rows):
+        if model.account.allowance < len(rows):
             break
         numbers, margins = (values[:, q] for values in model.evaluate(finest, model.points[rows]))
         previous = score(model.numbers[rows, q], model.margins[rows, q])
         switches = np.isfinite(numbers) != happens[rows]
         change = np.abs(score(numbers, margins) - previous)
-        # Scores may jump: a border moves by about its own score at a run that changes sides, and by
-        # less at one that does not, of which those next to it tell enough.
         size = switches * np.abs(scores[rows])
-        change = np.minimum(change, (len(test_rows) == 0) * np.abs(scores[rows]) + 2 * size)
+        # Scores may jump, as where another event comes first: their change tells nothing then.
+        is_jump = change > _JUMP * np.median(change)
+        change = np.where(is_jump, 2 * size, change)
         shift = max(shift, float(np.where(np.isfinite(change), change, size).max()))
         number = np.fmax(number, np.fmax.reduce(np.abs(numbers - model.numbers[rows, q])))
         test_rows, differs = np.concatenate([test_rows, rows]), np.concatenate([differs, switches])
@@ -100,7 +101,7 @@ def _bisect_segments(
         return 0.0
     happens = occurrence.evaluate(outer)
     for _ in range(_HALVINGS):
-        if model.account.remaining < len(outer):
+        if model.account.allowance < len(outer):
             break
         middle = (outer + inner) / 2
         numbers, _ = model.evaluate(finest, middle)

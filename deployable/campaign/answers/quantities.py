@@ -94,7 +94,7 @@ def _describe_ends(
     in the box the runs are predicted worst; empty texts for the others."""
     box, types = model.experiment.box, model.experiment.scene_type.parameters
     units = [{"name": name, "units": types[name].unit} for name in box.names]
-    is_spent = min(model.max_refinements - len(model.refinements), model.account.remaining) < 1
+    is_spent = min(model.max_refinements - len(model.refinements), model.account.allowance) < 1
     cause = "its runs are made" if is_spent else "more runs no longer lower its error"
     texts = []
     for b, tolerance in zip(bounds, tolerances, strict=True):

@@ -33,7 +33,8 @@ class QuantityBounds:
     box (`Extremes`); lower, upper: extreme values of the runs, NaN if none has the quantity;
     argmin, argmax (k): normalized points of these runs; estimates: `BoundEstimate` of the lower and
     the upper bound, empty without a value; unconverged (2): whether the surrogate goes below
-    `lower`, above `upper` by more than 0.1 % of the width."""
+    `lower`, above `upper` by more than 0.1 % of the width; remainders (2): by how much lower and
+    upper bound may be exceeded as searches did not come to their end (`Climb.remainder`)."""
 
     surrogate: Any
     surrogate_range: Any
@@ -43,6 +44,7 @@ class QuantityBounds:
     argmax: np.ndarray
     estimates: tuple[Any, ...] = ()
     unconverged: tuple[bool, bool] = (False, False)
+    remainders: tuple[float, float] = (0.0, 0.0)
 
     @property
     def outer(self) -> tuple[float, float]:
@@ -54,8 +56,10 @@ class QuantityBounds:
     @property
     def error(self) -> float:
         """Larger of the errors of lower and upper bound, in the quantity's unit: by how much the
-        surrogate leaves it possible that values lie beyond the bound; NaN without a value."""
-        return max((e.error for e in self.estimates), default=np.nan)
+        surrogate, or a search that did not end, leaves it possible that values lie beyond the
+        bound; NaN without a value."""
+        errors = [e.error for e in self.estimates]
+        return max([*errors, *self.remainders]) if errors else np.nan
 
     @property
     def relative_error(self) -> float:
@@ -125,8 +129,8 @@ class _Progress:
         if not self.tolerances:
             return []
         shares = [b.relative_error for b in bounds]
-        earlier = [row for number, row in self.history if 2 * number <= count]
-        limits = earlier[-1] if earlier else [np.inf] * len(shares)
+        previous = [row for number, row in self.history if 2 * number <= count]
+        limits = previous[-1] if previous else [np.inf] * len(shares)
         self.history.append((count, shares))
         return [
             b
@@ -242,18 +246,13 @@ def _bounds(
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates = tuple(
-        estimate._replace(error=max(estimate.error, remainder))
-        for estimate, remainder in zip(
-            estimate_bounds(surrogate, model.points, values, mispredictions),
-            remainders,
-            strict=True,
-        )
-    )
+    estimates = estimate_bounds(surrogate, model.points, values, mispredictions)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
     points = model.points[list(rows)]
-    return QuantityBounds(surrogate, surrogate_range, lower, upper, *points, estimates, unconverged)
+    return QuantityBounds(
+        surrogate, surrogate_range, lower, upper, *points, estimates, unconverged, remainders
+    )
 
 
 def _infill(bounds: QuantityBounds) -> list[np.ndarray]:

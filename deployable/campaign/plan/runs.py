@@ -104,7 +104,7 @@ class RunAccount:
         self.limit, self.count, self.ids = limit, 0, set(known_ids)
 
     @property
-    def remaining(self) -> float:
+    def allowance(self) -> float:
         """How many more runs the limit allows."""
         return self.limit - self.count
 

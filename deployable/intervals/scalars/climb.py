@@ -32,7 +32,7 @@ _JUMP, _JUMP_GAP, _PROBES = 0.3, 0.2, 4  # of the width between two runs, their 
 _SHARE = 0.1  # of such a gain, by a border, where the model, smooth, promises too little
 _POLL = 0.05  # of the width, that a model may lose where a single parameter is moved
 _NEAREST = 1e-6  # a point that near to a run needs none
-_CORRECTED, _CORRECTION = 0.4, 0.3  # of what a run next to one beyond the border misses it by, so
+_NEARER, _CORRECTION = 0.4, 0.3  # of what a run next to one beyond the border misses it by, so
 # that there is a further one; how near it is, of the way from the extreme run
 _AIM = 0.3  # of what such a run missed it by: margin that the next one should have
 _FAILURES = 3  # steps without a gain, after which a search ends
@@ -50,7 +50,7 @@ class Climb:
     end: float | None = None  # largest value (times the sign) when the search ended
     floor: float = -np.inf  # largest value (times the sign) of a run beyond a jump
     promise: tuple[np.ndarray, float, float] | None = None  # next run, its value; largest so far
-    missed: np.ndarray | None = None  # last run, just beyond the border, next to which one goes on
+    target: np.ndarray | None = None  # last run, just beyond the border, next to which one goes on
     depth: float = 0.0  # minus the margin of that run
     margins: np.ndarray | None = None  # of the runs so far
     record: list[float] = field(default_factory=list)  # largest values (times the sign) so far
@@ -89,9 +89,9 @@ class Climb:
         while self.failures < _FAILURES and self.radius >= _LEAST_RADIUS:
             best, height = self._best(points, heights, is_valid, row)
             if height - heights[row] <= share * TOLERANCE * width:
-                if self.missed is None:
+                if self.target is None:
                     break
-                self.missed, self.radius = None, 0.5 * self.radius
+                self.target, self.radius = None, 0.5 * self.radius
                 continue
             if np.abs(points - best).max(axis=1).min() > _NEAREST:
                 self.promise = best, height, float(heights[row])
@@ -118,14 +118,12 @@ class Climb:
             self.failures, self.misses = 0, self.misses + 1
             if self.margins[run] < 0:  # the border bends; the model of margins knows that now
                 depth = -float(self.margins[run])
-                if self.misses == 1 or (
-                    self.missed is not None and depth < _CORRECTED * self.depth
-                ):
-                    self.missed, self.depth = best, depth
+                if self.misses == 1 or (self.target is not None and depth < _NEARER * self.depth):
+                    self.target, self.depth = best, depth
                 else:
-                    self.missed, self.radius = None, 0.5 * self.radius
+                    self.target, self.radius = None, 0.5 * self.radius
             return
-        self.misses, self.missed = 0, None
+        self.misses, self.target = 0, None
         if gain < 0.1 * hope:
             self.radius *= 0.4
         elif gain > 0.7 * hope:
@@ -191,8 +189,8 @@ class Climb:
         rows = order[~is_valid[order]][:count]
         border: _Border | None = None
         if len(rows):
-            few = 3 + 2 * int(free.sum())
-            nearest = np.concatenate([rows_near[:few], rows[:few]])
+            near_count = 3 + 2 * int(free.sum())
+            nearest = np.concatenate([rows_near[:near_count], rows[:near_count]])
             margins, signs = self.margins[nearest], np.where(is_valid[nearest], 1.0, -1.0)
             rows = np.concatenate([rows_near, rows])
             if (margins * signs > 0).all():
@@ -213,9 +211,9 @@ class Climb:
         cloud = spread_points(free, _CLOUD, seed=3) * free
         best, height, radius = origin, heights[row], self.radius
         level, centre = 1.0 - 0.5**self.misses, origin
-        if self.missed is not None:
-            centre = self.missed
-            radius = _CORRECTION * float(np.abs(self.missed - origin).max())
+        if self.target is not None:
+            centre = self.target
+            radius = _CORRECTION * float(np.abs(self.target - origin).max())
             if isinstance(border, _MarginBorder):
                 level = _AIM * self.depth / border.scale
         for _ in range(_ZOOMS):

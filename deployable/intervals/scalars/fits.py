@@ -98,14 +98,14 @@ def root_fit(
         return None
     fit = choose_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
 
-    def rooted(fit: Fit | None) -> Fit | None:
+    def add_root(fit: Fit | None) -> Fit | None:
         if fit is None:
             return None
         kind, function = f"{fit.kind}, with the root of its margin", fit.function
         return Fit(fit.points[:, :-1], fit.values, fit.left_out, kind,
-                   RootFunction(function, margin, scale), rooted(fit.rival))  # fmt: skip
+                   RootFunction(function, margin, scale), add_root(fit.rival))  # fmt: skip
 
-    return rooted(fit)
+    return add_root(fit)
 
 
 def _decay(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
@@ -130,10 +130,10 @@ class Fit:
     def rival(self) -> Fit | None:
         """The alternative with a correction through the runs, whose difference from this fit tells
         what the choice between them decides; None without one that runs test."""
-        other = self.alternative
-        if other is None or not np.isfinite(other.mean_error):
+        fit = self.alternative
+        if fit is None or not np.isfinite(fit.mean_error):
             return None
-        return _through_runs(other) if isinstance(other.function, Surrogate) else other
+        return _through_runs(fit) if isinstance(fit.function, Surrogate) else fit
 
     @property
     def error(self) -> float:
@@ -169,13 +169,13 @@ class Fit:
         tells too much; beside a kink or jump those of all runs, of which most are far, too little.
         Runs next to which others were made are predicted better than the rest of the box, and do
         not count, as long as others do."""
-        tree, sizes = self._tested
+        tree, sizes = self._lone_runs
         count = min(2 * int((np.ptp(self.points, axis=0) > 0).sum()) + 3, len(sizes))
         rows = tree.query(points, count)[1].reshape(len(points), count)
         return np.maximum(np.median(sizes[rows], axis=1), np.median(sizes))
 
     @cached_property
-    def _tested(self) -> tuple[scipy.spatial.KDTree, np.ndarray]:
+    def _lone_runs(self) -> tuple[scipy.spatial.KDTree, np.ndarray]:
         """Runs that stand alone, as a tree, and the sizes of their leave-one-out errors."""
         rows = np.flatnonzero(stands_alone(self.points))
         if len(rows) < 2 * self.points.shape[1] + 3:
@@ -207,8 +207,8 @@ def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     sparse = _sparse(points, values) if is_wide else None
     fits = [fit for fit in (*_polynomials(points, values), spline, sparse) if fit]
     best = min(fits, key=lambda fit: fit.mean_error)
-    others = [fit for fit in fits if (fit is spline) != (best is spline)]
-    best = replace(best, alternative=min(others, key=lambda fit: fit.mean_error, default=None))
+    rivals = [fit for fit in fits if (fit is spline) != (best is spline)]
+    best = replace(best, alternative=min(rivals, key=lambda fit: fit.mean_error, default=None))
     return best if isinstance(best.function, Spline) else _through_runs(best)
 
 
@@ -237,9 +237,9 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
         if (solution := least_squares(basis, values, 1e-9)) is None:
             break
         coefficients, leverage = solution
-        is_tested = leverage < _LEVERAGE
+        is_lone_runs = leverage < _LEVERAGE
         rest = values - basis @ coefficients
-        left_out = np.where(is_tested, rest / np.where(is_tested, 1 - leverage, 1.0), np.inf)
+        left_out = np.where(is_lone_runs, rest / np.where(is_lone_runs, 1 - leverage, 1.0), np.inf)
         if len(points) == 1 and not free.any():
             left_out = np.zeros(1)  # a box without width has one run, and nothing to be tested
         kind = f"polynomial of degree {degree}"

@@ -83,11 +83,13 @@ class Limit:
         """The border by runs alone between those that keep the level and those that do not, where
         it leaves less of the box open than the fit does, as beside steps, plateaus and jumps."""
         fit = self.surrogate.fit
-        kept = self.find_margins(fit.values) >= 0
-        border = Occurrence(fit.points, kept)
+        if fit is None:
+            return None
+        mask = self.find_margins(fit.values) >= 0
+        border = Occurrence(fit.points, mask)
         if not border.is_mixed:
             return None
-        by_fit = FittedOccurrence(fit.points, kept, fit, fit.error, self.level)
+        by_fit = FittedOccurrence(fit.points, mask, fit, fit.error, self.level)
         return border if border.open_fraction < _CLEARLY * by_fit.open_fraction else None
 
     @cached_property
@@ -211,7 +213,7 @@ def shares_of_box(
         start_axes = free.copy()
         start_axes[direction] = False
         starts = scan_points(start_axes, lines if start_axes.any() else 1, corners=False)
-        fractions, others = [], []
+        fractions, changes = [], []
         rivals = [_rivals(sets[i]) for i in numbers]
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
@@ -221,13 +223,13 @@ def shares_of_box(
             fractions.append([_met(sets[i], flat, cache, len(line), (0, -1, 1)) for i in numbers])
             if first <= len(starts) // _RIVAL_SHARE:
                 rows = [
-                    _met(other, flat, cache, len(line), (0,))[0] if other else fraction[0]
-                    for other, fraction in zip(rivals, fractions[-1], strict=True)
+                    _met(rival, flat, cache, len(line), (0,))[0] if rival else fraction[0]
+                    for rival, fraction in zip(rivals, fractions[-1], strict=True)
                 ]
-                others.append(np.subtract(rows, [fraction[0] for fraction in fractions[-1]]))
+                changes.append(np.subtract(rows, [fraction[0] for fraction in fractions[-1]]))
         means = np.concatenate(fractions, axis=2).mean(axis=2).tolist()
-        changes = np.abs(np.concatenate(others, axis=1).mean(axis=1)).tolist()
-        for i, (fraction, least, most), change in zip(numbers, means, changes, strict=True):
+        sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
+        for i, (fraction, least, most), change in zip(numbers, means, sizes, strict=True):
             shares[i] = fraction, max(most - fraction, fraction - least, change)
     return shares
 
@@ -235,9 +237,9 @@ def shares_of_box(
 def _rivals(limits: Sequence[Limit]) -> list[Limit]:
     """The limits with the other kind of fits; none where no limit has such."""
     rivals = [limit.rival for limit in limits]
-    if all(other is None for other in rivals):
+    if all(rival is None for rival in rivals):
         return []
-    return [other or limit for limit, other in zip(limits, rivals, strict=True)]
+    return [rival or limit for limit, rival in zip(limits, rivals, strict=True)]
 
 
 def _met(

@@ -230,6 +230,41 @@ def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
     assert "| t_open |" in (tmp_path / "usual" / "summary.md").read_text()
 
 
+@pytest.mark.parametrize(
+    ("fall", "most", "count"), [(0.5, 1000, 7), (1.0, 1000, 2), (0.95, 1000, 2), (0.5, 5, 5)]
+)
+def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, monkeypatch):
+    """From 1.0, to at most 0.01, in iterations that double the runs and let the error fall by a
+    factor; beyond the iterations that it is given. An error that does not fall is given up once
+    there are twice the runs; so is the search where no more may be made."""
+
+    class Bench:
+        points = np.zeros((1, 1))
+        iterations = 0
+        experiment = SimpleNamespace(quantity_list=[None])
+
+        def surrogates(self):
+            return [None]
+
+        def add(self, points):
+            if len(points) and self.iterations < most:
+                self.iterations += 1
+                self.points = np.zeros((2 * len(self.points), 1))
+
+    monkeypatch.setattr(
+        quantity_bounds, "_bounds",
+        lambda bench, *_: SimpleNamespace(relative_error=fall**bench.iterations),
+    )  # fmt: skip
+    for name, result in (("_infill", [np.zeros(1)]), ("_spread", [np.zeros(1)])):
+        monkeypatch.setattr(quantity_bounds, name, lambda *_, result=result: result)
+    monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
+    monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
+    bench = Bench()
+    quantity_bounds.converge_bounds(bench, 2, tolerances=[0.01])
+    assert bench.iterations == count
+
+
 @pytest.mark.parametrize("rounds", [0, 1, 3])
 def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
     """Where every round asks for another one."""
@@ -245,7 +280,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
             self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
     monkeypatch.setattr(
-        quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.points)
+        quantity_bounds, "_bounds", lambda bench, q, surrogate, *_: len(bench.points)
     )
     monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)

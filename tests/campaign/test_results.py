@@ -269,7 +269,14 @@ def test_the_summary_is_as_its_schema_says(finished):
 
 @pytest.mark.parametrize(
     ("units", "text"),
-    [("m", "m"), ("m s-1", "m/s"), ("kg m2 s-2", "kg m²/s²"), ("s-1", "1/s"), ("1", "1")],
+    [
+        ("m", "m"),
+        ("m s-1", "m/s"),
+        ("kg m2 s-2", "kg m²/s²"),
+        ("s-1", "1/s"),
+        ("1", "1"),
+        ("m0.5", "m^0.5"),
+    ],  # fmt: skip
 )
 def test_units_are_written_as_people_do(units, text):
     assert pretty(units) == text

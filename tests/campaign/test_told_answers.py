@@ -27,6 +27,7 @@ from deployable.campaign.results.facts import (
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, number, quantity, share, with_error
 from deployable.intervals import Box, scalars
+from deployable.intervals.scalars.search import BoundEstimate
 from deployable.intervals.scalars.surrogate import Extremes
 
 
@@ -237,6 +238,20 @@ def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
     assert (bounds.lower, bounds.upper) == (1.0, 2.0)
     assert (bounds.argmin[0], bounds.argmax[0]) == (-0.4, 0.3)
     assert bounds.outer == (0.0, 3.0)
+
+
+@pytest.mark.parametrize(("latest", "upper", "error"), [(np.inf, 2.0, 1.0), (3.0, 3.0, 0.2)])
+def test_after_searches_by_runs_bounds_are_those_of_the_runs(latest, upper, error, monkeypatch):
+    """What a surrogate adds is part of the error; but a time may come after the runs have ended."""
+    estimates = tuple(BoundEstimate(value, 0.2, np.zeros((0, 1))) for value in (1.0, 3.0))
+    monkeypatch.setattr(scalars, "estimate_bounds", lambda *arguments: estimates)
+    extremes = Extremes(1.0, 3.0, np.array([-1.0]), np.array([1.0]))
+    surrogate = SimpleNamespace(range=lambda: extremes, latest=latest)
+    numbers = np.array([[1.0], [2.0]])
+    model = SimpleNamespace(numbers=numbers, points=np.array([[0.0], [0.3]]))
+    bounds = _bounds(model, 0, surrogate, np.zeros(2), is_searched=True)
+    assert bounds.outer == (1.0, upper)
+    assert bounds.error == error
 
 
 def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, monkeypatch, capsys):

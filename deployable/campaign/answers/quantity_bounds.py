@@ -98,7 +98,14 @@ def converge_bounds(
             climbs.run()
             surrogates = model.surrogates()
         bounds = [
-            _bounds(model, q, s, mispredictions[q], climbs.remainders(q))
+            _bounds(
+                model,
+                q,
+                s,
+                mispredictions[q],
+                climbs.remainders(q),
+                max_iterations > 0 and bool(climbs.climbs),
+            )
             for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
@@ -237,7 +244,9 @@ def _bounds(
     surrogate: Any,
     mispredictions: np.ndarray,
     remainders: tuple[float, float] = (0.0, 0.0),
+    is_searched: bool = False,
 ) -> QuantityBounds:
+    """Bounds of one quantity; what runs attain where they were searched (`is_searched`)."""
     from deployable.intervals.scalars import TOLERANCE, estimate_bounds
 
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
@@ -247,12 +256,24 @@ def _bounds(
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
     estimates = estimate_bounds(surrogate, model.points, values, mispredictions)
+    if is_searched:
+        pairs = zip(estimates, (lower, upper), strict=True)
+        estimates = tuple(_attain(estimate, value, surrogate) for estimate, value in pairs)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
     points = model.points[list(rows)]
     return QuantityBounds(
         surrogate, surrogate_range, lower, upper, *points, estimates, unconverged, remainders
     )
+
+
+def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
+    """An estimate whose value is that of the extreme run, where the surrogate goes farther after
+    searches by runs: its error has what lies between. The end of the runs stays."""
+    if estimate.value == surrogate.latest:
+        return estimate
+    error = max(estimate.error, abs(estimate.value - value))
+    return estimate._replace(value=value, error=error)
 
 
 def _infill(bounds: QuantityBounds) -> list[np.ndarray]:

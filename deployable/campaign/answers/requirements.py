@@ -39,6 +39,7 @@ from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Notify
 
+_RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
 _LINES = 512  # of a share with one interval halved, which is an outlook
 
 
@@ -105,6 +106,9 @@ def _judge_limits(
         row["share_uncertainty"] = max(open_, 1.0 - fraction)
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
+        if not sure:  # what so many runs in any places miss with a chance of 5 % is not excluded
+            bound = min(1.0, _RULE_OF_THREE / row["runs"])
+            row["share_uncertainty"] = max(row["share_uncertainty"], bound)
         return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
     if fraction > 0 or is_met.any():
         return {"met": "some", **row}

@@ -268,7 +268,8 @@ class RefinementState:
         runs, seconds = cost.need_of(action)
         if cost.runs + runs + cost.reserve > budget.max_runs:
             reserve = 2 * cost.check_runs + cost.reserve
-            costs = f"{cost.runs} are spent, {reserve} kept for the last check"
+            purpose = " and quantities" if cost.reserve else ""
+            costs = f"{cost.runs} are spent, {reserve} kept for checks{purpose}"
             return f"the budget of {budget.max_runs} runs does not allow more ({costs})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
             costs = f"{duration_text(max(1.0, cost.seconds))} are spent"
@@ -321,7 +322,7 @@ class RefinementState:
         if error.surrogate > allowance:
             is_known = error.surrogate < UNKNOWN
             nodes = math.ceil(nodes * min(error.surrogate / allowance, 100.0))
-            texts.append(f"some {nodes} runs" if is_known else "more runs")
+            texts.append(f"some {nodes} runs beside those of checks" if is_known else "more runs")
         time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
         return (
             f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"

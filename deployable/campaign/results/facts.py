@@ -420,7 +420,9 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
             row["errors"] = errors
         row |= {key: int(data[key][i]) for key in ("runs_with", "runs_without")}
         row["predicted_ends"] = [
-            side for side in ("lower", "upper") if data[f"unconverged_{side}"][i]
+            side
+            for side in ("lower", "upper")
+            if data[f"unconverged_{side}"][i] and row[side] != row[f"simulated_{side}"]
         ]
         ends = data["is_time"][i] and row["runs_without"] and (row["upper"] or 0.0) >= duration
         row["censored_at"] = duration if ends else None

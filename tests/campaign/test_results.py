@@ -276,7 +276,7 @@ def test_the_summary_is_as_its_schema_says(finished):
         ("s-1", "1/s"),
         ("1", "1"),
         ("m0.5", "m^0.5"),
-    ],  # fmt: skip
+    ],
 )
 def test_units_are_written_as_people_do(units, text):
     assert pretty(units) == text

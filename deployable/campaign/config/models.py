@@ -68,7 +68,8 @@ class Aim(ConfigSection):
     max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
     """Most runs that may be spent, of all meshes, with those of checks, of the ends of quantities
     and of a choice, but not those for measured curves; in each case as many. It must allow two
-    runs for each interval and two more, a check of step and mesh, and the grid of a choice."""
+    runs for each interval and two more, a check of step and mesh, and the grid of a choice (`check`
+    says how many that is)."""
     max_core_minutes: Annotated[float, Rule(gt=0, unit="min")] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""

@@ -2,8 +2,8 @@
 
 The margin is an energy for each unit of inertia (rad²/s², on slides m²/s²), so that it goes on
 smoothly where the event ceases to occur. It is half the square of the rate with which the opening
-arrives; and where it does not, what it lacked: the deceleration before it turned back, continued
-as it changed there, times the opening that was still to go. A latch with a largest rate L, that the opening has at w, catches by
+arrives; and where it does not, what it lacked: the deceleration before it turned back times the
+opening that was still to go. A latch with a largest rate L, that the opening has at w, catches by
 w²/2 (1 - w²/L²), which is below zero where it is passed too fast."""
 
 import numpy as np

@@ -90,6 +90,7 @@ def converge_bounds(
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
     climbs, progress = _Climbs(model), _Progress(tolerances)
+    is_searched = max_iterations > 0 and bool(climbs.climbs)
     for iteration in itertools.count():
         if iteration < max_iterations or tolerances:
             climbs.run()
@@ -98,14 +99,7 @@ def converge_bounds(
             climbs.run()
             surrogates = model.surrogates()
         bounds = [
-            _bounds(
-                model,
-                q,
-                s,
-                mispredictions[q],
-                climbs.remainders(q),
-                max_iterations > 0 and bool(climbs.climbs),
-            )
+            _bounds(model, q, s, mispredictions[q], climbs.remainders(q), is_searched)
             for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))

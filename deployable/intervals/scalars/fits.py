@@ -237,9 +237,9 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
         if (solution := least_squares(basis, values, 1e-9)) is None:
             break
         coefficients, leverage = solution
-        is_lone_runs = leverage < _LEVERAGE
+        is_tested = leverage < _LEVERAGE
         rest = values - basis @ coefficients
-        left_out = np.where(is_lone_runs, rest / np.where(is_lone_runs, 1 - leverage, 1.0), np.inf)
+        left_out = np.where(is_tested, rest / np.where(is_tested, 1 - leverage, 1.0), np.inf)
         if len(points) == 1 and not free.any():
             left_out = np.zeros(1)  # a box without width has one run, and nothing to be tested
         kind = f"polynomial of degree {degree}"

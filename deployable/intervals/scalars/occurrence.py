@@ -93,10 +93,14 @@ class Occurrence:
         `confidence` over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
+        return self.band(points) * min(1.0, confidence / np.sqrt(self._stretch_count))
+
+    @cached_property
+    def _stretch_count(self) -> float:
+        """How many stretches of the border err each by itself, at least 1."""
         spacing = len(self.points) ** (-1.0 / max(int(self._free.sum()), 1))
         cells = np.unique(np.round(self._support_vectors[0] / (2 * spacing)), axis=0)
-        count = max(1.0, len(cells) * float(stands_alone(self.points).mean()) ** 2)
-        return self.band(points) * min(1.0, confidence / np.sqrt(count))
+        return max(1.0, len(cells) * float(stands_alone(self.points).mean()) ** 2)
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here

@@ -219,7 +219,6 @@ def shares_of_box(
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
             points[:, :, direction] = line
             flat, cache = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower), {}
-
             fractions.append([_met(sets[i], flat, cache, len(line), (0, -1, 1)) for i in numbers])
             if first <= len(starts) // _RIVAL_SHARE:
                 rows = [

@@ -1,4 +1,4 @@
-"""Keeps the quick tests quick: they share a few time loops, each of which takes 10 to 30 s."""
+"""Keeps the quick tests quick: they share a few kinds of element, each compiled in 1 to 10 s."""
 
 from __future__ import annotations
 
@@ -13,30 +13,22 @@ from deployable.one_thread import set_environment
 # for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
 set_environment()
 
-# By the named tuples of their kinds (`fpm.kernels.compiled_loop`).
-SHARED = {
-    "StraightElements-Openings-Hinges-Springs-Contacts",  # the Bennett linkage
-    "StraightElements-Openings-Hinges-Springs",  # a panel on a spring
-    "Weight-StraightElements-Openings-Hinges",  # the pendulum
-    "StraightElements",  # bars alone
-}
+SHARED = {"run", "Weight", "StraightElements", "Openings", "Hinges", "Springs", "Contacts"}
+"""What quick tests may compile: the time loop, and kinds by the named tuples of their arrays."""
 
 _seen: set[str] = set()
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_teardown(item: pytest.Item) -> None:
-    """Fail a quick test that was the first to need another time loop."""
+    """Fail a quick test that was the first to need the compiled code of another kind."""
     compiled = sys.modules.get("fpm.kernels.compiled_loop")
-    ready = compiled.READY if compiled else ()
-    needed = {
-        "+".join(["-".join(kind.__name__ for kind in kinds), *more])
-        for what, kinds, more, _ in ready
-        if what == "loop"
-    } - _seen
+    ready = compiled.READY if compiled else {}
+    names = (getattr(unit, "__name__", unit) for (unit, _), code in ready.items() if code)
+    needed = {name for name in names if name != "act"} - _seen
     _seen.update(needed)
     if (more := needed - SHARED) and not item.get_closest_marker("slow"):
-        pytest.fail(f"needs a time loop of its own, {', '.join(sorted(more))}: mark it slow")
+        pytest.fail(f"needs compiled kernels of {', '.join(sorted(more))}: mark it slow")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -32,7 +32,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     if numba compiles."""
     import numba
 
-    from fpm.kernels import compiled_loop, hooks, lanes, references, sources, vectors
+    from fpm.kernels import compiled_loop, hooks, lanes, sources, vectors
     from fpm.kernels import run as loop
 
     for path in (sources.PACKAGE / "elements").rglob("*_kernels.py"):
@@ -44,14 +44,32 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     for name, value in list(vars(loop).items()):
         if isinstance(value, types.FunctionType) and value is not loop.run:
             setattr(loop, name, in_part(_name_of(value), value))
-    substitutes = {id(compiled_loop.loop_for): lambda arguments: loop.run, **_find_overloads()}
-    substitutes[id(references.by_reference)] = lambda value: value
+    substitutes = {id(compiled_loop.call_loop): lambda _, *rest: loop.run(*rest)}
+    substitutes |= _find_overloads()
     for name, operation in operations.items():
         substitutes[id(getattr(vectors if name == "vector" else lanes, name))] = operation
     for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
         for name, value in list(vars(module).items()):
             if id(value) in substitutes:
                 setattr(module, name, substitutes[id(value)])
+    for name in hooks.ENTRIES:
+        setattr(hooks, name, _call_each(hooks, name))
+
+
+def _call_each(hooks: types.ModuleType, name: str) -> Callable:
+    """What a hook does, as Python: `parts` are the arrays of each element type."""
+    arguments, body = hooks.ENTRIES[name]
+    namespace = {**vars(hooks)}
+    source = f"def entry(kernel, part, {', '.join(arguments)}):\n    {body}"
+    exec(source, namespace)
+
+    def call_each(parts, *rest):
+        kernels = ((hooks.KERNELS.get((type(part), name)), part) for part in parts)
+        for k, (kernel, part) in enumerate(pair for pair in kernels if pair[0]):
+            columns = [hooks.ACCOUNTS + rest[0].accounts.shape[1] + k] * ("column" in arguments)
+            namespace["entry"](kernel, part, *rest, *columns)
+
+    return call_each
 
 
 def _name_of(kernel: Callable) -> str:

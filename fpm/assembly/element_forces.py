@@ -107,12 +107,12 @@ class ElementForces:
         return NUDGE
 
     def _act(self) -> np.ndarray:
-        from fpm.kernels.compiled_loop import loop_for
+        from fpm.kernels.compiled_loop import call_loop
 
         state = self.world.state
         state[:, layout.F : layout.M + 3] = 0.0
-        arguments = (self.parts, self.world, StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP))
-        loop_for(arguments, "act")(*arguments)
+        timing = StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP)
+        call_loop("act", self.parts, self.world, timing)
         return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
 
 

@@ -1,56 +1,61 @@
-"""The compiled time loop: one for every set of kinds, cached on disk.
+"""The compiled time loop, and the compiled kernels of each kind, kept as machine code on disk.
 
-Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
-cache folder is named after a digest of all kernel sources as they were imported, and of the files
-of kinds from elsewhere with what they import from beside them: an edited kernel never meets old
-code, and what was imported before an edit is not kept under the name of what came after. Every set
-has a folder of its own, so that no kind is needed to load a loop without it, and so has every kind
-of processor, so that machines can share a cache."""
+Loop and kernels are compiled apart, each once for the types of its arrays, and the loop calls the
+kernels by their addresses (`hooks.Calls`). Their files stand in a folder that is named after a
+digest of all kernel sources as they were imported, and of the processor: an edited kernel never
+meets old code, what was imported before an edit is not kept under the name of what came after, and
+machines can share a cache. Each file is written whole, with checksums: what is not as written is
+compiled again."""
 
+import ctypes
 import fcntl
 import functools
 import gc
 import hashlib
-import json
 import logging
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
 
+import llvmlite.binding as llvm
 import numba
-from numba.core.dispatcher import Dispatcher
+import numpy as np
+from numba import types
+from numba.core.codegen import initialize_llvm
 
 from fpm.errors import ChangedError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
-from fpm.kernels.hooks import HASHES, KERNELS
+from fpm.kernels.hooks import ENTRIES, HASHES, KERNELS, NAMES, Calls, entry_of
+from fpm.kernels.references import Reference
 from fpm.kernels.vectors import OPTIONS
+from fpm.kernels.world import StepTime
 
 
-def find_user_sources(parts: tuple[type, ...]) -> dict[Path, str]:
+def find_user_sources(arrays: type) -> dict[Path, str]:
     """Return digests, by path, of the files outside of the package fpm on which the compiled code
-    of some element types depends: where their arrays and kernels are defined, and files beside
-    these that they import. parts: classes of the named tuples that their kernels take. Raises
-    ChangedError if a file changed since its kernels were imported."""
-    kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
-    digests = {}
-    for part, definition in [*((part, part) for part in parts), *kernels]:
+    of an element type depends: where its arrays and kernels are defined, and files beside these
+    that they import. arrays: class of the named tuple that its kernels take. Raises ChangedError if
+    a file changed since the kernels were imported."""
+    kernels = [k.py_func for (part, _), k in KERNELS.items() if part is arrays]
+    digests: dict[Path, str] = {}
+    for definition in (arrays, *kernels):
         digests |= sources.digests(sources.file_of(definition))
-        for path, digest in HASHES.get(part, {}).items():
-            if digests.get(path, digest) != digest:
-                raise ChangedError(str(path))
+    for path, digest in HASHES.get(arrays, {}).items():
+        if digests.get(path, digest) != digest:
+            raise ChangedError(str(path))
     return digests
 
 
 @functools.cache
-def source_digest(parts: tuple[type, ...] = ()) -> str:
-    """Return a digest (16 hex digits) of numba's version, the kernel sources of fpm, and the
-    sources of element types from outside of fpm, after which the folder of compiled code is named.
-    parts: classes of the named tuples that the types' kernels take."""
-    digests = [digest for _, digest in sorted(find_user_sources(parts).items())]
-    text = repr([numba.__version__, sources.kernels(), digests])
+def source_digest() -> str:
+    """Return a digest (16 hex digits) of numba's version and the kernel sources of fpm, after which
+    the folder of compiled code is named."""
+    text = repr([numba.__version__, sources.kernels()])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -64,18 +69,10 @@ def processor() -> str:
     return hashlib.sha256(target.encode()).hexdigest()[:8]
 
 
-LONGEST = 200
-"""Letters of a folder's name; file systems take some 255, with what is added to it."""
-
-
-def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
-    """Return the folder for the compiled code of one set of element types (it may not exist): in
-    NUMBA_CACHE_DIR, beside the sources, or in the user's cache. parts: classes of the named tuples
-    that their kernels take; entry: "loop" (the whole time loop) or "act" (its forces)."""
-    loop_name = "-".join([entry, *(p.__name__ for p in parts)])
-    if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
-        loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
-    name = Path(f"numba-{source_digest(parts)}-{processor()}", loop_name)
+def cache_folder() -> Path:
+    """Return the folder for compiled code (it may not exist): in NUMBA_CACHE_DIR, beside the
+    sources, or in the user's cache."""
+    name = f"numba-{source_digest()}-{processor()}"
     if numba.config.CACHE_DIR:
         return Path(numba.config.CACHE_DIR) / name
     pycache = Path(__file__).parent / "__pycache__"
@@ -87,58 +84,244 @@ def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
     return (pycache if is_writable else sources.user_cache()) / name
 
 
-ENTRIES = {"loop": loop.run, "act": loop.act}
-"""What is compiled for a set of kinds, by name: the whole loop, or their forces alone."""
+def cache_file(name: str, form: str, arrays: type | None = None) -> Path:
+    """Return a file of compiled code (it may not exist). name: of the loop's function, or class;
+    form: of the arguments (`form_of`); arrays: class of the named tuple of an element type, None:
+    the loop's own. Raises ChangedError if a source of the type changed since it was imported."""
+    user_digests = sorted(find_user_sources(arrays).items()) if arrays else []
+    digest = hashlib.sha256(repr([form, [d for _, d in user_digests]]).encode()).hexdigest()[:16]
+    return cache_folder() / f"{name}-{digest}.npz"
 
-LOOPS: dict[tuple[str, tuple[type, ...]], Dispatcher] = {}
-"""What was compiled for every set of kinds met so far, by the named tuples of the kinds."""
 
-READY: set[tuple] = set()
-"""The sets of kinds, what is optional of them and there, and precisions for which that was
-compiled or loaded."""
+def form_of(value: Any) -> str:
+    """Return what compiled code depends on of an argument, as text: number types and dimensions of
+    arrays, names and fields of named tuples. Raises TypeError for what kernels do not take."""
+    match value:
+        case np.ndarray() if value.flags.c_contiguous:
+            return f"{value.dtype.str}{value.ndim}"
+        case tuple():
+            return f"{type(value).__name__}({','.join(map(form_of, value))})"
+        case None | float():
+            return type(value).__name__
+        case int() | np.integer() | np.bool_():
+            return "int"
+    raise TypeError(f"{value!r}: kernels take C-contiguous arrays, int, float, None, named tuples")
+
+
+def words_of(value: Any) -> Iterator[int]:
+    """Yield the 64-bit words of an argument in memory, as compiled code reads them (of an array:
+    two pointers of Python, number and size of its items, address, shape, strides). value: an array,
+    int, float, None, or named tuple of such, which has to live on while the words are used."""
+    match value:
+        case np.ndarray():
+            address = value.__array_interface__["data"][0]
+            yield from (0, 0, value.size, value.itemsize, address, *value.shape, *value.strides)
+        case tuple():
+            for field in value:
+                yield from words_of(field)
+        case None:
+            yield 0
+        case float():
+            yield int(np.float64(value).view(np.int64))
+        case _:
+            yield int(value)
+
+
+def numba_type(value: Any) -> types.Type:
+    """Return numba's type of an argument, as in `form_of`."""
+    match value:
+        case np.ndarray():
+            return types.Array(numba.from_dtype(value.dtype), value.ndim, "C")
+        case tuple():
+            return types.BaseTuple.from_types([numba_type(v) for v in value], type(value))
+        case None:
+            return types.none
+        case float():
+            return types.float64
+    return types.intp
+
+
+FUNCTIONS = {"run": loop.run, "act": loop.act}
+"""What is compiled for all scenes, by name: the whole loop, and the sum of forces alone."""
+
+READY: dict[tuple[Any, str], dict[str, int]] = {}
+"""Of each element type (class of its arrays) and function of the loop (name), and the form of its
+arguments, the addresses in memory of its kernels by hook, or its own by name."""
+
+COMPILED_NAMES: list[str] = []
+"""What this process compiled: names of classes of arrays, and of functions of the loop."""
+
+_ENGINES: list[llvm.ExecutionEngine] = []
+"""What keeps machine code in memory."""
 
 THREADS = threading.Lock()
-"""Lock held by the thread that makes a loop ready."""
+"""Lock held by the thread that makes code ready."""
+
+Code = dict[str, tuple[str, bytes]]
+"""Of compiled functions, by name, the name in their machine code, and that."""
 
 
-def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
-    """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
-    if (entry, parts) not in LOOPS:
-        previous, folder = numba.config.CACHE_DIR, cache_folder(parts, entry)
-        numba.config.CACHE_DIR = str(folder)
-        try:
-            LOOPS[entry, parts] = numba.njit(cache=is_cached, **OPTIONS)(ENTRIES[entry].py_func)
-        finally:
-            numba.config.CACHE_DIR = previous
-    return LOOPS[entry, parts]
+def call_loop(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) -> None:
+    """Call the time loop `run.run` ("run"), or the sum of forces `run.act` ("act"), with compiled
+    kernels of the types of their arrays. parts: arrays of each element type; world, rest: further
+    arguments of the function."""
+    codes = [_kernels(part, world) for part in parts]
+    memory = [_in_memory(part) for part in parts]
+    calls = [
+        [(code[hook], words.ctypes.data) for code, words in zip(codes, memory, strict=True)
+         if hook in code]
+        for hook in NAMES
+    ]  # fmt: skip
+    table = Calls(
+        np.cumsum([0, *map(len, calls)], dtype=np.int64),
+        np.array([c for row in calls for c in row], dtype=np.int64).reshape(-1, 2),
+    )
+    arguments = table, world, *rest
+    address = _loop(name, arguments)
+    values, kinds = [], []
+    for argument in arguments:
+        if _is_by_reference(argument):
+            memory.append(words := _in_memory(argument))
+            values.append(words.ctypes.data)
+            kinds.append(ctypes.c_void_p)
+        else:
+            numbers = argument if isinstance(argument, tuple) else (argument,)
+            values += numbers
+            kinds += [ctypes.c_double if isinstance(n, float) else ctypes.c_int64 for n in numbers]
+    # As numba calls: first where a result and an error would go.
+    result = ctypes.c_void_p()
+    function = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *kinds)(address)
+    function(ctypes.addressof(result), None, *values)
 
 
-def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
-    """Return a function compiled, or loaded from the cache on disk, for the types of its arguments:
-    the time loop `run.run` (entry "loop") or the sum of forces `run.act` ("act"); the caller calls
-    it with them. arguments: all of its arguments, of which the first two are the element types'
-    arrays and the World. numba's cache can break when several processes write it at once, so the
-    first that arrives compiles and the others wait for its lock; so do threads."""
-    parts, world = arguments[:2]
-    kinds = tuple(map(type, parts))
-    ready = entry, kinds, _optional(parts), world.state.dtype
-    if ready not in READY:  # to find the whole signature takes milliseconds
-        with THREADS, _one_at_a_time(folder := cache_folder(kinds, entry)) as is_locked:
-            run = _loop(kinds, entry, is_cached=is_locked)
-            if is_locked and (files := _damaged_files(folder)):
-                logging.getLogger(__name__).warning(
-                    "%s: compiled code that is not as it was written; it is made again",
-                    ", ".join(str(folder / name) for name in files),
-                )
-                for path in _cache_files(folder):
-                    path.unlink(missing_ok=True)
+def is_compiled(part: tuple, world: tuple) -> bool:
+    """Return whether compiled kernels of an element type are on disk, or it has none. part: its
+    arrays; world: of the solver."""
+    return not _hooks(type(part)) or cache_file(*_unit(part, world)).exists()
+
+
+def is_loop_compiled() -> bool:
+    """Return whether the compiled time loop is on disk."""
+    return any(cache_folder().glob("run-*.npz"))
+
+
+def _hooks(arrays: type) -> list[str]:
+    """Names of the hooks for which an element type has kernels."""
+    return [hook for hook in ENTRIES if (arrays, hook) in KERNELS]
+
+
+def _is_by_reference(argument: Any) -> bool:
+    return isinstance(argument, tuple) and any(isinstance(f, np.ndarray) for f in argument)
+
+
+def _in_memory(value: tuple) -> np.ndarray:
+    return np.array(list(words_of(value)), dtype=np.int64)
+
+
+def _unit(part: tuple, world: tuple) -> tuple[str, str, type]:
+    arrays = type(part)
+    return arrays.__name__, f"{form_of(part)} {form_of(world)}", arrays
+
+
+def _kernels(part: tuple, world: tuple) -> dict[str, int]:
+    """Addresses, by hook, of the kernels of an element type for these arrays."""
+    name, form, arrays = _unit(part, world)
+    if (arrays, form) not in READY:
+
+        def compile_kernels() -> Code:
+            lanes = types.Array(numba.from_dtype(world.state.dtype), 3, "C")
+            argument_types = {
+                "world": Reference(numba_type(world)),
+                "timing": numba_type(StepTime(0.0, 0.0, 0.0)),
+                **dict.fromkeys(("row", "column"), types.intp),
+                **dict.fromkeys(("energies", "points"), lanes),
+            }
+            code = {}
+            for hook in _hooks(arrays):
+                function, arguments = entry_of(arrays, hook)
+                kinds = [Reference(numba_type(part)), *(argument_types[a] for a in arguments)]
+                code[hook] = _compile(function, kinds)
+            return code
+
+        path = cache_file(name, form, arrays)
+        has_code = bool(_hooks(arrays))
+        READY[arrays, form] = _make_ready(name, path, compile_kernels) if has_code else {}
+    return READY[arrays, form]
+
+
+def _loop(name: str, arguments: tuple) -> int:
+    """Address of a function of the loop for these arguments."""
+    form = form_of(arguments)
+    if (name, form) not in READY:
+
+        def compile_loop() -> Code:
+            kinds = [
+                Reference(numba_type(a)) if _is_by_reference(a) else numba_type(a)
+                for a in arguments
+            ]
+            return {name: _compile(FUNCTIONS[name].py_func, kinds)}
+
+        READY[name, form] = _make_ready(name, cache_file(name, form), compile_loop)
+    return READY[name, form][name]
+
+
+def _compile(function: Callable, kinds: Sequence[types.Type]) -> tuple[str, bytes]:
+    """The name of a function in machine code for arguments of some types, and that code."""
+    dispatcher = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(function)
+    dispatcher.compile(tuple(kinds))
+    (result,) = dispatcher.overloads.values()
+    return result.fndesc.llvm_func_name, result.library.serialize_using_object_code()[2][0]
+
+
+def _make_ready(name: str, path: Path, compile_all: Callable[[], Code]) -> dict[str, int]:
+    """Addresses of functions, loaded from their file, or compiled and written there. The first
+    process compiles, and argument_types wait for its lock; so do threads."""
+    with THREADS, _one_at_a_time(path):
+        code = _read(path)
+        if not code:
             with _collect_seldom():
-                run.compile(tuple(map(numba.typeof, arguments)))
-            if is_locked:
-                with suppress(OSError):  # a full disk, say
-                    (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
-            READY.add(ready)
-    return LOOPS[entry, kinds]
+                code = compile_all()
+            COMPILED_NAMES.append(name)
+            with suppress(OSError):  # a full disk, say
+                _write(path, code)
+        return {function: _load(*entry) for function, entry in code.items()}
+
+
+def _read(path: Path) -> Code:
+    """Code in a file; {}: there is none, or it is not as it was written."""
+    try:
+        with np.load(path) as file:
+            names = {key: key.split(" ") for key in file.files}
+            return {name: (symbol, file[key].tobytes()) for key, (name, symbol) in names.items()}
+    except FileNotFoundError:
+        return {}
+    except (OSError, EOFError, ValueError, KeyError, BadZipFile):
+        logging.getLogger(__name__).warning(
+            "%s: compiled code that is not as it was written; it is made again", path
+        )
+        return {}
+
+
+def _write(path: Path, code: Code) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
+    arrays = {f"{n} {symbol}": np.frombuffer(c, np.uint8) for n, (symbol, c) in code.items()}
+    try:
+        np.savez(part, **arrays)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _load(symbol: str, code: bytes) -> int:
+    """The address of a function in machine code, which stays in memory."""
+    initialize_llvm()
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    _ENGINES.append(engine)
+    return engine.get_function_address(symbol)
 
 
 @contextmanager
@@ -152,48 +335,14 @@ def _collect_seldom() -> Iterator[None]:
         gc.set_threshold(*threshold)
 
 
-def _optional(parts: tuple) -> tuple[str, ...]:
-    """The fields of named tuples that may be None, and are not."""
-    fields = ((part, n, x) for part in parts for n, x in part._field_defaults.items())
-    return tuple(n for part, n, x in fields if x is None and getattr(part, n) is not None)
-
-
-DIGESTS = "digests.json"
-"""In a cache folder, digests of the files in it: numba loads, and runs, whatever is there."""
-
-
-def _cache_files(folder: Path) -> list[Path]:
-    """numba's files: indices and compiled code."""
-    return sorted(folder.rglob("*.nb[ci]"))
-
-
-def _digests(folder: Path) -> dict[str, str]:
-    return {
-        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in _cache_files(folder)
-    }
-
-
-def _damaged_files(folder: Path) -> list[str]:
-    """Names of files of compiled code that are not as written; none where there are none yet."""
-    new, old = _digests(folder), {}
-    with suppress(OSError, ValueError, TypeError):
-        old = dict(json.loads((folder / DIGESTS).read_text(encoding="utf-8")))
-    return [name for name in new | old if new and new.get(name) != old.get(name)]
-
-
 @contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[bool]:
-    """Hold a lock for a folder among all processes, on all machines that share its file system.
-    Gives False where none can be had: nothing is kept there safely."""
+def _one_at_a_time(path: Path) -> Iterator[None]:
+    """Hold a lock for a file among all processes, on all machines that share its file system; where
+    none can be had, several may make the same file, each whole."""
     with ExitStack() as stack:
-        try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            # In its parent, since a lock is beside what it guards, and stays.
-            file = stack.enter_context(open(folder.with_name(f"{folder.name}.lock"), "a"))
+        with suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # Beside what it guards, which is replaced.
+            file = stack.enter_context(open(path.with_suffix(".lock"), "a"))
             fcntl.flock(file, fcntl.LOCK_EX)
-        except OSError:
-            is_locked = False
-        else:
-            is_locked = True
-        yield is_locked
+        yield

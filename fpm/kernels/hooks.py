@@ -1,21 +1,23 @@
 """Hooks: what the time loop asks of the kinds in a scene.
 
 A kind's kernel file has a named tuple of its arrays and, for what it does, kernels marked with
-`@hook(ItsTuple)` that are named as the hooks below. The loop calls a hook with the tuples of all
-kinds in the scene; when it is compiled, that becomes one call after the other of the kernels there
-are, in the order of the kinds. What a scene or kind lacks leaves nothing behind."""
+`@hook(ItsTuple)` that are named as the hooks below. Loop and kernels are compiled apart
+(compiled_loop.py): at each hook the loop calls the kernels there are, in the order of the kinds. So
+a new mix of known kinds compiles nothing, and a scene pays nothing for what it lacks."""
 
-import functools
 import inspect
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 from numba.extending import overload
 
 from fpm.errors import SceneError
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
+from fpm.kernels.references import call, local_copy
 from fpm.kernels.sources import digests, file_of
 from fpm.kernels.vectors import INLINE, kernel
 
@@ -75,70 +77,89 @@ def _list(energy_of: Callable) -> Callable:
     return list_energies
 
 
-def _unroll(line: str | None = None) -> Callable:
-    """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
-    just a call of its `kernel` with its `part` for the parts; {j} counts those with a kernel."""
+class Calls(NamedTuple):
+    """The kernels of a scene's element types, compiled, as the loop calls them. starts (hooks +
+    1,): first row of each hook's calls, in the order of NAMES, and the end; addresses (calls, 2):
+    in memory, of the code of a kernel and of its type's arrays."""
+
+    starts: np.ndarray
+    addresses: np.ndarray
+
+
+ENTRIES: dict[str, tuple[list[str], str]] = {}
+"""Of each hook what is compiled for a kernel: its arguments beside `part`, and what it does."""
+
+
+def _call_each(body: str = "", **extras: str) -> Callable:
+    """Return a decorator that makes a hook of an empty function of (parts, ...): it calls the
+    kernels of all types. body: what is compiled for a kernel, "": its call with the same arguments;
+    extras: arguments that it takes beside, each an expression in the number `k` of the call."""
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
-        template = line or f"{{kernel}}({', '.join(['{part}', *arguments])})"
+        listed, number = ", ".join(arguments), len(NAMES)
+        rest = ", ".join([listed, *extras.values()])
         NAMES.append(name)
-
-        def unroll(kinds):
-            """The function of (parts, ...) for parts of these kinds."""
-            namespace, lines = {"store": store, "ACCOUNTS": ACCOUNTS}, []
-            for i, kind in enumerate(kinds):
-                if function := KERNELS.get((kind, name)):
-                    namespace[f"kernel_{i}"] = function
-                    names = {"kernel": f"kernel_{i}", "part": f"parts[{i}]", "j": len(lines)}
-                    lines.append(template.format(**names))
-            body = "\n    ".join(lines or ["pass"])
-            exec(f"def unrolled(parts, {', '.join(arguments)}):\n    {body}", namespace)
-            return namespace["unrolled"]
-
-        @functools.wraps(stub)
-        def call(parts, *rest):  # where nothing is compiled (NUMBA_DISABLE_JIT)
-            return unroll([type(part) for part in parts])(parts, *rest)
-
-        # Numba wants to see the same arguments in both functions.
-        namespace = {"choose": lambda parts: unroll([part.instance_class for part in parts.types])}
-        exec(f"def typed(parts, {', '.join(arguments)}): return choose(parts)", namespace)
-        overload(call, jit_options=INLINE)(namespace["typed"])
-        return call
+        ENTRIES[name] = [*arguments, *extras], body or f"kernel(part, {listed})"
+        namespace = {"call": call, "ACCOUNTS": ACCOUNTS}
+        exec(
+            f"""
+def call_each(parts, {listed}):
+    for k in range(parts.starts[{number} + 1] - parts.starts[{number}]):
+        i = parts.starts[{number}] + k
+        call(parts.addresses[i, 0], parts.addresses[i, 1], ({rest},))
+def choose(parts, {listed}):
+    return call_each
+""",
+            namespace,
+        )
+        overload(stub, jit_options=INLINE)(namespace["choose"])
+        return stub
 
     return declare
+
+
+def entry_of(arrays: type, name: str) -> tuple[Callable, list[str]]:
+    """Return what is compiled of the kernel that an element type has for a hook: a function of the
+    type's arrays and what the loop gives, whose names are returned as well. arrays: NamedTuple of
+    the type; name: of the hook."""
+    arguments, body = ENTRIES[name]
+    namespace = {"kernel": KERNELS[arrays, name], "store": store, "local_copy": local_copy}
+    copies = "part, world = local_copy(part), local_copy(world)"
+    exec(f"def {name}(part, {', '.join(arguments)}):\n    {copies}\n    {body}", namespace)
+    return namespace[name], arguments
 
 
 # In the order of a step. `timing` is the StepTime, `world` the World.
 
 
-@_unroll()
+@_call_each()
 def forces(parts, world, timing):
     """Add the forces (N) and moments (N m) of all element types at timing.time to those of
     particles. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_unroll()
+@_call_each()
 def note_events(parts, world, timing):
     """Write the events of the step that ends now into logs, by `events.note`; not called at the
     start. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_unroll()
+@_call_each()
 def work_before(parts, world, timing):
     """Add to World.accounts the work (J) of the half step that ends now, by forces of now and
     velocities in its middle; not called at the start. parts: arrays of each element type; world:
     solver state (World); timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def restrain(parts, world, timing):
     """Change summed forces and momenta of particles before they act, as supports and damping do,
     and add to World.accounts the work (J) of the half step that begins. parts: arrays of each
     element type; world: solver state (World); timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def prepare(parts, world, timing):
     """Kick the bodies of joints, and get all ready for `solve`. The impulses of all forces on these
     bodies, over timing.kick (s), are added to their momenta, and those that keep the joints closed
@@ -148,7 +169,7 @@ def prepare(parts, world, timing):
     changed; timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def decide(parts, world, timing):
     """Hold or free openings in this step (as rigid latches and rigid friction do), by the impulses
     that `solve` found. Where anything changed, World.undecided is set, and `solve` and `decide` are
@@ -156,19 +177,19 @@ def decide(parts, world, timing):
     type; world: solver state (World); timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def solve(parts, world, timing):
     """Find the impulses of joints and other constraints in this step; called while World.undecided
     is set. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_unroll()
+@_call_each()
 def move(parts, world, timing):
     """Move the particles that an element type moves itself over timing.step (s). parts: arrays of
     each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def look_back(parts, world, timing):
     """Correct the momenta half a step before the start, once, in the first step. `reflect` has just
     set them, in World.start_state, to those at the start less the change in the half step after it;
@@ -177,7 +198,7 @@ def look_back(parts, world, timing):
     of each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def work_after(parts, world, timing):
     """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
     parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
@@ -186,7 +207,8 @@ def work_after(parts, world, timing):
 # At checks and instants, with the positions of timing.time.
 
 
-@_unroll("store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))")
+@_call_each("store(energies, row, column, kernel(part, world))",
+            column="ACCOUNTS + world.accounts.shape[1] + k")  # fmt: skip
 def sum_energies(parts, world, energies, row):
     """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
     `energies`, the recorded ones. The kernel that a type registers takes (part, world) and returns
@@ -194,13 +216,13 @@ def sum_energies(parts, world, energies, row):
     type; world: solver state (World)."""
 
 
-@_unroll()
+@_call_each()
 def work_of_place(parts, world, energies, row):
     """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
     arrays of each type; world: solver state; energies: Record.energies; row: instant's index."""
 
 
-@_unroll()
+@_call_each()
 def record(parts, world, row):
     """Write what each element type records into its arrays, at recorded instants and at each check
     of the energy balance between them, and raise World.peaks, the largest values so far of watched
@@ -208,7 +230,7 @@ def record(parts, world, row):
     solver state (World); row: index of the instant in these arrays, of a spare last row between."""
 
 
-@_unroll()
+@_call_each()
 def record_points(parts, world, points, row, timing):
     """Overwrite the recorded velocities (m/s) of named points on particles that an element type
     moves without momenta, as drives do. parts: arrays of each element type; world: solver state;
@@ -216,14 +238,14 @@ def record_points(parts, world, points, row, timing):
     the recorded instant, whose point n is points[row p + n]; timing: times of this step (s)."""
 
 
-@_unroll()
+@_call_each()
 def work_due(parts, world, energies, row):
     """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
     it. parts: arrays of each element type; world: solver state (World); energies: Record.energies;
     row: index of the recorded instant."""
 
 
-@_unroll()
+@_call_each()
 def record_step(parts, world, row, timing):
     """Write what each type records of the step that begins at an instant into its arrays. parts:
     arrays of each element type; world: solver state, World.start_state that at the step's start;
@@ -240,13 +262,13 @@ NAMES.append("energy_of")
 # When a lane fails.
 
 
-@_unroll()
+@_call_each()
 def list_energies(parts, world):
     """After a failure, store every element's energy (J) in its row of World.rows, to name the
     worst. parts: arrays of each element type; world: solver state (World)."""
 
 
-@_unroll()
+@_call_each()
 def list_excess(parts, world):
     """After a failure, store in World.rows, in the rows of each type, how large every element's
     watched quantity is. parts: arrays of each element type; world: solver state (World)."""

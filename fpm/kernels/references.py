@@ -2,10 +2,10 @@
 
 numba hands a named tuple on field by field, and an array as eleven numbers: a kernel that sees a
 World and a kind's arrays has some four hundred arguments, packed and unpacked at every call. By
-reference they are two. The compiled loop has no reference left."""
+reference they are two."""
 
 from numba import types
-from numba.core.cgutils import alloca_once_value, gep_inbounds, unpack_tuple
+from numba.core.cgutils import alloca_once, gep_inbounds, intp_t, raw_memcpy, unpack_tuple
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import intrinsic, lower_getattr_generic, models, register_model
 
@@ -48,18 +48,34 @@ def _field(context, builder, reference, value, name):
 
 
 @intrinsic
-def by_reference(typingctx, value):
-    """Return a reference to a named tuple `value`, or for a tuple of them a tuple of references."""
-    if isinstance(value, types.BaseNamedTuple):
-        return Reference(value)(value), lambda _, builder, __, args: alloca_once_value(
-            builder, *args
-        )
-    if not isinstance(value, types.BaseTuple):
-        return None
-    refs = types.BaseTuple.from_types([Reference(item_type) for item_type in value])
+def local_copy(typingctx, reference):
+    """Return a reference to a copy of what `reference` refers to, in the function's own memory: the
+    compiler then knows that no array overlaps with it. typingctx: numba's."""
 
     def codegen(context, builder, sig, args):
-        parts = unpack_tuple(builder, args[0], len(value))
-        return context.make_tuple(builder, refs, [alloca_once_value(builder, p) for p in parts])
+        size = intp_t(context.get_abi_sizeof(args[0].type.pointee))
+        copy = alloca_once(builder, args[0].type.pointee)
+        raw_memcpy(builder, copy, args[0], size, 1)
+        return copy
 
-    return refs(value), codegen
+    return reference(reference), codegen
+
+
+@intrinsic
+def call(typingctx, code, data, arguments):
+    """Call compiled code. code: its address; data: that of the named tuple that it takes first, by
+    reference; arguments: tuple of the others; typingctx: numba's."""
+
+    def codegen(context, builder, sig, args):
+        arg_types = [types.voidptr, *sig.args[2]]
+        first = builder.inttoptr(args[1], context.get_value_type(types.voidptr))
+        values = [first, *unpack_tuple(builder, args[2])]
+        signature = context.call_conv.get_function_type(types.none, arg_types)
+        function = builder.inttoptr(args[0], signature.as_pointer())
+        packer = context.get_arg_packer(arg_types)
+        result = alloca_once(builder, signature.args[0].pointee)
+        no_error = signature.args[1](None)  # kernels raise none
+        builder.call(function, [result, no_error, *packer.as_arguments(builder, values)])
+        return context.get_dummy_value()
+
+    return types.void(code, data, arguments), codegen

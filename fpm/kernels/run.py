@@ -8,7 +8,6 @@ from fpm.kernels.failures import find_failures
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
 from fpm.kernels.record import keep, record_after, record_before, reflect
-from fpm.kernels.references import by_reference
 from fpm.kernels.rotation import frame, half_turn, normalise, turn_frame
 from fpm.kernels.vectors import get3, kernel, put3, to_local
 from fpm.kernels.world import StepTime
@@ -64,12 +63,11 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, output_steps, check_steps, tolerance):
-    """Integrate `steps` steps of `step` s; returns the number done, fewer where all samples failed.
-    parts: arrays of each element type; world: solver state, changed; record: arrays of the run
-    (Record), written; output_steps: steps between recorded instants; check_steps: between checks
-    that the error of the energy balance is at most `tolerance` times the largest energy so far."""
-    parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
-    state, free = world.state, world.free
+    """Integrate `steps` steps of `step` s, fewer where all samples fail. parts: compiled kernels
+    and arrays of each element type (`hooks.Calls`); world: solver state, changed; record: arrays of
+    the run (Record), written; output_steps: steps between recorded instants; check_steps: between
+    checks that the error of the energy balance is at most `tolerance` times the largest energy."""
+    state, particles, free, undecided = world.state, world.particles, world.free, world.undecided
     spare = record.energies.shape[0] - 1
     for n in range(steps + 1):
         timing = StepTime(n * step, step, 0.5 * step if n == 0 else step)
@@ -86,15 +84,15 @@ def run(parts, world, record, step, steps, output_steps, check_steps, tolerance)
             record_before(parts, world, record, row)
         # Momenta to half a step later, positions to a step later; the forces are used up.
         if n < 2:  # the first kick is shorter than the others
-            time_particles(world.particles, timing)
+            time_particles(particles, timing)
         hooks.restrain(parts, world, timing)
         hooks.prepare(parts, world, timing)
-        while world.undecided[0] != 0:
-            world.undecided[0] = 0
+        while undecided[0] != 0:
+            undecided[0] = 0
             hooks.solve(parts, world, timing)
             hooks.decide(parts, world, timing)
         for k in range(free.shape[0]):
-            kick_and_move(state, world.particles, free[k], timing)
+            kick_and_move(state, particles, free[k], timing)
         hooks.move(parts, world, timing)
         if n == 0:
             reflect(world)
@@ -103,8 +101,7 @@ def run(parts, world, record, step, steps, output_steps, check_steps, tolerance)
         if check:
             record_after(parts, world, record, row, timing)
             if find_failures(parts, world, record, row, n, tolerance):
-                return n
-    return steps
+                return
 
 
 @kernel
@@ -112,4 +109,4 @@ def act(parts, world, timing):
     """Add the forces (N, N m) of all element types at timing.time to those of particles in
     World.state, without a step: at the poses of slow motions (fpm/travel). parts: arrays of each
     element type; world: solver state, changed; timing: step times (s)."""
-    hooks.forces(by_reference(parts), by_reference(world), timing)
+    hooks.forces(parts, world, timing)

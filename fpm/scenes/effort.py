@@ -5,11 +5,12 @@ bits (an AMD EPYC without 512), accurate to a factor of two; `machine` is the fa
 Kinds of elements state theirs (`ElementType.cost`). Joints that are solved together are counted
 out, as it depends on their coupling: twenty on one body cost far more than in a chain."""
 
+from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
 
-from fpm.elements import Joint, Opening, kinds_of
+from fpm.elements import Hinge, Joint, kinds_of
 from fpm.scenes.scene import Scene
 
 STEP = 400.0
@@ -26,14 +27,13 @@ PER_SCENE, PER_STATEMENT = 0.4e-3, 0.05e-3
 hinge, a spring on it."""
 
 
-COMPILE, COMPILE_KIND = 4.0, {Opening: 5.0, Joint: 6.0}
-"""Seconds to compile the time loop, and more for the kinds in it, one for others: 7 to 26 s were
-measured of 10 sets of kinds beside other work, 0.7 to 1.3 times what is told."""
+COMPILE, COMPILE_OTHER = {None: 3.0, Hinge: 6.0, Joint: 9.0}, 1.2
+"""Seconds to compile the time loop (None) and some kinds, and each other kind."""
 
 
-def compile_seconds(scene: Scene) -> float:
-    """Return the estimated time (s) to compile a scene's time loop, once for its element types."""
-    return COMPILE + sum(COMPILE_KIND.get(kind, 1.0) for kind in kinds_of([scene]))
+def compile_seconds(kinds: Iterable[type | None]) -> float:
+    """Return the estimated time (s) to compile element types, and the time loop (None), once."""
+    return sum(COMPILE.get(kind, COMPILE_OTHER) for kind in kinds)
 
 
 def step_seconds(scene: Scene) -> float:

@@ -122,32 +122,34 @@ def _integrate(scenes, width, dtype, instants, division, tolerance):
 
 
 def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
-    from fpm.kernels.compiled_loop import loop_for
+    from fpm.kernels.compiled_loop import call_loop
 
     batch = pack.pack(scenes, width, dtype, instants, room)
     step, output_steps, check_steps = division
     steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
-    # A whole number would be another type, for which the loop would be compiled again.
-    arguments = (parts, world, record, step, steps, output_steps, check_steps, float(tolerance))
-    loop_for(arguments)(*arguments)
+    division = steps, output_steps, check_steps
+    call_loop("run", parts, world, record, float(step), *division, float(tolerance))
     return batch, parts, world, record
 
 
-def is_compiled(scene: Scene, record: Sequence[Column] = ()) -> bool:
-    """Return whether the compiled time loop (float64) for a scene's element types is on disk.
-    record: columns (variable, label) of the run, which may take a type of their own."""
-    from fpm.kernels.compiled_loop import DIGESTS, cache_folder
+def find_uncompiled(scene: Scene, record: Sequence[Column] = ()) -> list[type | None]:
+    """Return what a run of a scene (float64) needs and is not on disk, compiled: element types, and
+    None for the time loop. record: columns (variable, label) of the run, which may take
+    a type of their own."""
+    from fpm.kernels import compiled_loop
     from fpm.kernels.lanes import width as lanes_of
 
     dtype = np.dtype(np.float64)
     scene = consistent_scene(add_probe(scene, record))
     batch = pack.pack([scene], lanes_of(dtype), dtype, 2)
-    return (cache_folder(tuple(map(type, batch.parts()))) / DIGESTS).exists()
+    world, parts = batch.world(), zip(batch.kinds, batch.parts(), strict=True)
+    kinds = [kind for kind, part in parts if not compiled_loop.is_compiled(part, world)]
+    return kinds if compiled_loop.is_loop_compiled() else [None, *kinds]
 
 
 def warm_up(scene: Scene, record=()) -> None:
-    """Compile the time loop for the element types of a scene, or load it from the cache on disk, so
-    that a later run starts at once. record: columns (variable, label) of that run."""
+    """Compile the time loop and the element types of a scene, or load them from the cache on disk,
+    so that a later run starts at once. record: columns (variable, label) of that run."""
     # One step; a stable one takes a while.
     simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

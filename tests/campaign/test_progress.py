@@ -18,6 +18,7 @@ from deployable.campaign.interrupts import STEPS
 from deployable.campaign.runs.progress import MessagePrinter, Progress, report_seconds, warm_up
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
+from fpm.elements import Beams, Probe
 from fpm.reading.variables import VARIABLES
 from fpm.scenes.effort import compile_seconds
 
@@ -170,35 +171,32 @@ def test_the_time_told_grows_with_runs_and_steps(raw):
     assert many.seconds > 100 * (few.seconds - few.compile_time) and " min " in str(many)
 
 
-@pytest.mark.parametrize("there", [True, False])
-def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, monkeypatch, there):
-    monkeypatch.setattr("fpm.is_compiled", lambda *rest: there)
+@pytest.mark.parametrize("kinds", [[], [None]])
+def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, monkeypatch, kinds):
+    monkeypatch.setattr("fpm.find_uncompiled", lambda *rest: kinds)
+    seconds = compile_seconds(kinds)
     found = estimate(campaign.check_config(raw))
-    assert (found.compile_time == 0) == there
-    assert ("of it to compile, once" in str(found)) != there
-    assert found.compile_time < found.seconds < found.compile_time + 10
+    assert found.compile_time == seconds
+    assert ("of it to compile, once" in str(found)) == (seconds > 0)
+    assert seconds < found.seconds < seconds + 10
 
 
-def test_a_time_loop_is_known_to_be_compiled_once_it_is(monkeypatch, tmp_path):
+def test_only_what_is_not_on_disk_counts_as_to_be_compiled(monkeypatch, tmp_path):
     scene = structures.load(CONFIG / "structures/panel.yaml").build()
     fpm.warm_up(scene)
-    assert fpm.is_compiled(scene)
-    sets = []
-    monkeypatch.setattr(
-        "fpm.kernels.compiled_loop.cache_folder", lambda kinds: sets.append(kinds) or tmp_path
-    )
+    assert fpm.find_uncompiled(scene) == []
     label = VARIABLES["constraint_moment"].labels(scene)[0]
-    assert not fpm.is_compiled(scene, [("constraint_moment", label)])  # has a probe beside
-    assert not fpm.is_compiled(scene)
-    assert len(sets[0]) == len(sets[1]) + 1
+    assert Probe in fpm.find_uncompiled(scene, [("constraint_moment", label)])
+    monkeypatch.setattr("fpm.kernels.compiled_loop.cache_folder", lambda: tmp_path)
+    assert fpm.find_uncompiled(scene)[:2] == [None, Beams]
 
 
 def test_progress_is_told_while_something_compiles(monkeypatch, ticks):
     monkeypatch.setattr("fpm.warm_up", lambda scene, record: time.sleep(0.1))
+    monkeypatch.setattr("fpm.find_uncompiled", lambda scene, record: [None])
     told = []
-    warm_up(scene := structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
-    some = f"{compile_seconds(scene):.0f}"
-    assert told and told[0] == f"compiling for these kinds of element, once: 0 s of some {some}"
+    warm_up(structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
+    assert told and told[0] == "compiling for these kinds of element, once: 0 s of some 3"
 
 
 @pytest.mark.parametrize(

@@ -194,11 +194,11 @@ def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypa
         "@hook(Tethers)\ndef forces(part, world, timing):\n    pass\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
-    parts = (importlib.import_module("tether_kernels").Tethers,)
-    assert [found.name for found in compiled_loop.find_user_sources(parts)] == [path.name]
+    tethers = importlib.import_module("tether_kernels").Tethers
+    assert [found.name for found in compiled_loop.find_user_sources(tethers)] == [path.name]
     edit(path, "pass", "return")
     with pytest.raises(fpm.SceneError, match=r"tether_kernels\.py changed since it was imported"):
-        compiled_loop.find_user_sources(parts)
+        compiled_loop.find_user_sources(tethers)
 
 
 def test_a_structure_s_own_file_counts_for_it_alone():

@@ -113,10 +113,10 @@ def test_its_own_code_has_its_own_cache(outcome):
     """An edit of its files is seen, and its loop is not among those that others load."""
     from ground_spring_kernels import GroundSprings
 
-    parts = (GroundSprings,)
-    names = {path.name for path in compiled_loop.find_user_sources(parts)}
+    names = {path.name for path in compiled_loop.find_user_sources(GroundSprings)}
     assert names == {"ground_spring_kernels.py"}
-    assert compiled_loop.cache_folder(parts) != compiled_loop.cache_folder()
+    own = compiled_loop.cache_file("GroundSprings", "form", GroundSprings)
+    assert own != compiled_loop.cache_file("GroundSprings", "form")
 
 
 def test_hooks_that_do_not_exist_are_refused():

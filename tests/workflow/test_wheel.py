@@ -32,7 +32,7 @@ class Environment:
     def call(self, program: str, *arguments: str | Path, folder: Path | None = None) -> str:
         """What a program of the environment prints; it must end well."""
         environment = {name: os.environ[name] for name in os.environ if name != "PYTHONPATH"}
-        environment["NUMBA_CACHE_DIR"] = str(cache_folder().parents[1])
+        environment["NUMBA_CACHE_DIR"] = str(cache_folder().parent)
         done = subprocess.run(
             [self.bin / program, *arguments], cwd=folder or self.bin, env=environment,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

@@ -131,10 +131,9 @@ def estimate(
         name: times for name, times in stage_times.items() if stages is None or name in stages
     }
     scene = experiment.nominal_scene
-    is_compiled = stage_times.keys() <= {"plan", "figures"} or fpm.is_compiled(
-        scene, experiment.record
-    )
-    compile_time = 0.0 if is_compiled else effort.compile_seconds(scene)
+    has_runs = not stage_times.keys() <= {"plan", "figures"}
+    kinds = fpm.find_uncompiled(scene, experiment.record) if has_runs else []
+    compile_time = effort.compile_seconds(kinds)
     seconds, core_time = np.sum([(START + compile_time, 0.0), *stage_times.values()], axis=0)
     longest = ceiling = None
     if "rounds" in stage_times:

@@ -79,9 +79,9 @@ def moment_of(turns, t, timing, world):
 @kernel
 def add_late_moment(moments, openings, h, moment):
     """Add a `moment` (N m) that is known only after its step, and its work (J), to what is recorded
-    of joint coordinate h (index) as the part of one element type. moments: Openings.moments, None:
-    nothing is done; openings: arrays of all joint coordinates, as the type takes them."""
-    if moments is not None:
+    of joint coordinate h (index) as the part of one element type. moments: Openings.moments;
+    openings: arrays of all joint coordinates, as the type takes them."""
+    if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, OPENING_MOMENT, load(moments, row, OPENING_MOMENT) + moment)
         store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))

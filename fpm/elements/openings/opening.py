@@ -70,19 +70,18 @@ class Opening(ElementType):
 
         hinges = batch.scene.hinges
         rows = batch.instants + 1
-        slides = [hinge.slides for hinge in hinges]
-        has_parts = Probe.of_scene(batch.scene).moments
-        count = len(hinges) * len(PARTS)
+        parts = len(PARTS) if Probe.of_scene(batch.scene).moments else 0
+        count = len(hinges) * parts
         return kernels.Openings(
             ends=batch.integers(p for hinge in hinges for p in hinge.particles),
             sides=batch.stack(2 * len(hinges), kernels.SIDE, _sides),
             axes=batch.blank(len(hinges), 3),
             angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
             track=batch.blank(rows * len(hinges), 1),
-            slides=batch.integers(slides) if any(slides) else None,
-            moments=batch.blank(count, kernels.PART_FIELDS) if has_parts else None,
-            part_track=batch.blank(rows * count, 2) if has_parts else None,
-            parts=len(PARTS),
+            slides=batch.integers(hinge.slides for hinge in hinges),
+            moments=batch.blank(count, kernels.PART_FIELDS),
+            part_track=batch.blank(rows * count, 2),
+            parts=parts,
             part=PARTS.index("other"),
         )
 

@@ -33,27 +33,25 @@ class Openings(NamedTuple):
     ((instants + 1) h, 1, lanes): recorded openings; slides (h,): 1 for a slide. moments (h parts,
     3, lanes): moment now, a step ago (N m), work (J) of each component (springs, dampers, ...:
     PARTS); part_track ((instants + 1) h parts, 2, lanes): recorded moment and work of each; parts:
-    number of components; part: the component of the element type that takes these arrays. slides,
-    moments, part_track: None if not used."""
+    number of components, 0: none are recorded; part: the component of the element type that takes
+    these arrays."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
     axes: np.ndarray  # (h, 3, lanes) axis now, in global components
     angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
-    slides: np.ndarray | None = None  # (h,) 1 where the opening is a length
-    moments: np.ndarray | None = None  # (h parts, PART_FIELDS, lanes) of each part, if told apart
-    part_track: np.ndarray | None = None  # ((instants + 1) h parts, 2, lanes): moment, work
-    parts: int = 0  # into which the moment is told apart
+    slides: np.ndarray  # (h,) 1 where the opening is a length
+    moments: np.ndarray  # (h parts, PART_FIELDS, lanes) of each component, if recorded
+    part_track: np.ndarray  # ((instants + 1) h parts, 2, lanes): moment, work
+    parts: int  # number of components, 0: none are recorded
     part: int = 0  # of them is the kind's own that sees these openings
 
 
 @kernel
 def is_slide(slides, h):
     """Return whether the joint coordinate of hinge h is a length (m), as of a slide, not an angle
-    (rad). slides (h,): 1 for each slide, or None where the scene has none."""
-    if slides is None:
-        return False
+    (rad). slides (h,): 1 for each slide."""
     return slides[h] != 0
 
 
@@ -70,11 +68,10 @@ def forces(part, world, timing):
 @kernel
 def begin_parts(moments):
     """Make the moment of each component (springs, dampers, ...) that of a step ago, and set the new
-    one to 0, at the start of a step. moments: Openings.moments; None: nothing is done."""
-    if moments is not None:
-        for r in range(moments.shape[0]):
-            store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
-            store(moments, r, MOMENT, 0.0)
+    one to 0, at the start of a step. moments: Openings.moments."""
+    for r in range(moments.shape[0]):
+        store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
+        store(moments, r, MOMENT, 0.0)
 
 
 @kernel
@@ -144,9 +141,9 @@ def push(openings, state, h, impulse):
 @kernel
 def add_moment(moments, openings, h, moment):
     """Add a moment (N m, lanes) on hinge h (index; on a slide a force, N) to the recorded component
-    (springs, dampers, ...) of the acting element type, openings.part. moments: Openings.moments,
-    None: nothing is done; openings: the field `openings` of that type's arrays (Openings)."""
-    if moments is not None:
+    (springs, dampers, ...) of the acting element type, openings.part. moments: Openings.moments;
+    openings: the field `openings` of that type's arrays (Openings)."""
+    if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
 
@@ -154,22 +151,14 @@ def add_moment(moments, openings, h, moment):
 @hook(Openings)
 def work_before(part, world, timing):
     """Add the work (J) of the last step to that of each component (springs, dampers, ...), field
-    WORK of part.moments, now that the moments at its end are known; where that is None (not
-    recorded), nothing is done. part: arrays of all openings; world, timing: not used."""
-    work_parts(part.moments, part)
-
-
-@kernel
-def work_parts(moments, part):
-    """Add to `moments` the work (J) of each component (springs, dampers, ...) in the step that ends
-    now: mean of its moments at both ends times the change of the opening. moments:
-    Openings.moments, None: nothing is done; part: arrays of all openings (Openings)."""
-    if moments is not None:
-        for h in range(part.angles.shape[0]):
-            angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
-            for r in range(h * part.parts, (h + 1) * part.parts):
-                total = load(moments, r, MOMENT) + load(moments, r, MOMENT_BEFORE)
-                store(moments, r, WORK, load(moments, r, WORK) + 0.5 * total * angle)
+    WORK of part.moments, now that the moments at its end are known: their mean at both ends times
+    the change of the opening. part: arrays of all openings; world, timing: not used."""
+    moments = part.moments
+    for r in range(moments.shape[0]):
+        h = r // part.parts
+        angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
+        total = load(moments, r, MOMENT) + load(moments, r, MOMENT_BEFORE)
+        store(moments, r, WORK, load(moments, r, WORK) + 0.5 * total * angle)
 
 
 @hook(Openings)
@@ -181,7 +170,7 @@ def record(part, world, row):
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NEW))
-    record_parts(part.moments, part, row)
+    record_parts(part, row)
 
 
 @hook(Openings)
@@ -189,16 +178,14 @@ def record_step(part, world, row, timing):
     """Record moment (N m) and work (J) of every component (springs, dampers, ...) again, now that
     the step has found the moments of constraints. part: arrays of all openings (Openings); row:
     index of the recorded instant; world, timing: not used."""
-    record_parts(part.moments, part, row)
+    record_parts(part, row)
 
 
 @kernel
-def record_parts(moments, part, row):
+def record_parts(part, row):
     """Record the moment (N m) and work (J) of every component (springs, dampers, ...) in
-    part.part_track. moments: Openings.moments, None: nothing is done; part: arrays of all openings
-    (Openings); row: index of the recorded instant."""
-    if moments is not None:
-        count = moments.shape[0]
-        for r in range(count):
-            store(part.part_track, row * count + r, 0, load(moments, r, MOMENT))
-            store(part.part_track, row * count + r, 1, load(moments, r, WORK))
+    part.part_track. part: arrays of all openings; row: index of the recorded instant."""
+    count = part.moments.shape[0]
+    for r in range(count):
+        store(part.part_track, row * count + r, 0, load(part.moments, r, MOMENT))
+        store(part.part_track, row * count + r, 1, load(part.moments, r, WORK))

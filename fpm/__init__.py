@@ -21,7 +21,7 @@ from fpm.files.outcome import Outcome
 from fpm.reading import quantities, responses
 from fpm.scenes.scene import Link, Scene
 from fpm.scenes.timestep import SAFETY, StableStep, find_stable_step
-from fpm.solver.simulate import divide_time, find_uncompiled, simulate, warm_up
+from fpm.solver.simulate import divide_time, list_kinds_to_compile, simulate, warm_up
 
 __all__ = [
     "SAFETY",
@@ -36,7 +36,7 @@ __all__ = [
     "Structure",
     "divide_time",
     "find_stable_step",
-    "find_uncompiled",
+    "list_kinds_to_compile",
     "quantities",
     "responses",
     "simulate",

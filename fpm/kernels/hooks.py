@@ -97,18 +97,18 @@ def _call_each(body: str = "", **extras: str) -> Callable:
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
-        listed, number = ", ".join(arguments), len(NAMES)
-        rest = ", ".join([listed, *extras.values()])
+        argument_list, number = ", ".join(arguments), len(NAMES)
+        rest = ", ".join([argument_list, *extras.values()])
         NAMES.append(name)
-        ENTRIES[name] = [*arguments, *extras], body or f"kernel(part, {listed})"
+        ENTRIES[name] = [*arguments, *extras], body or f"kernel(part, {argument_list})"
         namespace = {"call": call, "ACCOUNTS": ACCOUNTS}
         exec(
             f"""
-def call_each(parts, {listed}):
+def call_each(parts, {argument_list}):
     for k in range(parts.starts[{number} + 1] - parts.starts[{number}]):
         i = parts.starts[{number}] + k
         call(parts.addresses[i, 0], parts.addresses[i, 1], ({rest},))
-def choose(parts, {listed}):
+def choose(parts, {argument_list}):
     return call_each
 """,
             namespace,

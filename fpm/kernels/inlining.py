@@ -1,8 +1,8 @@
 """How kernels are compiled: into their callers only.
 
 numba makes machine code of every function that it compiles, and optimises each together with all
-that it calls. Kernels become part of one loop, which is optimised whole in the end: for them both
-are left out, which halves what compiling takes."""
+that it calls. Kernels become part of what the loop calls at a hook, or of the loop, which are
+optimised whole in the end: for them both are left out, which halves what compiling takes."""
 
 from numba import types
 from numba.core.codegen import JITCodeLibrary

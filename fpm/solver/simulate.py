@@ -133,7 +133,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     return batch, parts, world, record
 
 
-def find_uncompiled(scene: Scene, record: Sequence[Column] = ()) -> list[type | None]:
+def list_kinds_to_compile(scene: Scene, record: Sequence[Column] = ()) -> list[type | None]:
     """Return what a run of a scene (float64) needs and is not on disk, compiled: element types, and
     None for the time loop. record: columns (variable, label) of the run, which may take
     a type of their own."""

@@ -102,7 +102,7 @@ def test_margins_cost_their_travels_and_a_cache_saves_compiling(monkeypatch):
 
     whole = estimate(loaded("review"))
     monkeypatch.setattr(module, "_sweep_seconds", lambda experiment: 0.0)
-    monkeypatch.setattr("fpm.find_uncompiled", lambda *rest: [])
+    monkeypatch.setattr("fpm.list_kinds_to_compile", lambda *rest: [])
     plain = estimate(loaded("review"))
     assert whole.core_time > 20 * plain.core_time and plain.compile_time == 0.0
     assert whole.seconds > 3 * plain.seconds

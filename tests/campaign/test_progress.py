@@ -173,7 +173,7 @@ def test_the_time_told_grows_with_runs_and_steps(raw):
 
 @pytest.mark.parametrize("kinds", [[], [None]])
 def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, monkeypatch, kinds):
-    monkeypatch.setattr("fpm.find_uncompiled", lambda *rest: kinds)
+    monkeypatch.setattr("fpm.list_kinds_to_compile", lambda *rest: kinds)
     seconds = compile_seconds(kinds)
     found = estimate(campaign.check_config(raw))
     assert found.compile_time == seconds
@@ -184,16 +184,16 @@ def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, mon
 def test_only_what_is_not_on_disk_counts_as_to_be_compiled(monkeypatch, tmp_path):
     scene = structures.load(CONFIG / "structures/panel.yaml").build()
     fpm.warm_up(scene)
-    assert fpm.find_uncompiled(scene) == []
+    assert fpm.list_kinds_to_compile(scene) == []
     label = VARIABLES["constraint_moment"].labels(scene)[0]
-    assert Probe in fpm.find_uncompiled(scene, [("constraint_moment", label)])
+    assert Probe in fpm.list_kinds_to_compile(scene, [("constraint_moment", label)])
     monkeypatch.setattr("fpm.kernels.compiled_loop.cache_folder", lambda: tmp_path)
-    assert fpm.find_uncompiled(scene)[:2] == [None, Beams]
+    assert fpm.list_kinds_to_compile(scene)[:2] == [None, Beams]
 
 
 def test_progress_is_told_while_something_compiles(monkeypatch, ticks):
     monkeypatch.setattr("fpm.warm_up", lambda scene, record: time.sleep(0.1))
-    monkeypatch.setattr("fpm.find_uncompiled", lambda scene, record: [None])
+    monkeypatch.setattr("fpm.list_kinds_to_compile", lambda scene, record: [None])
     told = []
     warm_up(structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
     assert told and told[0] == "compiling for these kinds of element, once: 0 s of some 3"

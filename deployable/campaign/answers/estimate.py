@@ -132,7 +132,7 @@ def estimate(
     }
     scene = experiment.nominal_scene
     has_runs = not stage_times.keys() <= {"plan", "figures"}
-    kinds = fpm.find_uncompiled(scene, experiment.record) if has_runs else []
+    kinds = fpm.list_kinds_to_compile(scene, experiment.record) if has_runs else []
     compile_time = effort.compile_seconds(kinds)
     seconds, core_time = np.sum([(START + compile_time, 0.0), *stage_times.values()], axis=0)
     longest = ceiling = None

@@ -143,7 +143,7 @@ def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
     """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
     `notify` is called with a message after five seconds, as by `report_step`. record: (name, label)
     pairs as for `fpm.simulate`."""
-    total = compile_seconds(fpm.find_uncompiled(scene, record))
+    total = compile_seconds(fpm.list_kinds_to_compile(scene, record))
 
     def describe(seconds: float) -> str:
         whole = f" of some {total:.0f}" if seconds < total else f", {total:.0f} were estimated"

@@ -3,6 +3,7 @@
 import sys
 import types
 from collections.abc import Callable, Mapping
+from functools import partial
 from importlib import import_module
 
 
@@ -44,7 +45,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     for name, value in list(vars(loop).items()):
         if isinstance(value, types.FunctionType) and value is not loop.run:
             setattr(loop, name, in_part(_name_of(value), value))
-    substitutes = {id(compiled_loop.call_loop): lambda _, *rest: loop.run(*rest)}
+    substitutes = {id(compiled_loop.prepare_call): lambda _, *rest: partial(loop.run, *rest)}
     substitutes |= _find_overloads()
     for name, operation in operations.items():
         substitutes[id(getattr(vectors if name == "vector" else lanes, name))] = operation

@@ -33,12 +33,16 @@ class ElementForces:
     strained. Their memory, as of a bristle's deflection, goes on from call to call of `forces`."""
 
     def __init__(self, scene, elements: list, stiff: Sequence[int] = ()):
+        from fpm.kernels.compiled_loop import prepare_call
+
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads_in(part_scene), kind]
         rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
         batch = Batch([part_scene], kinds, *rest)
         self.parts, self.world = batch.parts(), batch.world()
+        timing = StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP)
+        self._call = prepare_call("act", self.parts, self.world, timing)
         deformations = kind.deformations(part_scene)
         dofs = () if deformations is None else deformations.dofs.ravel()
         self._stiff = np.unique([*dofs, *stiff]).astype(int)
@@ -107,12 +111,9 @@ class ElementForces:
         return NUDGE
 
     def _act(self) -> np.ndarray:
-        from fpm.kernels.compiled_loop import call_loop
-
         state = self.world.state
         state[:, layout.F : layout.M + 3] = 0.0
-        timing = StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP)
-        call_loop("act", self.parts, self.world, timing)
+        self._call()
         return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
 
 

@@ -96,49 +96,40 @@ def cache_file(name: str, form: str, arrays: type | None = None) -> Path:
 def form_of(value: Any) -> str:
     """Return what compiled code depends on of an argument, as text: number types and dimensions of
     arrays, names and fields of named tuples. Raises TypeError for what kernels do not take."""
-    match value:
-        case np.ndarray() if value.flags.c_contiguous:
-            return f"{value.dtype.str}{value.ndim}"
-        case tuple():
-            return f"{type(value).__name__}({','.join(map(form_of, value))})"
-        case None | float():
-            return type(value).__name__
-        case int() | np.integer() | np.bool_():
-            return "int"
+    if isinstance(value, np.ndarray) and value.flags.c_contiguous:
+        return f"{value.dtype.str}{value.ndim}"
+    if isinstance(value, tuple):
+        return f"{type(value).__name__}({','.join(map(form_of, value))})"
+    if isinstance(value, float):
+        return "float"
+    if value is None or isinstance(value, int | np.integer | np.bool_):
+        return "None" if value is None else "int"
     raise TypeError(f"{value!r}: kernels take C-contiguous arrays, int, float, None, named tuples")
 
 
-def words_of(value: Any) -> Iterator[int]:
-    """Yield the 64-bit words of an argument in memory, as compiled code reads them (of an array:
+def words_of(value: Any) -> list[int]:
+    """Return the 64-bit words of an argument in memory, as compiled code reads them (of an array:
     two pointers of Python, number and size of its items, address, shape, strides). value: an array,
     int, float, None, or named tuple of such, which has to live on while the words are used."""
-    match value:
-        case np.ndarray():
-            address = value.__array_interface__["data"][0]
-            yield from (0, 0, value.size, value.itemsize, address, *value.shape, *value.strides)
-        case tuple():
-            for field in value:
-                yield from words_of(field)
-        case None:
-            yield 0
-        case float():
-            yield int(np.float64(value).view(np.int64))
-        case _:
-            yield int(value)
+    if isinstance(value, np.ndarray):
+        address = value.__array_interface__["data"][0]
+        return [0, 0, value.size, value.itemsize, address, *value.shape, *value.strides]
+    if isinstance(value, tuple):
+        return [word for field in value for word in words_of(field)]
+    if isinstance(value, float):
+        return [int(np.float64(value).view(np.int64))]
+    return [0 if value is None else int(value)]
 
 
 def numba_type(value: Any) -> types.Type:
     """Return numba's type of an argument, as in `form_of`."""
-    match value:
-        case np.ndarray():
-            return types.Array(numba.from_dtype(value.dtype), value.ndim, "C")
-        case tuple():
-            return types.BaseTuple.from_types([numba_type(v) for v in value], type(value))
-        case None:
-            return types.none
-        case float():
-            return types.float64
-    return types.intp
+    if isinstance(value, np.ndarray):
+        return types.Array(numba.from_dtype(value.dtype), value.ndim, "C")
+    if isinstance(value, tuple):
+        return types.BaseTuple.from_types([numba_type(field) for field in value], type(value))
+    if isinstance(value, float):
+        return types.float64
+    return types.none if value is None else types.intp
 
 
 FUNCTIONS = {"run": loop.run, "act": loop.act}
@@ -161,11 +152,12 @@ Code = dict[str, tuple[str, bytes]]
 """Of compiled functions, by name, the name in their machine code, and that."""
 
 
-def call_loop(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) -> None:
-    """Call the time loop `run.run` ("run"), or the sum of forces `run.act` ("act"), with compiled
-    kernels of the types of their arrays. parts: arrays of each element type; world, rest: further
-    arguments of the function."""
-    codes = [_kernels(part, world) for part in parts]
+def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) -> Callable[[], None]:
+    """Return a call of the time loop `run.run` ("run"), or of the sum of forces `run.act` ("act"),
+    with compiled kernels, to be made once or many times. parts: arrays of each element type; world,
+    rest: further arguments of the function; the call reads and changes these arrays themselves."""
+    world_form = form_of(world)
+    codes = [_kernels(part, world, world_form) for part in parts]
     memory = [_in_memory(part) for part in parts]
     calls = [
         [(code[hook], words.ctypes.data) for code, words in zip(codes, memory, strict=True)
@@ -191,13 +183,19 @@ def call_loop(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) -> No
     # As numba calls: first where a result and an error would go.
     result = ctypes.c_void_p()
     function = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *kinds)(address)
-    function(ctypes.addressof(result), None, *values)
+
+    def call(memory=(memory, arguments)) -> None:  # which live as long as the call
+        function(ctypes.addressof(result), None, *values)
+
+    return call
 
 
 def is_compiled(part: tuple, world: tuple) -> bool:
     """Return whether compiled kernels of an element type are on disk, or it has none. part: its
     arrays; world: of the solver."""
-    return not _hooks(type(part)) or cache_file(*_unit(part, world)).exists()
+    arrays = type(part)
+    path = cache_file(arrays.__name__, f"{form_of(part)} {form_of(world)}", arrays)
+    return not _hooks(arrays) or path.exists()
 
 
 def is_loop_compiled() -> bool:
@@ -215,17 +213,12 @@ def _is_by_reference(argument: Any) -> bool:
 
 
 def _in_memory(value: tuple) -> np.ndarray:
-    return np.array(list(words_of(value)), dtype=np.int64)
+    return np.array(words_of(value), dtype=np.int64)
 
 
-def _unit(part: tuple, world: tuple) -> tuple[str, str, type]:
-    arrays = type(part)
-    return arrays.__name__, f"{form_of(part)} {form_of(world)}", arrays
-
-
-def _kernels(part: tuple, world: tuple) -> dict[str, int]:
+def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
     """Addresses, by hook, of the kernels of an element type for these arrays."""
-    name, form, arrays = _unit(part, world)
+    arrays, form = type(part), f"{form_of(part)} {world_form}"
     if (arrays, form) not in READY:
 
         def compile_kernels() -> Code:
@@ -243,9 +236,8 @@ def _kernels(part: tuple, world: tuple) -> dict[str, int]:
                 code[hook] = _compile(function, kinds)
             return code
 
-        path = cache_file(name, form, arrays)
-        has_code = bool(_hooks(arrays))
-        READY[arrays, form] = _make_ready(name, path, compile_kernels) if has_code else {}
+        path, has_code = cache_file(arrays.__name__, form, arrays), bool(_hooks(arrays))
+        READY[arrays, form] = _make_ready(path, compile_kernels) if has_code else {}
     return READY[arrays, form]
 
 
@@ -261,7 +253,7 @@ def _loop(name: str, arguments: tuple) -> int:
             ]
             return {name: _compile(FUNCTIONS[name].py_func, kinds)}
 
-        READY[name, form] = _make_ready(name, cache_file(name, form), compile_loop)
+        READY[name, form] = _make_ready(cache_file(name, form), compile_loop)
     return READY[name, form][name]
 
 
@@ -273,7 +265,7 @@ def _compile(function: Callable, kinds: Sequence[types.Type]) -> tuple[str, byte
     return result.fndesc.llvm_func_name, result.library.serialize_using_object_code()[2][0]
 
 
-def _make_ready(name: str, path: Path, compile_all: Callable[[], Code]) -> dict[str, int]:
+def _make_ready(path: Path, compile_all: Callable[[], Code]) -> dict[str, int]:
     """Addresses of functions, loaded from their file, or compiled and written there. The first
     process compiles, and argument_types wait for its lock; so do threads."""
     with THREADS, _one_at_a_time(path):
@@ -281,7 +273,7 @@ def _make_ready(name: str, path: Path, compile_all: Callable[[], Code]) -> dict[
         if not code:
             with _collect_seldom():
                 code = compile_all()
-            COMPILED_NAMES.append(name)
+            COMPILED_NAMES.append(path.stem.split("-")[0])
             with suppress(OSError):  # a full disk, say
                 _write(path, code)
         return {function: _load(*entry) for function, entry in code.items()}

@@ -122,14 +122,14 @@ def _integrate(scenes, width, dtype, instants, division, tolerance):
 
 
 def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
-    from fpm.kernels.compiled_loop import call_loop
+    from fpm.kernels.compiled_loop import prepare_call
 
     batch = pack.pack(scenes, width, dtype, instants, room)
     step, output_steps, check_steps = division
     steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
     division = steps, output_steps, check_steps
-    call_loop("run", parts, world, record, float(step), *division, float(tolerance))
+    prepare_call("run", parts, world, record, float(step), *division, float(tolerance))()
     return batch, parts, world, record
 
 

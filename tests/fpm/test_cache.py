@@ -122,7 +122,7 @@ def make_ready(path: Path, compiled: list) -> float:
         compiled.append(path)
         return {"half": compiled_loop._compile(lambda x: x[0] * 0.5, [ARRAY])}
 
-    address = compiled_loop._make_ready("half", path, compile_half)["half"]
+    address = compiled_loop._make_ready(path, compile_half)["half"]
     numbers, result = np.array([5.0]), ctypes.c_double()
     words = list(compiled_loop.words_of(numbers))
     kinds = [ctypes.c_void_p, ctypes.c_void_p, *[ctypes.c_int64] * len(words)]

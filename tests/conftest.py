@@ -1,4 +1,4 @@
-"""Keeps the quick tests quick: they share a few kinds of element, each compiled in 1 to 10 s."""
+"""Keeps the quick tests quick: none compiles the kinds of element that take long."""
 
 from __future__ import annotations
 
@@ -13,22 +13,21 @@ from deployable.one_thread import set_environment
 # for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
 set_environment()
 
-SHARED = {"run", "Weight", "StraightElements", "Openings", "Hinges", "Springs", "Contacts"}
-"""What quick tests may compile: the time loop, and kinds by the named tuples of their arrays."""
+COSTLY = {"Joints", "TurnedJoints"}
+"""Kinds, by the named tuples of their arrays, that are compiled in 5 to 10 s; others in some 1 s."""
 
 _seen: set[str] = set()
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_teardown(item: pytest.Item) -> None:
-    """Fail a quick test that was the first to need the compiled code of another kind."""
+    """Fail a quick test that was the first to need the compiled code of a costly kind."""
     compiled = sys.modules.get("fpm.kernels.compiled_loop")
     ready = compiled.READY if compiled else {}
-    names = (getattr(unit, "__name__", unit) for (unit, _), code in ready.items() if code)
-    needed = {name for name in names if name != "act"} - _seen
+    needed = {getattr(unit, "__name__", unit) for unit, _ in ready} & COSTLY - _seen
     _seen.update(needed)
-    if (more := needed - SHARED) and not item.get_closest_marker("slow"):
-        pytest.fail(f"needs compiled kernels of {', '.join(sorted(more))}: mark it slow")
+    if needed and not item.get_closest_marker("slow"):
+        pytest.fail(f"needs compiled kernels of {', '.join(sorted(needed))}: mark it slow")
 
 
 @pytest.hookimpl(wrapper=True)

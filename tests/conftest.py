@@ -14,7 +14,7 @@ from deployable.one_thread import set_environment
 set_environment()
 
 COSTLY = {"Joints", "TurnedJoints"}
-"""Kinds, by the named tuples of their arrays, that are compiled in 5 to 10 s; others in some 1 s."""
+"""Kinds, by the named tuples of their arrays, that are compiled in 5 to 10 s; others in 1 s."""
 
 _seen: set[str] = set()
 

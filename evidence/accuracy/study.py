@@ -79,13 +79,22 @@ def claims(m: Measurement) -> list[Row]:
 
 def choices_table(results: list[Result]) -> str:
     """All results as a table."""
-    header = ["elements", "share of limit", "f", "lumping", "steps", "element-steps", "cpu s"]
+    header = ["elements", "share of limit", "f", "EA", "lumping", "steps", "element-steps", "cpu s"]
     for name in ("before", "between", "after"):
         header += [f"BD {name} (m)", f"vBz rms {name} (m/s)"]
     rows = []
     for r in results:
         c = r.choice
-        row = [c.elements, c.safety, c.scale, c.lumping, r.steps, float(r.element_steps), r.cpu]
+        row = [
+            c.elements,
+            c.safety,
+            c.scale,
+            c.axial,
+            c.lumping,
+            r.steps,
+            float(r.element_steps),
+            r.cpu,
+        ]
         for phase in r.phases:
             row += [phase.bd, phase.velocity_rms]
         rows.append(row)
@@ -95,7 +104,8 @@ def choices_table(results: list[Result]) -> str:
 SERIES = {
     "mesh": (lambda c: c == Choice(c.elements), "o-", plots.BLUE),
     "step": (lambda c: c.safety != 0.9, "s", plots.ORANGE),
-    "inertia scale f": (lambda c: c.scale != 1, "^", plots.VERMILION),
+    "inertia scale f": (lambda c: c.scale != 1 and c.axial == 1, "^", plots.VERMILION),
+    "fitted links": (lambda c: c.lumping == "fitted", "*-", plots.BLACK),
     "mesh, 3rd order ends": (lambda c: c.lumping == "gregory-3", "1--", plots.PURPLE),
     "mesh, 2nd order ends": (lambda c: c.lumping == "gregory-2", "v--", plots.GREEN),
     "mesh, trapezium": (lambda c: c.lumping == "trapezium", "x--", plots.GREY),

@@ -148,6 +148,9 @@ _ENGINES: list[llvm.ExecutionEngine] = []
 THREADS = threading.Lock()
 """Lock held by the thread that makes code ready."""
 
+SEAL = "seal"
+"""Name, in a file of compiled code, of the entry with what file it is."""
+
 Code = dict[str, tuple[str, bytes]]
 """Of compiled functions, by name, the name in their machine code, and that."""
 
@@ -267,7 +270,7 @@ def _compile(function: Callable, kinds: Sequence[types.Type]) -> tuple[str, byte
 
 def _make_ready(path: Path, compile_all: Callable[[], Code]) -> dict[str, int]:
     """Addresses of functions, loaded from their file, or compiled and written there. The first
-    process compiles, and argument_types wait for its lock; so do threads."""
+    process compiles, and others wait for its lock; so do threads."""
     with THREADS, _one_at_a_time(path):
         code = _read(path)
         if not code:
@@ -283,8 +286,10 @@ def _read(path: Path) -> Code:
     """Code in a file; {}: there is none, or it is not as it was written."""
     try:
         with np.load(path) as file:
-            names = {key: key.split(" ") for key in file.files}
-            return {name: (symbol, file[key].tobytes()) for key, (name, symbol) in names.items()}
+            content = {tuple(key.split(" ")): file[key].tobytes() for key in file.files}
+        if content.pop((SEAL,)) != _seal(path):
+            raise ValueError(SEAL)  # the file of something else
+        return {name: (symbol, code) for (name, symbol), code in content.items()}
     except FileNotFoundError:
         return {}
     except (OSError, EOFError, ValueError, KeyError, BadZipFile):
@@ -294,10 +299,16 @@ def _read(path: Path) -> Code:
         return {}
 
 
+def _seal(path: Path) -> bytes:
+    """What a file says of itself, so that it is of use under its own name only."""
+    return f"{path.parent.name}/{path.name}".encode()
+
+
 def _write(path: Path, code: Code) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
     arrays = {f"{n} {symbol}": np.frombuffer(c, np.uint8) for n, (symbol, c) in code.items()}
+    arrays[SEAL] = np.frombuffer(_seal(path), np.uint8)
     try:
         np.savez(part, **arrays)
         os.replace(part, path)

@@ -61,33 +61,32 @@ def consistent_scene(scene: Scene) -> Scene:
 def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
     """Return what `consistent_scene` does for each of several scenes; what they have in common is
     found once."""
-    scenes, rates = list(scenes), list(map_scenes(_rates_of, scenes))
-    moved = [
-        i
-        for i, (scene, (of_hinges, is_driven)) in enumerate(zip(scenes, rates, strict=True))
-        if is_driven
-        or any(rate for _, rate in of_hinges)
-        or scene.velocity.any()
-        or scene.spin.any()
+    rates = list(map_scenes(_rates_of, scenes))
+    is_moved = [
+        bool(scene.drives or any(rate for _, rate in pairs))
+        or bool(scene.velocity.any() or scene.spin.any())
+        for scene, pairs in zip(scenes, rates, strict=True)
     ]
-    rows = map_scenes(_conditions_at_start, [scenes[i] for i in moved]) if moved else ()
-    for i, conditions in zip(moved, rows, strict=True):
-        scenes[i] = _with_motion(scenes[i], *rates[i], *conditions)
-    return scenes
+    moved = [scene for scene, moves in zip(scenes, is_moved, strict=True) if moves]
+    conditions = map_scenes(_conditions_at_start, moved) if moved else iter(())
+    return [
+        _with_motion(scene, pairs, *next(conditions)) if moves else scene
+        for scene, pairs, moves in zip(scenes, rates, is_moved, strict=True)
+    ]
 
 
-def _rates_of(scene: Scene) -> tuple[list, bool]:
-    """Hinges whose rates are prescribed, with these, and whether drives prescribe motions."""
+def _rates_of(scene: Scene) -> list[tuple]:
+    """Hinges whose rates are prescribed, with these, of a scene whose masses are checked."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
     rates += [(scene.hinges[hinge], rate) for hinge, rate in scene.opening_rates.items()]
-    return [(hinge, rate) for hinge, rate in rates if rate is not None], bool(scene.drives)
+    return [(hinge, rate) for hinge, rate in rates if rate is not None]
 
 
 def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
-    """Number of the conditions at the start, and their derivatives, further ones below them."""
-    conditions = conditions_of(scene, [hinge.name for hinge, _ in _rates_of(scene)[0]])
+    """Number of the conditions, and their derivatives, with those of rigid bars below them."""
+    conditions = conditions_of(scene, [hinge.name for hinge, _ in _rates_of(scene)])
     rows = _rows(scene, conditions)
     if scene.opening_rates and scene.beams:
         from scipy.sparse import vstack
@@ -96,8 +95,8 @@ def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
     return len(conditions.joint), rows
 
 
-def _with_motion(scene: Scene, rates: list, is_driven: bool, count: int, rows: Any) -> Scene:
-    """The scene with a motion that its conditions allow."""
+def _with_motion(scene: Scene, rates: list[tuple], count: int, rows: Any) -> Scene:
+    """The scene with a motion that its conditions allow; count: how many of the rows are these."""
     motion = moving_at_start(scene)
     velocities = np.hstack([motion.velocity, motion.spin]).ravel()
     target = np.zeros(rows.shape[0])
@@ -105,7 +104,7 @@ def _with_motion(scene: Scene, rates: list, is_driven: bool, count: int, rows: A
     target[count - len(rates) : count] = [-rate if h.slides else rate for h, rate in rates]
     residual = rows @ velocities - target
     fastest = (abs(rows) @ abs(velocities) + abs(target)).max(initial=0.0)
-    is_led = is_driven or any(rate for _, rate in rates)
+    is_led = any(rate for _, rate in rates) or bool(scene.drives)
     most = (AGREES if is_led else CONTINUES) * fastest
     if np.abs(residual).max(initial=0.0) <= most:
         return scene

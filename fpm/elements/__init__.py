@@ -75,8 +75,8 @@ def kinds_of(scenes) -> list[type[ElementType]]:
     """Return the element types (subclasses of ElementType) of which at least one of the scenes has
     elements: those in the registry KINDS in its order, then others by module and name."""
     types = {kind for scene in scenes for kind, elements in scene.kinds.items() if elements}
-    others = {kind for scene in scenes for kind in scene.kinds}.difference(KINDS)
-    extras = sorted(others, key=lambda kind: (kind.__module__, kind.__qualname__))
+    own_kinds = {kind for scene in scenes for kind in scene.kinds}.difference(KINDS)
+    extras = sorted(own_kinds, key=lambda kind: (kind.__module__, kind.__qualname__))
     plain = ElementType.find.__func__
     return [
         kind

@@ -20,7 +20,7 @@ def map_scenes(function: Callable[[Any], Any], scenes: Sequence[Any]) -> Iterato
     value = function(Reader(scenes[0], reads) if is_shared else scenes[0])
     yield value
     for scene in scenes[1:]:
-        is_shared = is_shared and all(_same(x, _read(scene, key)) for key, x in reads.items())
+        is_shared = is_shared and all(_is_same(x, _read(scene, key)) for key, x in reads.items())
         yield value if is_shared else function(scene)
 
 
@@ -68,7 +68,7 @@ def _read(scene: Any, key: Any) -> Any:
     return getattr(scene, key) if isinstance(key, str) else scene.kinds.get(key)
 
 
-def _same(first: Any, second: Any) -> bool:
+def _is_same(first: Any, second: Any) -> bool:
     """Whether what was read of two scenes is the same, elements as objects and arrays in bits."""
     if first is second or type(first) is not type(second):
         return first is second

@@ -140,8 +140,8 @@ class SceneType:
         and its arrays must not be written to. samples: values by name, in their units."""
         values = [self._complete(parameters) for parameters in samples]
         is_group = self.prepare is not None and len(samples) >= LEAST_GROUP
-        shared = map(self.prepare(values), values) if is_group else [None] * len(values)
-        return [scene or self.build(**x) for scene, x in zip(shared, values, strict=True)]
+        scenes = map(self.prepare(values), values) if is_group else [None] * len(values)
+        return [scene or self.build(**x) for scene, x in zip(scenes, values, strict=True)]
 
     def _complete(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """Values of all parameters, checked; those that are not given have their defaults."""

@@ -50,15 +50,15 @@ def curve_bytes(scene: Scene) -> tuple:
 def check_topology(scenes: Sequence[Scene]) -> None:
     """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
     functions = [_layout, *(partial(_of_kind, kind) for kind in kinds_of(scenes))]
-    others = []
+    mismatches = []
     for function in functions:
         first, *values = map_scenes(function, scenes)
-        others += [i for i, value in enumerate(values, start=1) if value != first]
-    if others:
+        mismatches += [i for i, value in enumerate(values, start=1) if value != first]
+    if mismatches:
         allowed = "the same particles, connections and supports as scene 0, and beams along "
         allowed += "their particles' axes where its are; scenes of a batch may differ in "
-        key = f"topology of scene {min(others)}"
-        raise SceneError(key, scenes[min(others)].name, f"{allowed}numbers only")
+        key = f"topology of scene {min(mismatches)}"
+        raise SceneError(key, scenes[min(mismatches)].name, f"{allowed}numbers only")
 
 
 def pack(

@@ -67,8 +67,8 @@ def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
         or bool(scene.velocity.any() or scene.spin.any())
         for scene, pairs in zip(scenes, rates, strict=True)
     ]
-    moved = [scene for scene, moves in zip(scenes, is_moved, strict=True) if moves]
-    conditions = map_scenes(_conditions_at_start, moved) if moved else iter(())
+    moving_scenes = [scene for scene, moves in zip(scenes, is_moved, strict=True) if moves]
+    conditions = map_scenes(_conditions_at_start, moving_scenes) if moving_scenes else iter(())
     return [
         _with_motion(scene, pairs, *next(conditions)) if moves else scene
         for scene, pairs, moves in zip(scenes, rates, is_moved, strict=True)

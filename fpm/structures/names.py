@@ -133,10 +133,10 @@ class Names:
     def collect(self, read: Callable[[], Any]) -> tuple[Any, frozenset[str]]:
         """Return what a function returns that reads something of the file, and to which names it
         refers, as `uses` has them."""
-        before, self.uses = self.uses, Counter()
+        all_uses, self.uses = self.uses, Counter()
         value, uses = read(), self.uses
-        before.update(uses)
-        self.uses = before
+        all_uses.update(uses)
+        self.uses = all_uses
         return value, frozenset(uses)
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:

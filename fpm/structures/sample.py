@@ -128,7 +128,7 @@ def build_entry(build: Builder, entry: Entry) -> None:
     build.scene.doubts += find_doubts(entry.statement.group, values, build.size)
     kinds = build.scene.kinds.items() if is_counted else ()
     new = [(kind, i) for kind, elements in kinds for i in range(count[kind], len(elements))]
-    build.added[entry.statement.group, entry.name] = new
+    build.additions[entry.statement.group, entry.name] = new
     if entry.statement.group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):

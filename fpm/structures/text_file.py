@@ -78,11 +78,11 @@ class _File:
         """What builds samples at values of all parameters, with what they have in common built
         once; it returns None for a sample that is to be built on its own."""
         first, *rest = map(self._values, samples)
-        varied = {name for values in rest for name in first if values[name] != first[name]}
+        names = {name for values in rest for name in first if values[name] != first[name]}
         model = self._model(first, problems := Problems(self.source))
-        if problems or any(self.parameters[name].whole for name in varied):
+        if problems or any(self.parameters[name].whole for name in names):
             return lambda sample: None
-        group = SampleGroup(model, first, varied)
+        group = SampleGroup(model, first, names)
         return lambda sample: group.build(self._values(sample))
 
     def _values(self, parameters: Mapping) -> dict[str, float]:

@@ -286,8 +286,8 @@ class Path:
         mass *= scales[:, None] * scales
         unit = max(np.abs(stiffness).max(), ease)
         inner = (stiffness / unit + mass * (ease / unit / mass.max()))[np.ix_(free, free)]
-        scaled = (weight[:, None] * rows * scales)[:, free]
-        matrix = np.block([[inner, scaled.T], [scaled, -EASE * np.eye(len(rows))]])
+        scaled_rows = (weight[:, None] * rows * scales)[:, free]
+        matrix = np.block([[inner, scaled_rows.T], [scaled_rows, -EASE * np.eye(len(rows))]])
 
         def solve(forces, gap_changes):
             right = np.concatenate([(scales * forces)[free] / unit, gap_changes])

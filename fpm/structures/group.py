@@ -24,7 +24,8 @@ from fpm.structures.statement import Entry
 class SampleGroup:
     """Builds samples of a structure file whose values differ from those of a first in some
     parameters only, to the bits of one by one. model: the file's statements; values: those of the
-    first (SI units); parameters: their names. Attribute `entries`: what depends on these; None: more than what acts does, or the first sample is refused, and `build` returns None."""
+    first (SI units); parameters: their names. Attribute `entries`: what depends on these; None:
+    more than what acts does, or the first sample is refused, and `build` returns None."""
 
     def __init__(
         self, model: FileStatements, values: Mapping[str, float], parameters: Collection[str]

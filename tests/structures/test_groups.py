@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from fpm import SceneError, structures
+from fpm.solver.pack import check_topology, pack
+from fpm.solver.start import consistent_scene, consistent_scenes
 
 LIBRARY = sorted((Path(__file__).parents[2] / "config" / "structures").glob("*.yaml"))
 SHIFTS = np.array([0.0, 1.0, -1.0, 0.5, -0.3])
@@ -85,6 +87,41 @@ def test_what_no_varied_parameter_changes_is_built_once(name, varied, shared):
     values = [{**{n: p.default for n, p in structure.parameters.items()}, **s} for s in samples]
     build = structure.prepare(values)
     assert [build(sample) is not None for sample in values] == [shared] * len(values)
+
+
+def lanes_of(part, lane):
+    """The bits of a lane of all arrays in nested tuples that have one."""
+    if isinstance(part, tuple):
+        return [lanes_of(item, lane) for item in part]
+    is_lane = isinstance(part, np.ndarray) and part.dtype.kind == "f" and part.shape[-1:] == (8,)
+    return part[..., lane].tobytes() if is_lane else None
+
+
+@pytest.mark.parametrize(
+    ("name", "names"),
+    [
+        ("solar_array", ("k", "c", "latch")),
+        ("nfourbar", ("v",)),
+        ("telescope", ("push", "rub")),
+        ("ring_truss", ("over", "EA", "mu")),
+        ("bennett", ("a", "E")),
+        ("wing", ("k", "level", "timer")),
+    ],
+)
+def test_lanes_of_samples_built_together_are_those_of_each_alone(name, names):
+    structure = structures.load(LIBRARY[0].with_name(f"{name}.yaml"))
+    samples = samples_of(structure, names)
+    scenes = consistent_scenes(structure.build_all(samples))
+    check_topology(scenes)
+    together = pack(scenes, 8, np.float64, 3)
+    for lane, sample in enumerate(samples):
+        alone = pack([consistent_scene(structure.build(**sample))], 8, np.float64, 3)
+        parts = zip((together, alone), (lane, 0), strict=True)
+        first, second = (
+            lanes_of((batch.parts(), batch.world(), batch.record(1e-5, 100)), k)
+            for batch, k in parts
+        )
+        assert first == second, sample
 
 
 def test_actions_alone_share_all_arrays_which_cannot_be_written():

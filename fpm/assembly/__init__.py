@@ -378,15 +378,22 @@ def masses(scene, poses: ParticlePoses):
     axes: 3 by 3 blocks of mass (kg), then inertia (kg m²), of one particle after the other."""
     from scipy.sparse import coo_array
 
-    blocks = np.zeros((len(scene.mass), 2, 3, 3))
-    blocks[:, 0] = scene.mass[:, None, None] * np.eye(3)
-    blocks[:, 1] = poses.frame * scene.inertia[:, None] @ poses.frame.transpose(0, 2, 1)
+    blocks = mass_blocks(scene, poses)
     dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
     rows, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
     shape = (dofs.size, dofs.size)
     matrix = coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsc()
     matrix.eliminate_zeros()
     return matrix
+
+
+def mass_blocks(scene, poses: ParticlePoses) -> np.ndarray:
+    """Return the blocks (n, 2, 3, 3) of the mass matrix of all n particles of a scene at `poses`,
+    in global axes: that of the mass (kg), then that of the inertia (kg m²)."""
+    blocks = np.zeros((len(scene.mass), 2, 3, 3))
+    blocks[:, 0] = scene.mass[:, None, None] * np.eye(3)
+    blocks[:, 1] = poses.frame * scene.inertia[:, None] @ poses.frame.transpose(0, 2, 1)
+    return blocks
 
 
 def _reopen(scene, hinge):

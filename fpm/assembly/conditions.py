@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.cross import cross
 from fpm.elements.joints import joint_arrays as bits
 from fpm.elements.joints.joint import Joint, as_joints
 from fpm.elements.joints.joint_types import TYPES
@@ -17,6 +18,9 @@ from fpm.errors import SceneError
 
 STEP = 1e-30
 """Imaginary step of derivatives by complex numbers (Squire, Trapp, SIAM Review 40 (1998) 110)."""
+
+CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
+"""Matrices (3, 3, 3) of the vector products with the three global axes."""
 
 
 class ParticlePoses(NamedTuple):
@@ -44,8 +48,7 @@ class ParticlePoses(NamedTuple):
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
-        turns = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
-        frame[first + 3 : first + 6] += 1j * STEP * (turns[:, None] @ self.frame)
+        frame[first + 3 : first + 6] += 1j * STEP * (CROSS_PRODUCTS[:, None] @ self.frame)
         return ParticlePoses(position, frame)
 
 
@@ -148,8 +151,22 @@ class Conditions(NamedTuple):
     def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
         """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of the particles
         at poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
-        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
+        blocks = self.curvatures(poses, impulses)
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
+
+    def curvatures(self, poses: ParticlePoses, impulses: np.ndarray) -> np.ndarray:
+        """Return the second derivatives (c, 12, 12) of each condition, times its factor in
+        `impulses` (c,), by the motions (m, rad) of its two particles at poses."""
+        return impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
+
+    def dense_jacobian(self, poses: ParticlePoses) -> np.ndarray:
+        """Return derivatives (c, 6n) of conditions by motions (m, rad) of n particles at poses."""
+        rows, dofs = self._rows(*self._ends(poses)), dofs_of(self.pairs)
+        matrix = np.zeros((len(rows), 6 * len(poses.position)))
+        number = np.arange(len(rows))[:, None]
+        for half in (slice(0, 6), slice(6, 12)):  # both are of one particle where it is held
+            matrix[number, dofs[:, half]] += rows[:, half]
+        return matrix
 
     def jacobian(self, poses: ParticlePoses):
         """Sparse derivatives (c, 6n) of conditions by motions (m, rad) of particles, at poses."""
@@ -197,16 +214,16 @@ class Conditions(NamedTuple):
         axis1, axis2, arms, offset = self._parts(first, second)
         types = self.axis_types[:, None]
         normal, is_body_fixed = types == NORMAL, types == BODY_FIXED
-        factor, turn = self.is_on_second[:, None], np.cross(axis1, axis2)
+        factor, turn = self.is_on_second[:, None], cross(axis1, axis2)
         thread = self.lead[:, None] * axis1
         shift = np.where(normal, 0.0, axis1)
-        lever = np.cross(arms[0], axis1) + np.where(is_body_fixed, np.cross(axis1, offset), 0.0)
+        lever = cross(arms[0], axis1) + np.where(is_body_fixed, cross(axis1, offset), 0.0)
         return np.concatenate(
             [
                 shift,
                 np.where(normal, turn, lever) - thread,
                 -factor * shift,
-                np.where(normal, -turn, -factor * np.cross(arms[1], axis1)) + thread,
+                np.where(normal, -turn, -factor * cross(arms[1], axis1)) + thread,
             ],
             axis=-1,
         )
@@ -227,7 +244,7 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
             arms, zero = np.array([beam.arm for beam in hinge.beams]), np.zeros(3)
             rows.append((name, hinge.particles, BODY_FIXED, hinge.axes[0], zero, arms, 1.0, zero))
             continue
-        normal = np.cross(hinge.axes[0], _opened_reference(hinge))
+        normal = cross(hinge.axes[0], _opened_reference(hinge))
         rows.append(
             (name, hinge.particles, NORMAL, normal, hinge.references[1], no_arms, 1.0, no_arms[0])
         )
@@ -266,7 +283,7 @@ def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, fl
 def _opened_reference(hinge) -> np.ndarray:
     """Direction (3,) on a hinge's first part of the second's reference at the stated opening."""
     axis, zero = hinge.axes[0], hinge.references[0]
-    return np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
+    return np.cos(hinge.opening) * zero + np.sin(hinge.opening) * cross(axis, zero)
 
 
 def _joints_of(scene) -> list[Joint]:
@@ -288,7 +305,7 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
         axes = [np.eye(3)[AXES.index(axis)] for axis in joint.support_axes]
         return [(joint.name, pair, GLOBAL, axis, zero, arms, is_on_second, place) for axis in axes]
     axis, reference = joint.axes[0], joint.references[0]
-    third, axis2, reference2 = np.cross(axis, reference), joint.axes[1], joint.references[1]
+    third, axis2, reference2 = cross(axis, reference), joint.axes[1], joint.references[1]
     pair, type_bits, ends = joint.particles, TYPES[joint.type].bits, (arms, 1.0, zero)
     normals = (bits.ACROSS_X, reference), (bits.ACROSS_Y, third), (bits.ACROSS_AXIS, axis)
     points = [(BODY_FIXED, e) for bit, e in normals if type_bits & bit]

@@ -30,6 +30,7 @@ from fpm.elements.particles.gravity import Gravity
 from fpm.elements.particles.load import Load
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.support import Support
+from fpm.elements.reads import map_scenes
 
 KINDS: tuple[type[ElementType], ...] = (
     Gravity,
@@ -73,9 +74,15 @@ joints and the probe come last)."""
 def kinds_of(scenes) -> list[type[ElementType]]:
     """Return the element types (subclasses of ElementType) of which at least one of the scenes has
     elements: those in the registry KINDS in its order, then others by module and name."""
-    types = {kind for scene in scenes for kind in scene.kinds}
-    extras = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
-    return [kind for kind in (*KINDS, *extras) if any(kind.find(scene) for scene in scenes)]
+    types = {kind for scene in scenes for kind, elements in scene.kinds.items() if elements}
+    own_kinds = {kind for scene in scenes for kind in scene.kinds}.difference(KINDS)
+    extras = sorted(own_kinds, key=lambda kind: (kind.__module__, kind.__qualname__))
+    plain = ElementType.find.__func__
+    return [
+        kind
+        for kind in (*KINDS, *extras)
+        if (kind in types if kind.find.__func__ is plain else any(map_scenes(kind.find, scenes)))
+    ]
 
 
 def energies_of(kinds) -> list:

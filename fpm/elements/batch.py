@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from fpm.elements.particles.rotation_axes import turns_of
+from fpm.elements.reads import map_scenes
 from fpm.kernels import layout
 from fpm.kernels.world import Log, Record, World
 
@@ -124,13 +125,11 @@ class Batch:
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
         """Return an array (rows, columns, lanes) of numbers that differ from scene to scene.
         function(scene): returns those of one, (rows, columns); further lanes repeat the last."""
-        array = self.blank(rows, columns)
+        array, last = self.blank(rows, columns), len(self.scenes) - 1
         if rows:
-            for s in range(self.width):
-                if s < len(self.scenes):
-                    array[:, :, s] = function(self.scenes[s])
-                else:
-                    array[:, :, s] = array[:, :, len(self.scenes) - 1]
+            for s, numbers in enumerate(map_scenes(function, self.scenes)):
+                array[:, :, s] = numbers
+            array[:, :, last + 1 :] = array[:, :, last, None]
         return array
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
@@ -261,18 +260,20 @@ class Batch:
         Where all particles are held or driven no motion can grow: the balance proves nothing."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
-        for lane, scene in enumerate(self.scenes):
-            free = ~scene.fixed.all(axis=1)
-            if not free.any():
-                scale[lane] = np.inf
-                continue
-            reach = np.abs(scene.position).max(initial=0.0)
-            inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
-            moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
-            moment += sum(kind.held_round(scene) for kind in self.kinds)
-            start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
-            scale[lane] = WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
+        scales = map_scenes(lambda scene: self._least_scale_in(scene, step, gap), self.scenes)
+        scale[: len(self.scenes)] = [*scales]
         return scale
+
+    def _least_scale_in(self, scene: SceneData, step: float, gap: float) -> float:
+        free = ~scene.fixed.all(axis=1)
+        if not free.any():
+            return np.inf
+        reach = np.abs(scene.position).max(initial=0.0)
+        inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
+        moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
+        moment += sum(kind.held_round(scene) for kind in self.kinds)
+        start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
+        return WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
 
 
 def _state(scene: SceneData) -> np.ndarray:
@@ -294,7 +295,7 @@ def size_of(scene: SceneData) -> float:
     largest extent, along a global axis, of the points at joints and of particles that are not held,
     or the largest radius of gyration if that is more; 1 if both are 0."""
     free = ~scene.fixed.all(axis=1)
-    joints = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
+    joints = (e for kind in scene.kinds if kind.joins for e in scene.kinds[kind])
     beams = [beam for element in joints for beam in element.beams]
     ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     extent = np.ptp(np.vstack([scene.position[free], *ends]), axis=0) if free.any() or ends else 0.0

@@ -7,12 +7,13 @@ import numpy as np
 
 
 def cross(a, b) -> np.ndarray:
-    """Return vector products (..., 3) of a and b, both (..., 3), as numpy.cross, only faster."""
-    a, b = np.asarray(a, float), np.asarray(b, float)
+    """Return vector products (..., 3) of a and b, both (..., 3), real or complex, as numpy.cross,
+    only faster."""
+    a, b = np.asarray(a), np.asarray(b)
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
-        return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
-    product = np.empty(a.shape)
+        return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], float)
+    product = np.empty(a.shape, np.result_type(a, b, float))
     for i in range(3):
         j, k = i - 2, i - 1
         np.multiply(a[..., j], b[..., k], out=product[..., i])

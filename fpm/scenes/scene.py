@@ -29,6 +29,7 @@ from fpm.elements import (
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cross import cross
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.scenes.curve import CONSTANT, Curve
@@ -51,6 +52,12 @@ def _rows(values, *shape: int) -> np.ndarray:
     array = np.empty(shape)
     array[...] = values
     return array
+
+
+def _is_left_handed(frame: np.ndarray) -> bool:
+    """Whether any of orthonormal frames (..., 3, 3) is left-handed."""
+    x, y, z = (frame[..., i] for i in range(3))
+    return bool(np.any(np.sum(cross(x, y) * z, axis=-1) < 0))
 
 
 def _elements(kind: type[ElementType]) -> property:
@@ -168,12 +175,13 @@ class Scene:
             raise SceneError("mass, inertia", value, allowed)
         frame = np.asarray(_EYE if frame is None else frame, float)
         deviation = np.swapaxes(frame, -1, -2) @ frame - _EYE
-        if abs(deviation).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
+        if abs(deviation).max() > 1e-9 or _is_left_handed(frame):
             raise SceneError("frame", "(not a rotation)", "right-handed orthonormal axes")
         self.position = np.concatenate([self.position, position])
         self.mass = np.concatenate([self.mass, mass])
         self.inertia = np.concatenate([self.inertia, inertia])
-        self.frame = np.concatenate([self.frame, np.broadcast_to(frame, (n, 3, 3))])
+        frames = frame[None] if frame.ndim == 2 and n == 1 else np.broadcast_to(frame, (n, 3, 3))
+        self.frame = np.concatenate([self.frame, frames])
         self.velocity = np.concatenate([self.velocity, _rows(velocity, n, 3)])
         self.spin = np.concatenate([self.spin, _rows(spin, n, 3)])
         self.fixed = np.concatenate([self.fixed, np.zeros((n, 6), bool)])

@@ -1,7 +1,7 @@
 """Structures from which scenes are built, and their parameters."""
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,6 +11,9 @@ from fpm.elements import energies_of
 from fpm.errors import SceneError
 from fpm.kernels import sources
 from fpm.scenes.scene import Scene
+
+LEAST_GROUP = 4
+"""Number of samples from which on building together what they have in common takes less time."""
 
 
 def join_lines(text: str) -> str:
@@ -77,7 +80,10 @@ class SceneType:
     values: values of parameters, by name, at which `sample` is built.
     mesh: name of the parameter that sets the mesh, or None.
     content: digest of the structure's own files, hexadecimal.
-    files: paths of files that a YAML structure names, whose content counts in its digest, too."""
+    files: paths of files that a YAML structure names, whose content counts in its digest, too.
+    prepare: takes values of all parameters by name, of several samples, and returns a function that
+    builds the scene of one of them, or returns None where `function` is to build it; None: there is
+    none."""
 
     name: str
     description: str
@@ -90,6 +96,7 @@ class SceneType:
     mesh: str | None = None
     content: str = ""
     files: tuple[Path, ...] = ()
+    prepare: Callable[[Sequence[Mapping]], Callable[[Mapping], Scene | None]] | None = None
 
     @cached_property
     def sample(self) -> Scene:
@@ -118,16 +125,29 @@ class SceneType:
     def build(self, **parameters) -> Scene:
         """Return the scene at values of parameters, by keyword in their units; others take their
         defaults. Raises SceneError for wrong names and values, and parts that do not fit."""
-        for name, value in parameters.items():
-            if name not in self.parameters:
-                key, allowed = f"parameter {name} of scene {self.name}", ", ".join(self.parameters)
-                raise SceneError(key, value, f"one of {allowed}")
-            self.parameters[name].check(name, value)
-        defaults = {name: p.default for name, p in self.parameters.items()}
+        values = self._complete(parameters)
         try:
-            return self.function(**{**defaults, **parameters})
+            return self.function(**values)
         except SceneError:
             raise
         except (ArithmeticError, ValueError) as error:  # a quotient by zero, a root of less
             allowed = f"values at which it can be built, not {type(error).__name__}: {error}"
             raise SceneError(f"parameters of scene {self.name}", parameters, allowed) from error
+
+    def build_all(self, samples: Sequence[Mapping[str, Any]]) -> list[Scene]:
+        """Return the scenes at several sets of values of parameters, as `build` does one by one,
+        to the same bits; what they have in common is built once, if the structure is a text file,
+        and its arrays must not be written to. samples: values by name, in their units."""
+        values = [self._complete(parameters) for parameters in samples]
+        is_group = self.prepare is not None and len(samples) >= LEAST_GROUP
+        scenes = map(self.prepare(values), values) if is_group else [None] * len(values)
+        return [scene or self.build(**x) for scene, x in zip(scenes, values, strict=True)]
+
+    def _complete(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        """Values of all parameters, checked; those that are not given have their defaults."""
+        for name, value in parameters.items():
+            if name not in self.parameters:
+                key, allowed = f"parameter {name} of scene {self.name}", ", ".join(self.parameters)
+                raise SceneError(key, value, f"one of {allowed}")
+            self.parameters[name].check(name, value)
+        return {name: p.default for name, p in self.parameters.items()} | dict(parameters)

@@ -1,9 +1,11 @@
 """Scenes that can run side by side, as one batch: those that differ in numbers only."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from functools import partial
 
 from fpm.elements import energies_of, kinds_of
 from fpm.elements.batch import Batch
+from fpm.elements.reads import map_scenes
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 
@@ -19,8 +21,20 @@ def topology(scene: Scene) -> tuple:
     element types ask for, points, held axes, the number of curves."""
     of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
     return (
-        len(scene.position),
+        *_layout(scene),
         tuple((kind, value) for kind, value in of_kinds.items() if value is not None),
+    )
+
+
+def _of_kind(kind: type, scene: Scene) -> Hashable:
+    """What of the elements of one type must be equal."""
+    return kind.topology_of(scene) if kind.find(scene) else None
+
+
+def _layout(scene: Scene) -> tuple:
+    """What must be equal beside that of elements."""
+    return (
+        len(scene.position),
         tuple((name, p.particle) for name, p in scene.points.items()),
         scene.fixed.tobytes(),
         len(scene.curves),
@@ -35,12 +49,16 @@ def curve_bytes(scene: Scene) -> tuple:
 
 def check_topology(scenes: Sequence[Scene]) -> None:
     """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
-    first = topology(scenes[0])
-    for i, scene in enumerate(scenes[1:], start=1):
-        if topology(scene) != first:
-            allowed = "the same particles, connections and supports as scene 0, and beams along "
-            allowed += "their particles' axes where its are; scenes of a batch may differ in "
-            raise SceneError(f"topology of scene {i}", scene.name, f"{allowed}numbers only")
+    functions = [_layout, *(partial(_of_kind, kind) for kind in kinds_of(scenes))]
+    mismatches = []
+    for function in functions:
+        first, *values = map_scenes(function, scenes)
+        mismatches += [i for i, value in enumerate(values, start=1) if value != first]
+    if mismatches:
+        allowed = "the same particles, connections and supports as scene 0, and beams along "
+        allowed += "their particles' axes where its are; scenes of a batch may differ in "
+        key = f"topology of scene {min(mismatches)}"
+        raise SceneError(key, scenes[min(mismatches)].name, f"{allowed}numbers only")
 
 
 def pack(

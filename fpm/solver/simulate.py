@@ -13,7 +13,7 @@ from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, find_stable_step
 from fpm.solver import pack
-from fpm.solver.start import consistent_scene
+from fpm.solver.start import consistent_scene, consistent_scenes
 from fpm.solver.unpack import outcome_of
 
 CHECK_EVERY = 50
@@ -89,7 +89,7 @@ def simulate(
     if step is not None and not 0 < step < np.inf:
         raise SceneError("step", step, "a positive number (s), or None")
     pack.check_topology(scenes)
-    scenes = [consistent_scene(scene) for scene in scenes]
+    scenes = consistent_scenes(scenes)
     limits = [None] * len(scenes)
     if step is None:
         limits = [find_stable_step(scene) for scene in scenes]

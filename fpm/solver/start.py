@@ -16,7 +16,8 @@ imply each other: see assembly, which solves in the same way."""
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, do
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.rotation_axes import turns_of
+from fpm.elements.reads import map_scenes
 from fpm.errors import SceneError
 
 if TYPE_CHECKING:
@@ -53,28 +55,56 @@ def consistent_scene(scene: Scene) -> Scene:
     drives allow, for the start of a run. Where none are allowed, as where motors contradict each
     other, those with the least error are taken: joints gape then, and the run fails. Raises
     SceneError as `check_masses`."""
+    return consistent_scenes([scene])[0]
+
+
+def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
+    """Return what `consistent_scene` does for each of several scenes; what they have in common is
+    found once."""
+    rates = list(map_scenes(_rates_of, scenes))
+    is_moved = [
+        bool(scene.drives or any(rate for _, rate in pairs))
+        or bool(scene.velocity.any() or scene.spin.any())
+        for scene, pairs in zip(scenes, rates, strict=True)
+    ]
+    moving_scenes = [scene for scene, moves in zip(scenes, is_moved, strict=True) if moves]
+    conditions = map_scenes(_conditions_at_start, moving_scenes) if moving_scenes else iter(())
+    return [
+        _with_motion(scene, pairs, *next(conditions)) if moves else scene
+        for scene, pairs, moves in zip(scenes, rates, is_moved, strict=True)
+    ]
+
+
+def _rates_of(scene: Scene) -> list[tuple]:
+    """Hinges whose rates are prescribed, with these, of a scene whose masses are checked."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
     rates += [(scene.hinges[hinge], rate) for hinge, rate in scene.opening_rates.items()]
-    rates = [(hinge, rate) for hinge, rate in rates if rate is not None]
-    is_led = any(rate for _, rate in rates) or bool(scene.drives)
-    if not (is_led or scene.velocity.any() or scene.spin.any()):
-        return scene
-    motion = moving_at_start(scene)
-    velocities = np.hstack([motion.velocity, motion.spin]).ravel()
-    conditions = conditions_of(scene, [hinge.name for hinge, _ in rates])
-    count, rows = len(conditions.joint), _rows(scene, conditions)
-    target = np.zeros(count)
-    # The condition on a slide is that its first point is not behind the second.
-    target[count - len(rates) :] = [-rate if hinge.slides else rate for hinge, rate in rates]
+    return [(hinge, rate) for hinge, rate in rates if rate is not None]
+
+
+def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
+    """Number of the conditions, and their derivatives, with those of rigid bars below them."""
+    conditions = conditions_of(scene, [hinge.name for hinge, _ in _rates_of(scene)])
+    rows = _rows(scene, conditions)
     if scene.opening_rates and scene.beams:
         from scipy.sparse import vstack
 
         rows = vstack([rows, _rigid_rows(scene)]).tocsr()
-        target = np.concatenate([target, np.zeros(rows.shape[0] - count)])
+    return len(conditions.joint), rows
+
+
+def _with_motion(scene: Scene, rates: list[tuple], count: int, rows: Any) -> Scene:
+    """The scene with a motion that its conditions allow; count: how many of the rows are these."""
+    motion = moving_at_start(scene)
+    velocities = np.hstack([motion.velocity, motion.spin]).ravel()
+    target = np.zeros(rows.shape[0])
+    # The condition on a slide is that its first point is not behind the second.
+    target[count - len(rates) : count] = [-rate if h.slides else rate for h, rate in rates]
     residual = rows @ velocities - target
     fastest = (abs(rows) @ abs(velocities) + abs(target)).max(initial=0.0)
+    is_led = any(rate for _, rate in rates) or bool(scene.drives)
     most = (AGREES if is_led else CONTINUES) * fastest
     if np.abs(residual).max(initial=0.0) <= most:
         return scene

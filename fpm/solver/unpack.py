@@ -75,7 +75,7 @@ def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
     if particle not in Drive.moved_particles(scene):
         arm = scene.frame[particle] @ beam.arm
         spin = scene.spin[particle] * ~scene.fixed[particle, 3:]
-        velocity[0] = scene.velocity[particle] + np.cross(spin, arm)
+        velocity[0] = scene.velocity[particle] + cross(spin, arm)
 
 
 def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:

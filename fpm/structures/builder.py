@@ -62,7 +62,8 @@ class Builder:
     parts are forced together, a function of this Builder: indices of hinges whose openings stay;
     gravity_curve: None or, alike, a function: index of the curve of time that scales gravity;
     is_balanced: whether the run starts in equilibrium; openings: at which releases hold hinges
-    exactly then, by index."""
+    exactly then, by index; additions: what each entry of sample.LATE_GROUPS, by group and name, put
+    into the scene: pairs of a type and an index among its elements."""
 
     hold: Callable[["Builder"], list[int]] | None = None
     gravity_curve: Callable[["Builder"], int] | None = None
@@ -75,6 +76,7 @@ class Builder:
         self.numbers: dict[str, Value] = {}
         self.joints_of: dict[int, list[str]] = {}
         self.openings: dict[int, float] = {}
+        self.additions: dict[tuple[str, str], list[tuple[type, int]]] = {}
         self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> Value:

@@ -17,6 +17,7 @@ import numpy as np
 
 from fpm.arithmetic.expressions import Expression
 from fpm.arithmetic.units import NUMBER, unit
+from fpm.elements.cross import length
 from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import SLIDE_UNITS
@@ -207,7 +208,7 @@ class DirectionKey(Key):
         return place.refuse(node, self.allowed)
 
     def _unit_vector(self, vector: np.ndarray, place: Place) -> np.ndarray:
-        size = np.linalg.norm(vector)
+        size = length(vector)
         if not 0 < size < np.inf:
             raise SceneError(place.key, vector.tolist(), "a direction that is not zero")
         return vector / size

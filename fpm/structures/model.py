@@ -3,6 +3,8 @@
 A model belongs to values of the whole-number parameters, which decide what there is."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -97,7 +99,8 @@ class FileStatements:
         for sheet in sheets:
             self._define(sheet)
         self.names.sort()
-        self.overall = self._overall(file)
+        start, uses = self.names.collect(partial(self._overall, file))
+        self.overall = replace(start, uses=uses)
         self.entries = list(self._entries(sheets))
         for name, p in inputs.items() if not self.problems else ():
             if not self.names.uses[name]:  # a slip of the pen
@@ -255,9 +258,10 @@ class FileStatements:
                     if full not in self.names.groups.get(group, {}):
                         continue
                     place = Place(join_key(sheet.key, group, name), sheet.context, self.names)
-                    entry = read_entry(kinds, full, entry_node, node.lines[name], place)
+                    values = kinds, full, entry_node, node.lines[name], place
+                    entry, uses = self.names.collect(partial(read_entry, *values))
                     if entry is not None:
-                        yield entry
+                        yield replace(entry, uses=uses)
                         continue
                     self.names.absent.add((group, full))
                     if group in PARTS:

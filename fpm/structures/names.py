@@ -5,12 +5,13 @@ Units of a `repeat` see their own names first, then the file's, and neighbours' 
 
 import re
 from collections import Counter
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
 from pathlib import Path
+from typing import Any
 
 from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.arithmetic.units import NUMBER, Dimension, is_unit
@@ -128,6 +129,15 @@ class Names:
         self.bad_names: set[str] = set()
         self.order: list[str] = []
         self._is_sorted = False
+
+    def collect(self, read: Callable[[], Any]) -> tuple[Any, frozenset[str]]:
+        """Return what a function returns that reads something of the file, and to which names it
+        refers, as `uses` has them."""
+        all_uses, self.uses = self.uses, Counter()
+        value, uses = read(), self.uses
+        all_uses.update(uses)
+        self.uses = all_uses
+        return value, frozenset(uses)
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
         """Return whether something may be called `name`; else a problem is noted. It must be of

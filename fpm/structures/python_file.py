@@ -58,7 +58,8 @@ def _load(path: Path, record: FileRecord) -> SceneType:
             _refuse(path, f"DATA: {pattern!r} stands for no file; allowed: patterns of files")
     if reads := record.list_hidden_reads():
         _refuse(path, f"{', '.join(reads)}: {HIDDEN_READS}; allowed: {DATA_HINT}")
-    return replace(structure, function=Build(structure.function, record), content=content)
+    function = Build(structure.function, record)
+    return replace(structure, function=function, prepare=None, content=content)
 
 
 HIDDEN_READS = "what this reads is not seen, and results are named after all that a structure reads"

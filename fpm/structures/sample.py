@@ -1,7 +1,7 @@
 """One sample of a structure: the values of its parameters become a scene."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -25,6 +25,9 @@ RATE_TOL = 1e-6
 FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "drives")
 """Groups that are built before parts are forced together, which drives hold as supports do."""
 
+LATE_GROUPS = ("actions", "loads", "drags", "cables", "struts")
+"""Groups that only add elements, which nothing else refers to but others of these groups."""
+
 MOTIONS = "initial_velocities"
 """Group that is built last: as rigid bodies, from where the parts are."""
 
@@ -35,29 +38,32 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
     values: of its parameters by name (SI units); problems: where errors are noted."""
     build = Builder(problems)
     with np.errstate(all="ignore"):
-        _number(build, model, values)
+        find_numbers(build, model, values, model.names.order)
         points = _place(build, model)
         build.scene = _scene(build, model)
         build.scene.doubts += find_far_point(points)
         for entry in model.entries:
             if entry.statement.group in FIRST_GROUPS:
-                _build(build, entry)
+                build_entry(build, entry)
         _assemble(build, model)
         for entry in sorted(model.entries, key=lambda entry: entry.statement.type == "release"):
             if entry.statement.group not in (*FIRST_GROUPS, MOTIONS):
-                _build(build, entry)  # releases last: they may watch a latch
+                build_entry(build, entry)  # releases last: they may watch a latch
         if build.gravity_curve and not build.problems:
             build.scene.kinds[Gravity] = [Gravity(build.scene.gravity, build.gravity_curve(build))]
         _balance(build, model)
         for entry in model.entries:
             if entry.statement.group == MOTIONS:
-                _build(build, entry)
-        _finish(build, model)
+                build_entry(build, entry)
+        finish(build, model)
     return build
 
 
-def _number(build: Builder, model: FileStatements, values: Mapping[str, float]) -> None:
-    for name in model.names.order:
+def find_numbers(build: Builder, model: FileStatements, values: Mapping, names: Iterable) -> None:
+    """Find values of named numbers of a sample, and note which have none. build: its Builder, of
+    which `numbers` are set; model: the file's statements; values: of parameters by name (SI units);
+    names: full names of the numbers, each after those it depends on."""
+    for name in names:
         number = model.names.numbers[name]
         if name in values:
             build.numbers[name] = float(values[name])
@@ -101,9 +107,13 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
     return scene
 
 
-def _build(build: Builder, entry: Entry) -> None:
+def build_entry(build: Builder, entry: Entry) -> None:
+    """Add what an entry of a structure file states to a sample, or note why it cannot be. build:
+    the sample's Builder; entry: the Entry."""
     count0 = len(build.scene.position)
-    count = Counter({kind: len(elements) for kind, elements in build.scene.kinds.items()})
+    is_counted = entry.statement.group in LATE_GROUPS
+    kinds = build.scene.kinds.items() if is_counted else ()
+    count = Counter({kind: len(elements) for kind, elements in kinds})
     try:
         values = entry.values(build)
         value = entry.statement.build(build, values)
@@ -116,8 +126,9 @@ def _build(build: Builder, entry: Entry) -> None:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
     build.scene.doubts += find_doubts(entry.statement.group, values, build.size)
-    kinds = build.scene.kinds.items()
+    kinds = build.scene.kinds.items() if is_counted else ()
     new = [(kind, i) for kind, elements in kinds for i in range(count[kind], len(elements))]
+    build.additions[entry.statement.group, entry.name] = new
     if entry.statement.group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):
@@ -156,7 +167,9 @@ def _balance(build: Builder, model: FileStatements) -> None:
         _note(build, model.overall.node.lines.get("start", 0), error.key, error)
 
 
-def _finish(build: Builder, model: FileStatements) -> None:
+def finish(build: Builder, model: FileStatements) -> None:
+    """Check a sample as a whole, and note what is wrong. build: its Builder; model: the file's
+    statements."""
     scene = build.scene
     numbers = (scene.position, scene.mass, scene.inertia, scene.velocity, scene.gravity)
     if not all(np.isfinite(x).all() for x in numbers):

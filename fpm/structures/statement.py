@@ -170,7 +170,8 @@ class Entry:
     """One entry of a structure file. statement: its kind; name: full name; key: dotted path; line:
     where it stands; node: as written, table of its keys; read: by name of each key that is given
     (as in `args`), a function of the Builder that returns its value (SI units); key_names: of keys
-    as a file writes them (`force` on a slide), by their names in `args`."""
+    as a file writes them (`force` on a slide), by their names in `args`; uses: full names of the
+    numbers that it refers to, and of other entries as "bars:AB"."""
 
     statement: Statement
     name: str
@@ -179,6 +180,7 @@ class Entry:
     node: Node
     read: dict[str, BuildValue]
     key_names: Mapping[str, str] = field(default_factory=dict)
+    uses: frozenset[str] = frozenset()
 
     def refuse(self, error: SceneError, problems: Problems) -> None:
         """Note in the file's `problems` that the entry cannot be built, in the file's own words: a

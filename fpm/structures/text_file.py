@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile
+from fpm.structures.group import SampleGroup
 from fpm.structures.model import KEYS, TEXTS, FileStatements
 from fpm.structures.names import Names
 from fpm.structures.reading import (
@@ -73,9 +74,27 @@ class _File:
         problems.stop()
         return builder.scene
 
+    def prepare(self, samples: Sequence[Mapping]) -> Callable[[Mapping], Scene | None]:
+        """What builds samples at values of all parameters, with what they have in common built
+        once; it returns None for a sample that is to be built on its own."""
+        first, *rest = map(self._values, samples)
+        names = {name for values in rest for name in first if values[name] != first[name]}
+        model = self._model(first, problems := Problems(self.source))
+        if problems or any(self.parameters[name].whole for name in names):
+            return lambda sample: None
+        group = SampleGroup(model, first, names)
+        return lambda sample: group.build(self._values(sample))
+
+    def _values(self, parameters: Mapping) -> dict[str, float]:
+        return {name: p.si(parameters[name]) for name, p in self.parameters.items()}
+
     def builder(self, parameters: Mapping, problems: Problems) -> Builder:
         """The sample at the values given; `problems` has what is wrong."""
-        values = {name: p.si(parameters[name]) for name, p in self.parameters.items()}
+        values = self._values(parameters)
+        return build_sample(self._model(values, problems), values, problems)
+
+    def _model(self, values: Mapping[str, float], problems: Problems) -> FileStatements:
+        """The statements at values of the whole-number parameters."""
         counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
         key = tuple(counts.values())
         model = self._models.get(key) or FileStatements(
@@ -83,7 +102,7 @@ class _File:
         )
         if not problems:
             self._models[key] = model
-        return build_sample(model, values, problems)
+        return model
 
     def __getstate__(self) -> dict:
         """What crosses processes: the file, from which models are made again."""
@@ -136,6 +155,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
         points=tuple(scene.points),
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
+        prepare=file.prepare,
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh or None,
         content=hashlib.sha256(content).hexdigest()[:16],

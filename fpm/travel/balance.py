@@ -50,6 +50,19 @@ class Balance:
             gradient, stiffness = gradient - forces, stiffness + slopes
         return gradient, stiffness
 
+    def dense_derivatives(self, poses: ParticlePoses) -> tuple[np.ndarray, np.ndarray]:
+        """Return what `derivatives` does, with the stiffness as an array (6n, 6n)."""
+        count = 2 * poses.position.size
+        gradient, stiffness = np.zeros(count), np.zeros((count, count))
+        if len(self._bars.nodes):
+            gradient, bars = self._bars.derivatives(poses)
+            stiffness += bars
+        for source in self.sources:
+            forces, columns = source.differentiate(poses)
+            gradient = gradient - forces
+            stiffness[:, source.stiff] += columns
+        return gradient, stiffness
+
     def ease(self, poses: ParticlePoses, scales: np.ndarray) -> float:
         """Return an artificial stiffness (N m), small beside that of springs and bars at `poses`,
         by which the solver decides motions that no element stiffens. scales (6n,): length (m) or

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fpm.assembly import FARTHEST, MisfitError, linearise
-from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, scale_matrix
+from fpm.assembly import EASE, FARTHEST, MisfitError, linearise, mass_blocks
+from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, dofs_of
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_friction
@@ -17,6 +17,10 @@ from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_fricti
 MOTION_TOLERANCE = 1e-8
 """Largest motion of the last round at a position, as a share of the size, or turn (rad). The way on
 is that before it, where bars may be strained by as much, which stiffens thin ones in bending."""
+
+RIGID_TOLERANCE = 1e-10
+"""Largest motion of a round after which there is no other where no bars are, which have no strain.
+"""
 
 PREDICTOR_WEIGHTS = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
 """Weights of the last motions, by how many there are, in that to the next position (Adams and
@@ -26,6 +30,9 @@ RATE_TOLERANCE = 0.2
 """By how much a motion between two positions may differ from the mean of the rates at both, as a
 share of itself; beyond, it is halved, as it may have come upon another assembly of the same joints.
 """
+
+MAX_DENSE = 20
+"""Number of particles up to which matrices are full, not sparse."""
 
 MAX_HALVED_MOTIONS = 1000
 """Number of motions that are halved on a whole way, at most; a jump takes some 300, with those
@@ -124,8 +131,8 @@ class Path:
 
     def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = scale_matrix(self._conditions.jacobian(poses), self._weight, self._scales)
-        return rows[:, self._free].toarray()
+        rows = self._weight[:, None] * self._conditions.dense_jacobian(poses) * self._scales
+        return rows[:, self._free]
 
     def _step(self, value: float) -> None:
         """Lead the opening to a value (rad, m) in one step; MisfitError where that fails."""
@@ -144,9 +151,10 @@ class Path:
             factor = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
             poses = poses.displace(factor * self._scales * motion)
             self._impulses = self._impulses + factor * change
-            was_converged, gap = is_converged, np.abs(gap_changes).max(initial=0.0)
+            is_there = is_converged or (not self.scene.beams and largest <= RIGID_TOLERANCE)
+            gap = np.abs(gap_changes).max(initial=0.0)
             is_converged = largest <= MOTION_TOLERANCE and gap <= MOTION_TOLERANCE
-            if was_converged and is_converged:
+            if is_there and is_converged:
                 self.poses, self.opening, self.tangent = poses, value, self._motion(solve)
                 self._solve = solve
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
@@ -250,7 +258,7 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = scale_matrix(self._conditions.jacobian(poses), self._weight, self._scales)
+        rows = self._weight[:, None] * self._conditions.dense_jacobian(poses) * self._scales
         constraints = np.vstack([rows @ drift, drift[is_held]])
         _, sizes, directions = np.linalg.svd(constraints)
         free = directions[np.sum(sizes > DRIFT_TOLERANCE * sizes.max(initial=1.0)) :]
@@ -261,8 +269,37 @@ class Path:
         return np.flatnonzero(~is_held)
 
     def _equations(self, poses, conditions, ease):
-        rules = self._scales, self._free, self._weight, ease
-        return linearise(self.scene, poses, conditions, self.balance, self._impulses, *rules)
+        """What `linearise` returns; of few particles by full matrices, several times as fast."""
+        if len(self.scene.mass) > MAX_DENSE:
+            rules = self._scales, self._free, self._weight, ease
+            return linearise(self.scene, poses, conditions, self.balance, self._impulses, *rules)
+        scales, free, weight, impulses = self._scales, self._free, self._weight, self._impulses
+        gradient, stiffness = self.balance.dense_derivatives(poses)
+        rows, dofs = conditions.dense_jacobian(poses), dofs_of(conditions.pairs)
+        blocks = conditions.curvatures(poses, weight * impulses)
+        entry = (len(scales) * dofs[:, :, None] + dofs[:, None]).ravel()
+        stiffness += np.bincount(entry, blocks.ravel(), stiffness.size).reshape(stiffness.shape)
+        stiffness *= scales[:, None] * scales
+        mass = np.zeros((len(scales), len(scales)))
+        numbers = np.arange(len(scales)).reshape(-1, 2, 3)
+        mass[numbers[..., None], numbers[:, :, None]] = mass_blocks(self.scene, poses)
+        mass *= scales[:, None] * scales
+        unit = max(np.abs(stiffness).max(), ease)
+        inner = (stiffness / unit + mass * (ease / unit / mass.max()))[np.ix_(free, free)]
+        scaled_rows = (weight[:, None] * rows * scales)[:, free]
+        matrix = np.block([[inner, scaled_rows.T], [scaled_rows, -EASE * np.eye(len(rows))]])
+
+        def solve(forces, gap_changes):
+            right = np.concatenate([(scales * forces)[free] / unit, gap_changes])
+            try:
+                solution = np.linalg.solve(matrix, right)
+            except np.linalg.LinAlgError:  # exactly singular
+                solution = np.full(len(right), np.nan)
+            step = np.zeros(len(scales))
+            step[free] = solution[: len(free)]
+            return step, unit * solution[len(free) :]
+
+        return solve, gradient + rows.T @ (weight * impulses)
 
     def _motion(self, solve) -> np.ndarray:
         """The motion (6n,) per unit of the opening."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly import masses
+from fpm.assembly import mass_blocks
 from fpm.elements import Contact, Friction, Latch, RigidLatch, Stop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY
@@ -125,7 +125,9 @@ class _Sweep:
         friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
         row += path.compute_bearing_work(friction)
         row.append(path.balance.strain(path.poses))
-        row.append(tangent @ (masses(self._scene, path.poses) @ tangent))
+        motion = tangent.reshape(-1, 2, 3)
+        blocks = mass_blocks(self._scene, path.poses)
+        row.append(np.einsum("nki,nkij,nkj->", motion, blocks, motion))
         row += [*path.update_openings(), *path.rates(self._friction_hinges)]
         return np.array(row), (
             path.state(),

@@ -258,7 +258,7 @@ def simulate(
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
     with _BUILD_LOCK:
-        scenes = [experiment.scene_type.build(**values) for values in parameters]
+        scenes = experiment.scene_type.build_all(parameters)
     start = clocks(time.thread_time)
     outcomes = fpm.simulate(
         scenes,

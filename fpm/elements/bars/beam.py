@@ -145,7 +145,9 @@ class Beams(ElementType):
         length = np.linalg.norm(chord, axis=1)
         if not np.all(length > 0):
             raise SceneError(f"length of {name}", length.min(), "two particles apart")
-        normals = np.broadcast_to(np.asarray(normal, float), (len(nodes), 3))
+        normals = np.asarray(normal, float)
+        if normals.shape == (3,):
+            normals = [normals] * len(nodes)
         axes = np.array([triad(c, z) for c, z in zip(chord, normals, strict=True)])
         return Beams(nodes, length, axes, section, material, name)
 

@@ -276,7 +276,7 @@ def are_alone(scene) -> list[bool]:
     particles, unless held altogether, are in no other hinge or joint and have no Drive; and its own
     matrix is regular, whatever arms and axis become: no axis is held for both particles, nor for a
     particle and the hinge point, one may turn, and about all axes or none."""
-    joints = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
+    joints = [e for kind in scene.kinds if kind.joins for e in scene.kinds[kind]]
     uses = Counter(p for element in joints for p in element.particles)
     shared_particles = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
     shared_particles.update(drive.particle for drive in scene.drives)
@@ -309,7 +309,9 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 def of_both(vector) -> Sequence[np.ndarray]:
     """Return vectors (3,) of two particles: `vector` for both if it is (3,), its rows if (2, 3)."""
     vector = np.asarray(vector, float)
-    return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
+    if vector.ndim == 1:
+        return vector, vector
+    return vector if vector.shape == (2, 3) else np.broadcast_to(vector, (2, 3))
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from fpm.elements.cross import length
 from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import unit
 from fpm.elements.joints.joint_types import TYPES
@@ -44,7 +45,7 @@ def _meet(build, args) -> tuple[list[int], np.ndarray]:
     points = _per_part(build, args, "at", "a point")
     particles = [part.particle(p.name) for part, p in zip(args.parts, points, strict=True)]
     for (part1, p), (part2, q) in pairwise(zip(args.parts, points, strict=True)):
-        gap = float(np.linalg.norm(p.position - q.position))
+        gap = length(p.position - q.position)
         if not gap <= POINT_TOL * build.size and build.hold is None:
             text = f"{p.name} of {part1.name} and {q.name} of {part2.name}, {gap:.6g} m apart"
             allowed = f"points that coincide to {POINT_TOL * build.size:.2g} m, or `assemble: true`"
@@ -62,7 +63,7 @@ def _axes(build, args) -> np.ndarray:
     gap = float(np.abs(axes - axes[0]).max())
     if gap > POINT_TOL and build.hold is None:
         build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
-    return axes if build.hold is not None else np.tile(axes[0], (len(axes), 1))
+    return axes if build.hold is not None else np.array([axes[0]] * len(axes))
 
 
 def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
+from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.structures.builder import POINT_TOL, Body
 from fpm.structures.doubts import find_dense
@@ -150,7 +151,7 @@ def _directions(build, names, points) -> list[np.ndarray]:
     """Unit vectors of the stretches; what is straight has one direction to the last digit."""
     result: list[np.ndarray] = []
     for (first, second), (start, end) in zip(pairwise(names), pairwise(points), strict=True):
-        length = np.linalg.norm(end - start)
+        length = size(end - start)
         if not 0 < length < np.inf:
             build.refuse("through", length, f"a length above 0 m from {first} to {second}")
         direction = (end - start) / length
@@ -186,7 +187,7 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
     lumped by itself (lumping.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
-    lumps = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]
+    lumps = [lump(size(end - start), *shape) for start, end in pairwise(points)]
     nodes: list[int] = []
     inner = np.zeros(0, int)
     steps = np.linspace(0.0, 1.0, args.elements + 1)[1:-1, None]

@@ -1,22 +1,5 @@
-"""The best choice of nominal values, judged by the worst case about each, `choice.json`.
-
-    parameters   [{name, units, lower, upper, value, decides, safe, safest}]: the range, the best
-                 choice, and whether choices that differ in it differ in what decides by more than
-                 the error; `safe`, the range about the choice in which all requirements are kept by
-                 their errors, and `safest`, the choice whose margins are the most times these
-                 errors; both without requirements of a level, or where none is kept so, null
-    kept         whether the whole box about the choice keeps all requirements
-    safe         whether it keeps them by their estimated errors or more
-    goals        [{end, quantity, units, sense, value, error, at, simulated}] of the choice; error:
-                 estimated, of a bound of the quantity; of a width `at` is where the upper end is,
-                 `lower_at` where the lower, `simulated` the width
-    limits       [{requirement, quantity, units, kind, level, margin, error, at, simulated}] of it
-    tried        [{values, goals, kept}]: choices of a grid, for the trade-off
-    fitted       {intervals, points, numbers, margins}: the runs that surrogates over all choices
-                 are fitted to: `points`, -1 to 1 within `intervals` ({name: [lower, upper]}),
-                 quantities and event margins there (null: none); not in `summary.json`
-    runs         how many runs it took, over choices and intervals
-    simulated    how many of them were simulated in the last call
+"""The best choice of nominal values, judged by the worst case about each, `choice.json`, whose keys
+`summary.schema.json` describes.
 
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 

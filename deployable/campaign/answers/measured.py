@@ -1,35 +1,5 @@
-"""From measured curves to what of the box explains them, `measured.json`.
-
-    refuted             whether nothing in the box explains all tests
-    least, attained     the least misfit in bands, at least, and of a run
-    explained, left, hull   fractions of the box's volume that explain, that are not excluded, and
-                        of the narrowed box
-    worst               {test, response, units, time, bands, residual}: where the nearest run is
-                        farthest off
-    parameters          [{name, units, before, after, best, seen}]: seen is both, lower or upper
-                        (sides that the tests bound) or none; after is null if the tests are
-                        refuted, best if each test fixes the parameter
-    trade_offs          [{names, correlation, slope}] of what is left, of parameters' values
-    quantities          [{name, units, before, after, error, happens}] over what is left; happens:
-                        in all, some or none of its runs
-    limits              [{requirement, quantity, kind, level, units, met}] over what is left: all,
-                        some, none or undecided
-    next                [{response, units, time, spread, bands, fraction, measured}]: where runs
-                        that are left differ most, in the unit, in bands (null where none is known),
-                        and as a fraction of the width of the bounds
-    checks              [{name, inside, least, attained, worst}], with what the tests leave; if they
-                        are refuted, alone with what comes nearest to them; inside: whether a run
-                        explains it, null if that is undecided
-    tests               [{name, file, digest, use, rows, instants, window, curves}]
-    singles             [{name, refuted, least, attained}]: each test that calibrates by itself
-    disjoint            [[name, name]]: pairs of these whose narrowed boxes have nothing in common
-    misfits             {points, values}: points of the box, -1 to 1, and their least misfit by the
-                        surrogates, in bands
-    runs
-
-Curves by response are {units, times, values, bands, lower, upper, best, rates, left}: measured, of
-all runs, and but for a check of the nearest run as the sensor has it, with its rates, and lower and
-upper values of the runs in the narrowed box and start, [] without any."""
+"""From measured curves to what of the box explains them, `measured.json`, whose keys
+`summary.schema.json` describes."""
 
 import itertools
 import json

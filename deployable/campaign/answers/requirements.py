@@ -1,24 +1,7 @@
-"""From the runs of a campaign to what of the box meets its requirements, `requirements.json`.
+"""From the runs of a campaign to what of the box meets its requirements, `requirements.json`, whose
+keys `summary.schema.json` describes.
 
-    requirements   [{name, met, share, share_uncertainty, runs, limits}], met is all, some or none
-                   of the box; "undecided" where nothing fails, in so many runs or by what was
-                   fitted, and errors or what only happens or does not leave open whether all does;
-                   share_uncertainty: by how much the share may be more or less, by all runs and
-                   estimated errors
-    limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share,
-                   share_uncertainty, runs}]: margin at the worst place, and the estimated error,
-                   of mesh and step too if known; met and what follows of this limit alone
-    together       {met, share, share_uncertainty, runs, failures, max_interval_scale, fails,
-                   whole}: of all; failures: runs that break a limit, null where not all are judged;
-                   `fails` is the nearest place at which one fails: {requirement, quantity, kind,
-                   level, units, at, simulated}; whole: whether errors have those of step and mesh
-    halved         (in together) {name: {share, share_uncertainty}}: if the interval of one
-                   parameter were half as wide about its nominal value
-    runs, further_runs
-
-The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
-is broken, null where something does not happen. A place is parameter values by name; `simulated` is
-the quantity of the run there."""
+The runs that decide were made with those of the quantities' ends."""
 
 import json
 from collections.abc import Mapping

@@ -196,7 +196,7 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
             **properties["choice"],
             "required": [*properties["choice"]["required"], "fitted"],
         },
-        "cases.json": {"required": ["cases", "together"]},
+        "cases.json": _schema()["$defs"]["cases"],
         "measured.json": properties["measured"],
     }
     with report_damage(path):

@@ -176,11 +176,11 @@ def choices(k: int, found: list, limits: list) -> Iterator:
         return lower.clip(-1, 1), upper.clip(-1, 1)
 
     for goal in (req.Goal(found[0], "upper"), req.Goal(found[1], "lower", -1.0)):
-        best, first = req.find_best([goal], limits[:2], [(-0.8, 0.8)] * k, box)
+        best, first = req.ChoiceProblem([goal], limits[:2], [(-0.8, 0.8)] * k, box).find_best()
         yield best.goals, best.margin, [each.margin for each in first], len(first)
     if k == 1:
         width = req.Goal(found[3], "width")
-        yield req.find_best([width], [], [(-0.5, 0.5)], box)[0].goals
+        yield req.ChoiceProblem([width], [], [(-0.5, 0.5)], box).find_best()[0].goals
 
 
 def estimates() -> Iterator:

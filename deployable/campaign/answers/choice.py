@@ -122,7 +122,7 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    from deployable.intervals.scalars import Goal, Limit, find_best, find_safe_range, find_safest
+    from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
     surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
     names = list(model.experiment.quantities)
@@ -136,13 +136,12 @@ def _best(
         lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
         return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
-    ends = list(choose.parameters.values())
-    best, trials = find_best(goals, limits, ends, subbox)
+    problem = ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
+    best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
-    safest = find_safest(trials, goals, limits, ends, subbox)
-    ranges = [find_safe_range(best, i, limits, pair, subbox) for i, pair in enumerate(ends)]
-    return best, safest, ranges, trials
+    ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
+    return best, problem.find_safest(trials), ranges, trials
 
 
 def _error(

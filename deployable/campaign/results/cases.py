@@ -1,5 +1,5 @@
-"""Facts of a campaign's cases together, from the summary of each: the content of `cases.json`, whose
-keys `summary.schema.json` describes (`$defs.cases`)."""
+"""Facts of a campaign's cases together, from the summary of each: the content of `cases.json`.
+`summary.schema.json` describes its keys (`$defs.cases`)."""
 
 import math
 from collections.abc import Iterable, Mapping

@@ -94,11 +94,8 @@ class RefinementLevel(NamedTuple):
         fine|: 2**p at order p. coarse, fine, third: values (n), or curves (..., T), whose changes
         count by their mean over T, of the original plan, of `finer` and of `third`."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
-        return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
-
-
-def _mean_size(change: np.ndarray) -> np.ndarray:
-    return np.abs(change) if change.ndim == 1 else np.abs(change).mean(axis=-1)
+        sizes = np.abs(np.diff(levels, axis=0))
+        return refinement_ratio(*(sizes if sizes.ndim == 2 else sizes.mean(axis=-1)))
 
 
 def estimate_discretization_errors(

@@ -32,24 +32,19 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     is simulated. requirements, jobs: sections of the config; notify: gets messages."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
-    errors = _discretization_errors(folder)
+    with open_netcdf(folder.quantities) as data:
+        names = ("error_limit", "error_border")  # by mesh and step, of values and of occurrence
+        is_whole = names[0] in data.variables
+        errors = np.array([data[name][:] for name in names]) if is_whole else None
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)
     rows = {
         "requirements": [_requirement(model, result, name, shares) for name in requirements],
-        "together": {**_combine(model, result, shares), "whole": errors is not None},
+        "together": {**_combine(model, result, shares), "whole": is_whole},
         "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.refinements),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
-
-
-def _discretization_errors(folder: Folder) -> np.ndarray | None:
-    """Errors (2, q) by mesh and step, of values and of occurrence; None where not estimated."""
-    with open_netcdf(folder.quantities) as data:
-        if "error_limit" not in data.variables:
-            return None
-        return np.array([data[name][:] for name in ("error_limit", "error_border")])
 
 
 _Shares = Mapping[tuple[int, ...], tuple[float, float]]

@@ -8,7 +8,7 @@ import json
 import operator
 import re
 from collections.abc import Iterator
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from itertools import pairwise
 from textwrap import dedent
 from types import UnionType
@@ -116,15 +116,11 @@ def config_key_of(hint: Any, default: Any = MISSING, description: str = "") -> C
         elif is_dataclass(option):
             description = description or " ".join(option.__doc__.split())
             hints, docstrings = get_type_hints(option, include_extras=True), _docstrings(option)
-            children = {
-                f.name: config_key_of(hints[f.name], _default(f), docstrings.get(f.name, ""))
-                for f in fields(option)
-            }
+            for f in fields(option):
+                value = f.default if f.default_factory is MISSING else f.default_factory()
+                key_text = docstrings.get(f.name, "")
+                children[f.name] = config_key_of(hints[f.name], value, key_text)
     return ConfigKey(key, key.words(hint), description or key.text, default, children, entry, names)
-
-
-def _default(field: Field) -> Any:
-    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def _docstrings(hint: type) -> dict[str, str]:

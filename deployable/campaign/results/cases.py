@@ -52,14 +52,12 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
-        "next": max(_next_tests(summaries), key=_separation, default=None),
+        "next": max(  # that separates runs most: in bands, or unmeasured, as a share of the width
+            _next_tests(summaries), default=None,
+            key=lambda row: (row["bands"] or 0.0, row["fraction"]),
+        ),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
     }  # fmt: skip
-
-
-def _separation(row: Mapping) -> tuple[float, float]:
-    """By how much a next test separates runs: in bands, or unmeasured, as a share of the width."""
-    return row["bands"] or 0.0, row["fraction"]
 
 
 def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:

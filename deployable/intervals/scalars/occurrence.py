@@ -120,7 +120,7 @@ class Occurrence:
         points = np.zeros((0, self.points.shape[1]))
         if not self.is_mixed:
             return points
-        trials = self._undecided_points()
+        trials = self._level_points(_LEVELS)
         gaps = scipy.spatial.cKDTree(self.points).query(trials)[0] if len(trials) else np.zeros(0)
         while len(points) < count and gaps.max(initial=0.0) > _LEAST:
             points = np.concatenate([points, trials[[gaps.argmax()]]])
@@ -132,10 +132,6 @@ class Occurrence:
         """Points (P, k) in [-1, 1]^k on the border of where the event occurs (limit-state surface),
         on the side where it does; none where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
-
-    def _undecided_points(self) -> np.ndarray:
-        """Unit points (P, k) at which the decision value has one of a few sizes."""
-        return self._level_points(_LEVELS)
 
     def _level_points(self, levels: Sequence[float]) -> np.ndarray:
         """Unit points (P, k) just above each level of the decision value over its band, each

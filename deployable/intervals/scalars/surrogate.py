@@ -40,22 +40,6 @@ class Extremes:
         return self.high - self.low
 
 
-def find_extremes(
-    function: Function,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    extra_points: np.ndarray | None = None,
-    climbs: int = _CLIMBS,
-) -> Extremes:
-    """Find the least and largest value that a function attains over the part of the box from
-    `lower` to `upper` (k each, in [-1, 1]). function: takes points (P, k) and returns values (P),
-    NaN where it has none; extra_points (P, k): tried beside those spread over the part, or None;
-    climbs: number of best points from which a search goes on, 0 for none."""
-    low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
-    high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
-    return Extremes(low, high, argmin, argmax)
-
-
 def extreme(
     function: Function,
     sign: float,
@@ -211,7 +195,10 @@ class ScalarSurrogate:
         self, lower: np.ndarray | None, upper: np.ndarray | None, **options: int
     ) -> Extremes:
         lower, upper = self._part(lower, upper)
-        return find_extremes(self.evaluate, lower, upper, self._trial_points, **options)
+        part = (lower, upper, self._trial_points)
+        low, argmin = extreme(self.evaluate, -1.0, *part, **options)
+        high, argmax = extreme(self.evaluate, 1.0, *part, **options)
+        return Extremes(low, high, argmin, argmax)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1

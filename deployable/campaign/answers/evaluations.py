@@ -13,10 +13,9 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
-from deployable.campaign.results.run_roles import fitted_rows
+from deployable.campaign.results.run_roles import fitted_rows, margins_of_samples
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord

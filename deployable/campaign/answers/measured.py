@@ -64,8 +64,15 @@ def answer(
             checks.append({"name": test.name, **row})
     misfits = result.misfits()
     rows = {
-        **_verdict(result, sources, model.experiment.box.free),
-        "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
+        **_misfits(result),
+        "explained": result.fractions[0],
+        "left": result.fractions[1],
+        "hull": float(np.prod(np.ptp(result.hull, axis=0)[model.experiment.box.free] / 2.0)),
+        "worst": _worst(result, sources, *result.worst),
+        "singles": [
+            {"name": test.name, **_misfits(single)}
+            for test, single in zip(sources, singles, strict=True)
+        ],
         "disjoint": _disjoint_pairs(sources, singles),
         **_parameters(model, result, sources),
         **_describe_left(model, result, requirements, sources, folder),
@@ -195,10 +202,9 @@ def _calibrate(
     return calibrate(*arguments, data, waves, notify=partial(notify_of, range(len(tests)))), []
 
 
-def _single_row(test: _Test, result: Calibration) -> dict:
-    """What a test that calibrates says without the others."""
+def _misfits(result: Calibration) -> dict:
+    """Whether tests are refuted, and their least misfits."""
     return {
-        "name": test.name,
         "refuted": bool(result.is_refuted),
         "least": float(result.least),
         "attained": float(result.attained),
@@ -226,18 +232,6 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
     }  # fmt: skip
 
 
-def _verdict(result: Calibration, tests: Sequence[_Test], free: np.ndarray) -> dict:
-    return {
-        "refuted": bool(result.is_refuted),
-        "least": float(result.least),
-        "attained": float(result.attained),
-        "explained": result.fractions[0],
-        "left": result.fractions[1],
-        "hull": float(np.prod(np.ptp(result.hull, axis=0)[free] / 2.0)),
-        "worst": _worst(result, tests, *result.worst),
-    }
-
-
 def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
     """What the last of the tests says of what the others leave."""
     t = len(tests) - 1
@@ -245,8 +239,7 @@ def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
     i, instant = np.unravel_index(bands.argmax(), bands.shape)
     return {
         "inside": False if result.is_refuted else True if result.attained <= 1.0 else None,
-        "least": float(result.least),
-        "attained": float(result.attained),
+        **_misfits(result),
         "worst": _worst(result, tests, t, int(i), int(instant)),
     }
 

@@ -95,11 +95,7 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             for limit in row["limits"]:
                 location = place(limit["at"], summaries[case]["parameters"])
                 details = {**limit, "requirement": name, "case": case, "where": location}
-                key = (
-                    limit["quantity"],
-                    limit["kind"],
-                    limit["level"],
-                )  # margins have one of their own
+                key = limit["quantity"], limit["kind"], limit["level"]  # each has its margins
                 limits.setdefault(key, {})[case] = details
         comparisons = [_compare(group, list(summaries)) for group in limits.values()]
         rows.append({

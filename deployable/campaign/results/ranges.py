@@ -14,9 +14,8 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.colours import BLUE, RED
 from deployable.campaign.pictures.figure import make_figure
-from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.run_roles import fitted_rows
+from deployable.campaign.results.run_roles import fitted_rows, margins_of_samples
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121

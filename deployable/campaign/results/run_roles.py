@@ -90,3 +90,13 @@ def count_roles(samples: Any) -> Counts:
     design_runs = nodes | held_out
     has_nominal = bool(nominal & design_runs)
     return Counts(len(design_runs | nominal), len(nodes), len(held_out), has_nominal)
+
+
+def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:
+    """Return the event margins (r, q) of r runs of an open `samples.nc`: by how much each run has
+    each quantity, positive if it has (`fpm.reading.quantities.Quantity.margin`), NaN where not
+    known. They are continuous where a quantity comes and goes in the box, and so locate that
+    border. rows: indices of the runs, in the order wanted."""
+    if "margin" not in samples.variables:
+        return np.full((len(rows), len(experiment.quantities)), np.nan)
+    return np.asarray(samples.variables["margin"][:])[rows]

@@ -116,12 +116,9 @@ def fit_curves(
     """Fit the polynomials of the total degree whose leave-one-out errors are least; the errors of
     the result are the largest of these, with that of cubic interpolation between instants.
 
-    Parameters
-    ----------
-    test: its instants are those at which the errors count.
-    points, curves: coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
-    times: recorded instants (R) in s, at least four.
-    hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
+    test: its instants are those at which the errors count; points, curves: coordinates (N, p) of
+    its runs, at least one, and their curves (N, n, R); times: recorded instants (R) in s, at least
+    four; hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count;
     run_errors: errors (n, T) of the runs themselves, such as those of their time step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     x = (points - center) / half
@@ -517,19 +514,13 @@ def calibrate(
     """Find what of a box explains all tests, with runs where that is open; if the tests are
     refuted, where the least band is attained.
 
-    Parameters
-    ----------
-    tests: at least one.
-    times: recorded instants (R) of runs in s, which span the instants of all tests and delays.
-    evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in its box and
-        starts, that returns the curves (N, n, R) of runs there.
-    finer: function of the number of a test and coordinates (p) that returns the curves (n, R) of a
-        run there with half the step.
-    hull: part of the box (2, k) in which to look, -1 to 1.
-    data: runs of each test that were made before; none if it is empty.
-    waves, most: largest numbers of waves of runs, and of runs of each test; twice both where no
-        point explains.
-    notify: called with messages."""
+    tests: at least one; times: recorded instants (R) of runs in s, which span the instants of all
+    tests and delays; evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in
+    its box and starts, that returns the curves (N, n, R) of runs there; finer: function of the
+    number of a test and coordinates (p) that returns the curves (n, R) of a run there with half the
+    step; hull: part of the box (2, k) in which to look, -1 to 1; data: runs of each test that were
+    made before, none if it is empty; waves, most: largest numbers of waves of runs, and of runs of
+    each test, twice both where no point explains; notify: called with messages."""
     state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves, most)
@@ -588,12 +579,8 @@ def calibrate_together(
     singles = [find([t], hull, ()) for t in indices]
     if len(tests) == 1:
         return singles[0], singles
-    common = np.array(
-        [
-            np.max([single.hull[0] for single in singles], axis=0),
-            np.min([single.hull[1] for single in singles], axis=0),
-        ]
-    )
+    low, high = np.moveaxis([single.hull for single in singles], 0, 1)
+    common = np.array([low.max(axis=0), high.min(axis=0)])
     if (common[0] > common[1]).any() or any(single.is_refuted for single in singles):
         # Without the runs so far: where they crowd, left-out errors are too small for the whole.
         return find(indices, hull, ()), singles

@@ -143,7 +143,7 @@ def scalars() -> Iterator:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open_fraction
             border = one.occurrence
             yield border.decision(trial), border.band(trial), border.infill_points(4)
-            yield one.find_presence(*part) is None, one.find_absence(*part) is None
+            yield [one.find_place(*part, happens) is None for happens in (True, False)]
             if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)
                 yield [(each.low, each.high, each.width) for each in wide], one.end(-1.0, *part)[0]

@@ -134,11 +134,10 @@ class Limit:
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
         surrogate, middle = self.surrogate, (lower + upper) / 2
         if self.kind == "happens":
-            find = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
-            point = find(lower, upper)
+            point = surrogate.find_place(lower, upper, bool(self.level) != worst)
             feasible = (point is None) == worst
             return (np.inf if feasible else -np.inf), middle if point is None else point
-        if worst and (point := surrogate.find_absence(lower, upper)) is not None:
+        if worst and (point := surrogate.find_place(lower, upper, False)) is not None:
             return -np.inf, point
         sign = 1.0 if (self.kind == "at_most") == worst else -1.0
         value, point = surrogate.end(sign, lower, upper)
@@ -187,21 +186,10 @@ def shares_of_box(
     on one line in one dimension, on many lines spread over the box in several; borders of where
     limits are satisfied are found on each by linear interpolation.
 
-    Parameters
-    ----------
-    sets
-        Sets of limits; surrogates that they share are evaluated once.
-    free
-        Mask (k) of directions with a width.
-    lower, upper
-        Corners (k each), in [-1, 1]^k, of the part of the box that counts, by default all.
-    lines
-        How many lines are spread over the box.
-
-    Returns
-    -------
-    list
-        Of each set the fraction and its uncertainty, both from 0 to 1."""
+    sets: sets of limits, which evaluate surrogates that they share once; free: mask (k) of the
+    directions with a width; lower, upper: corners (k each), in [-1, 1]^k, of the part of the box
+    that counts; lines: how many are spread over it. Returns of each set the fraction and its
+    uncertainty, both from 0 to 1."""
     free, shares = np.asarray(free, dtype=bool), [(0.0, 0.0)] * len(sets)
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE

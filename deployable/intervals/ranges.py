@@ -80,14 +80,8 @@ def find_surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range
         # sums over the coefficients round, those of a large constant and small waves visibly
         rounding = (len(c) + 8) * np.finfo(float).eps * np.abs(c).sum(axis=0)
         lower, upper = lower - rounding, upper + rounding
-    return Range(
-        lower.reshape(shape),
-        upper.reshape(shape),
-        low.reshape(shape),
-        high.reshape(shape),
-        argmin.reshape(*shape, k),
-        argmax.reshape(*shape, k),
-    )
+    ends = (end.reshape(shape) for end in (lower, upper, low, high))
+    return Range(*ends, *(points.reshape(*shape, k) for points in (argmin, argmax)))
 
 
 def _tighten(c, surrogate, outer, inner, argument, close):

@@ -56,19 +56,28 @@ def answer(
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst]
-        points += [
-            *recheck(best, trials, choose),
-            *(() if safest is None else safest.worst),
-        ]
+        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
+        points += [] if safest is None else [*safest.worst]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
-    error = _error(model, base_plan.experiment, choose, specs, best.is_allowed)
+    error = _error(model, choose, None if best.is_allowed else specs)
     decides = find_deciding_parameters(trials, error)
     choice = {
-        "parameters": _parameters(experiment, choose, best.values, decides, safe_ranges, safest),
+        "parameters": [
+            {
+                "name": name,
+                "units": experiment.scene_type.parameters[name].unit,
+                "lower": low,
+                "upper": high,
+                "value": float(best.values[i]),
+                "decides": decides[i],
+                "safe": None if safest is None else list(safe_ranges[i]),
+                "safest": None if safest is None else float(safest.values[i]),
+            }
+            for i, (name, (low, high)) in enumerate(choose.parameters.items())
+        ],
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
@@ -144,16 +153,10 @@ def _best(
     return best, problem.find_safest(trials), ranges, trials
 
 
-def _error(
-    model: ModelEvaluator,
-    experiment: Experiment,
-    choose: Choose,
-    specs: list[LimitSpec],
-    is_allowed: bool,
-) -> float:
+def _error(model: ModelEvaluator, choose: Choose, specs: list[LimitSpec] | None) -> float:
     """Error, and rounding, of what decides: the first goal, or, if no choice is allowed, limits."""
-    names, surrogates = list(experiment.quantities), model.surrogates()
-    indices = [names.index(choose.goals[0][2])] if is_allowed else [spec.quantity for spec in specs]
+    names, surrogates = list(model.experiment.quantities), model.surrogates()
+    indices = [names.index(choose.goals[0][2])] if specs is None else [s.quantity for s in specs]
     errors = [surrogates[q].error for q in indices]
     size = np.nanmax(np.abs(model.numbers[:, indices]), initial=0.0)
     return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
@@ -183,24 +186,6 @@ def find_deciding_parameters(trials: Sequence[Any], error: float) -> list[bool]:
         lines = [rows for rows in groups if len(rows) > 1]
         flags.append(any(map(differ, lines or [np.arange(len(trials))])))
     return flags
-
-
-def _parameters(
-    experiment: Experiment,
-    choose: Choose,
-    values: np.ndarray,
-    decides: Sequence[bool],
-    safe_ranges: Sequence[tuple[float, float]],
-    safest: Any,
-) -> list[dict]:
-    table, rows = experiment.scene_type.parameters, []
-    for i, (name, (low, high)) in enumerate(choose.parameters.items()):
-        row = {"name": name, "units": table[name].unit, "lower": low, "upper": high}
-        row |= {"value": float(values[i]), "decides": decides[i], "safe": None, "safest": None}
-        if safest is not None:
-            row |= {"safe": list(safe_ranges[i]), "safest": float(safest.values[i])}
-        rows.append(row)
-    return rows
 
 
 def _goal(

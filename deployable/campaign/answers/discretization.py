@@ -140,11 +140,7 @@ def estimate_discretization_errors(
 
 
 def _find_nearest_values(
-    model: ModelEvaluator,
-    plan: Plan,
-    indices: np.ndarray,
-    points: np.ndarray,
-    values: np.ndarray,
+    model: ModelEvaluator, plan: Plan, indices: np.ndarray, points: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
     nearest to points at which they do not, on the way to the next of a few runs that have them by

@@ -18,11 +18,7 @@ from deployable.campaign.config.sections import Jobs, Verify
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.files.variables import dataset_of
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import (
-    affordable_runs,
-    allow_check_runs,
-    left_tolerances,
-)
+from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns
 from deployable.campaign.results.bounds import write_dataset

@@ -233,7 +233,8 @@ def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
     surrogate = SimpleNamespace(range=lambda: extremes)
     numbers = np.array([[1.5], [2.0], [np.nan], [1.0]])
     model = SimpleNamespace(numbers=numbers, points=np.array([[0.0], [0.3], [0.5], [-0.4]]))
-    bounds = _bounds(model, 0, surrogate, np.zeros(2))
+    climbs = SimpleNamespace(model=model, remainders=lambda q: (0.0, 0.0))
+    bounds = _bounds(climbs, 0, surrogate, np.zeros(2), is_searched=False)
     assert bounds.unconverged == unconverged
     assert (bounds.lower, bounds.upper) == (1.0, 2.0)
     assert (bounds.argmin[0], bounds.argmax[0]) == (-0.4, 0.3)
@@ -249,7 +250,8 @@ def test_after_searches_by_runs_bounds_are_those_of_the_runs(latest, upper, erro
     surrogate = SimpleNamespace(range=lambda: extremes, latest=latest)
     numbers = np.array([[1.0], [2.0]])
     model = SimpleNamespace(numbers=numbers, points=np.array([[0.0], [0.3]]))
-    bounds = _bounds(model, 0, surrogate, np.zeros(2), is_searched=True)
+    climbs = SimpleNamespace(model=model, remainders=lambda q: (0.0, 0.0))
+    bounds = _bounds(climbs, 0, surrogate, np.zeros(2), is_searched=True)
     assert bounds.outer == (1.0, upper)
     assert bounds.error == error
 

@@ -12,22 +12,22 @@ from typing import Annotated, Any, ClassVar, Literal
 from deployable.campaign.config.keys import RefusedError, Rule
 
 
-def _of(kind: Any, allowed: str, **rule: Any) -> Any:
+def _type_of(kind: Any, allowed: str, **rule: Any) -> Any:
     """A type with its rule, `allowed` in words."""
     return Annotated[kind, Rule(allowed, **rule)]
 
 
-Name = _of(
+Name = _type_of(
     str, "a name of up to 64 letters, digits and `_` that starts with a letter",
     pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
 )  # fmt: skip
-CampaignName = _of(
+CampaignName = _type_of(
     str, "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name "
     "of a study",
     pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
     "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
 )  # fmt: skip
-CaseName = _of(
+CaseName = _type_of(
     str, "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
     "not that of a folder of results, or `all`",
     pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
@@ -35,9 +35,9 @@ CaseName = _of(
 )  # fmt: skip
 Share = Annotated[float, Rule(ge=1e-4, le=1, unit="1")]
 OrAuto = Literal["auto"]
-StructureFile = _of(str, "the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
+StructureFile = _type_of(str, "the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
 SceneValues = Annotated[
-    dict[str, _of(Any, "a number", unit="parameter")],
+    dict[str, _type_of(Any, "a number", unit="parameter")],
     Rule("a mapping from the scene's parameter names to values"),
 ]
 Definitions = Rule("a mapping from names (letters, digits, `_`, starting with a letter) to "
@@ -158,8 +158,8 @@ class IntervalSpec(ConfigSection):
             raise RefusedError("nominal", text)
 
 
-OneInterval = _of(IntervalSpec, "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: "
-                  "1, upper: 3}`, perhaps with `nominal`")  # fmt: skip
+OneInterval = _type_of(IntervalSpec, "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
+                       "`{lower: 1, upper: 3}`, perhaps with `nominal`")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -271,7 +271,7 @@ class ChooseSection(ConfigSection):
     case is simulated."""
 
     parameters: Annotated[
-        dict[str, _of(*Pair, text="Range of the nominal value.", unit="parameter")],
+        dict[str, _type_of(*Pair, text="Range of the nominal value.", unit="parameter")],
         Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
@@ -353,7 +353,7 @@ class Jobs(ConfigSection):
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
-Times = _of(*Pair, unit="s")
+Times = _type_of(*Pair, unit="s")
 _ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
 _Size = Annotated[float, Rule(gt=0, unit="response")]
 
@@ -395,7 +395,7 @@ class MeasuredTest(ConfigSection):
     """By how much the model may be wrong, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
-        dict[str, _of(*Pair, text="Interval in this test.", unit="parameter")],
+        dict[str, _type_of(*Pair, text="Interval in this test.", unit="parameter")],
         Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
     ] = field(default_factory=dict)
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
@@ -501,8 +501,8 @@ class Config(ConfigSection):
     verify: Verify = Verify()
     requirements: Annotated[
         dict[Name, Annotated[
-            dict[str, _of(Limits, "a mapping with `at_least`, `at_most` or `happens`, by quantity "
-                "as in `{t_shut: {at_most: 0.32}}`")],
+            dict[str, _type_of(Limits, "a mapping with `at_least`, `at_most` or `happens`, by "
+                "quantity as in `{t_shut: {at_most: 0.32}}`")],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 text="The limits of one requirement, by quantity; all of them must be kept. A "
                 "list `cases: [on ground]` beside them: it is of these cases alone."),
@@ -517,7 +517,7 @@ class Config(ConfigSection):
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[Name, _of(MeasuredTest, "a mapping with `file`, `columns` and `band`")],
+        dict[Name, _type_of(MeasuredTest, "a mapping with `file`, `columns` and `band`")],
         Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
     """Tests whose measured curves tell which part of the box is left, or that none is, by names of
@@ -526,7 +526,8 @@ class Config(ConfigSection):
     jobs: Jobs = Jobs()
     cases: Annotated[
         dict[
-            CaseName, _of(CaseSection, "a mapping with `scene`, `file`, `solver` and `intervals`")
+            CaseName,
+            _type_of(CaseSection, "a mapping with `scene`, `file`, `solver` and `intervals`"),
         ],
         Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
     ] = field(default_factory=dict)

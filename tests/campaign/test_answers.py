@@ -16,7 +16,8 @@ from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.ranges import FittedRuns, draw_ranges, ranges, runs_of
+from deployable.campaign.results.fitted_runs import FittedRuns
+from deployable.campaign.results.ranges import draw_ranges, ranges
 from deployable.intervals.scalars import fit_scalar
 from fpm.files.seals import unseal
 
@@ -152,7 +153,7 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
         )
         folder = run(raw, tmp_path)
         with open_netcdf(folder.quantities) as found:
-            (ax, *_) = ranges(found, runs_of(folder)).axes
+            (ax, *_) = ranges(found, FittedRuns.read(folder)).axes
             assert len(getattr(ax, drawn)) >= count - (count == 2)
             assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
 

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment, Jobs
-from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
-from deployable.campaign.results.run_roles import fitted_rows, margins_of_samples
+from deployable.campaign.results.fitted_runs import FittedRuns
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
@@ -66,23 +65,10 @@ class ModelEvaluator:
         model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
         if len(plan.runs) <= MAX_PLAN_ROWS:
             model.account = RunAccount(known_ids=[run.id for run in plan.runs])
-        with open_netcdf(folder.samples) as samples:
-            normalized = samples["normalized"][:]
-            numbers = np.zeros((len(normalized), 0))
-            if model.experiment.quantities:
-                numbers = samples["quantities"][:]
-            rows = fitted_rows(numbers)
-            model.margins = margins_of_samples(model.experiment, samples, rows)
-        model.points, model.numbers = normalized[rows], numbers[rows]
-        model.rest_count = len(numbers) - len(rows)
-        model.rest_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
-        if refinements:
-            with open_netcdf(folder.refinement) as file:
-                if len(points := file["normalized"][:]):
-                    model.points = np.concatenate([model.points, points])
-                    model.numbers = np.concatenate([model.numbers, file["quantities"][:]])
-                    model.margins = np.concatenate([model.margins, file["margin"][:]])
-                    model.refinements += runs_at(model.plan, points)
+        runs = FittedRuns.read(folder, refinements)
+        model.points, model.numbers, model.margins = runs.points, runs.numbers, runs.margins
+        model.rest_count, model.rest_counts = len(runs.rest), np.isfinite(runs.rest).sum(axis=0)
+        model.refinements += runs_at(plan, runs.points[len(runs.points) - runs.further :])
         return model
 
     @property

@@ -24,7 +24,7 @@ from deployable.campaign.report.data import (
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
-from deployable.campaign.results.ranges import FittedRuns, runs_of
+from deployable.campaign.results.fitted_runs import FittedRuns
 from deployable.campaign.results.run_roles import count_roles, keeps_extremes, read_ids, read_roles
 from fpm.files.seals import DamagedError, check
 
@@ -185,7 +185,7 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
     place = Folder(folder)
     model = WhatIf({}, None, None)
     if summary["quantities"]:
-        model = WhatIf(_surrogates(place, runs_of(place)), None, None)
+        model = WhatIf(_surrogates(place, FittedRuns.read(place)), None, None)
     if "choice" in summary:
         record = read_json(place.choice)["fitted"]
         keys = ("points", "numbers", "margins")

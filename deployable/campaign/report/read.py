@@ -85,20 +85,13 @@ def _responses(
         widths, error = (values(key, i, sensitivities) for key in ("width", "error"))
         if widths is not None and error is not None:  # below the error of the fit they are none
             widths = np.where(widths > error, widths, np.nan)
-        rows.append(ResponseBounds(
-            name=name,
-            long_name=str(bounds["response_long_name"].values[i]),
-            units=str(bounds["response_units"].values[i]),
-            abscissa=along_of(bounds, i),
-            least=values("least", i),
-            most=values("most", i),
-            lower=bounds["lower"].values[i],
-            upper=bounds["upper"].values[i],
-            nominal=values("nominal", i),
-            error=values("error", i),
-            shares=values("width_overall", i, sensitivities),
-            widths=widths,
-        ))  # fmt: skip
+        curves = {
+            key: values(key, i) for key in ("least", "most", "lower", "upper", "nominal", "error")
+        }
+        words = (str(bounds[f"response_{key}"].values[i]) for key in ("long_name", "units"))
+        shares, abscissa = values("width_overall", i, sensitivities), along_of(bounds, i)
+        curves |= {"shares": shares, "widths": widths, "abscissa": abscissa}
+        rows.append(ResponseBounds(name, *words, **curves))
     return tuple(rows)
 
 

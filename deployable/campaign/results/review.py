@@ -56,21 +56,13 @@ class Clause(NamedTuple):
     topic: str
 
 
+_TABLES = json.loads(Path(__file__).with_name("clauses.json").read_text(encoding="utf-8"))
 CLAUSES = {
-    standard: tuple(Clause(*row) for row in rows)
-    for standard, rows in json.loads(
-        Path(__file__).with_name("clauses.json").read_text(encoding="utf-8")
-    ).items()
+    standard: tuple(Clause(*row) for row in rows) for standard, rows in _TABLES["clauses"].items()
 }
 """By standard, as in `fpm.reading.standards`."""
 
-TOPICS = {
-    "stress": {"stress"}, "section_force": {"stress"}, "section_moment": {"stress"},
-    "tension": {"stress"}, "clearance": {"clearance"}, "acceleration": {"shock"},
-    "latch_impulse": {"latch shock", "shock"}, "latch_impact": {"latch shock", "shock"},
-    "latch_moment": {"latch shock", "shock"}, "constraint_force": {"shock"},
-    "reaction_force": {"shock"}, "latches": {"latches"}, "misses": {"misses"},
-}  # fmt: skip
+TOPICS = {kind: set(topics) for kind, topics in _TABLES["topics"].items()}
 """Topics by kinds of response and by events of which quantities are."""
 
 ALLOWABLES = ("stress", "stop", "latch shock")

@@ -254,7 +254,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
 
     monkeypatch.setattr(
         quantity_bounds, "_bounds",
-        lambda bench, *_: SimpleNamespace(relative_error=fall**bench.iterations),
+        lambda climbs, *_: SimpleNamespace(relative_error=fall**bench.iterations),
     )  # fmt: skip
     for name, result in (("_infill", [np.zeros(1)]), ("_spread", [np.zeros(1)])):
         monkeypatch.setattr(quantity_bounds, name, lambda *_, result=result: result)
@@ -280,9 +280,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         def add(self, points):
             self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
-    monkeypatch.setattr(
-        quantity_bounds, "_bounds", lambda bench, q, surrogate, *_: len(bench.points)
-    )
+    monkeypatch.setattr(quantity_bounds, "_bounds", lambda climbs, *_: len(bench.points))
     monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)

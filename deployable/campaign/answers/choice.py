@@ -26,6 +26,7 @@ from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
+from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
 _DOUBTS = 4
 
@@ -131,8 +132,6 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
-
     surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
     names = list(model.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]

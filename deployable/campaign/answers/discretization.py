@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from deployable import intervals
 from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
 from deployable.campaign.answers.limit_states import estimate_limit_state_error
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
@@ -56,8 +57,6 @@ def check_bounds(
     threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
     gets ``quantity_error_<component>`` (quantity), in their units. Attributes `check_runs`,
     `check_ids`: how many runs that took, and their ids, divided by blanks."""
-    from deployable import intervals
-
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     known_ids = set(model.account.ids)
     if model.experiment.is_adaptive:
@@ -197,8 +196,6 @@ def estimate_fraction_errors(
 def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict[str, np.ndarray]:
     """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
     are attained; its order is taken where it is largest."""
-    from deployable import intervals
-
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values

@@ -19,6 +19,7 @@ from deployable.campaign.runs.batch import Simulation, check_structure, notify_r
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
+from deployable.intervals.scalars import fit_scalar
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
 SAME_RUN, SAME_POINT = 1e-6, 2e-4
@@ -68,7 +69,7 @@ class ModelEvaluator:
         runs = FittedRuns.read(folder, refinements)
         model.points, model.numbers, model.margins = runs.points, runs.numbers, runs.margins
         model.rest_count, model.rest_counts = len(runs.rest), np.isfinite(runs.rest).sum(axis=0)
-        model.refinements += runs_at(plan, runs.points[len(runs.points) - runs.further :])
+        model.refinements += runs_at(plan, runs.points[len(runs.points) - runs.refinement_count :])
         return model
 
     @property
@@ -128,8 +129,6 @@ class ModelEvaluator:
 
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
-        from deployable.intervals.scalars import fit_scalar
-
         end, quantities = self.experiment.solver.duration, self.experiment.quantity_list
         columns = zip(self.numbers.T, self.margins.T, quantities, strict=True)
         return [

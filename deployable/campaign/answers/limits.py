@@ -11,6 +11,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.config.models import LIMITS
 from deployable.campaign.text.words import words_of
+from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale, fit_scalar
 
 _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border a run is made
 
@@ -73,8 +74,6 @@ def assess_limits(
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of values and of decision functions (sign: whether one exists), or None."""
-    from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale
-
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
         Limit(
@@ -139,8 +138,6 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
     """1 if the event of quantity `q` surely occurs in the whole box, -1 if nowhere, 0 if open."""
-    from deployable.intervals.scalars import fit_scalar
-
     margins = model.margins[:, q]
     if not np.isfinite(margins).all():
         return 0

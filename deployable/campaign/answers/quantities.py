@@ -24,6 +24,7 @@ from deployable.campaign.plan.plan import box_columns
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text import numbers
+from deployable.intervals.scalars import Limit, find_influence, share_of_box
 
 
 def answer(
@@ -105,8 +106,6 @@ def _columns(
 ) -> dict[str, Any]:
     """The columns of `quantities.nc` by name: bounds and errors of all quantities. bounds: of each;
     finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not estimated."""
-    from deployable.intervals.scalars import Limit, find_influence, share_of_box
-
     box, quantities = model.experiment.box, model.experiment.quantity_list
     columns: dict[str, Any] = {}
     for i, (side, place) in enumerate((("lower", "argmin"), ("upper", "argmax"))):

@@ -13,6 +13,7 @@ from deployable.campaign.plan.jobs import LANES
 from deployable.campaign.plan.plan import ROUNDING
 from deployable.intervals.box import MOST_FULL
 from deployable.intervals.designs import scan_points
+from deployable.intervals.scalars import TOLERANCE, Climb, estimate_bounds
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
@@ -159,8 +160,6 @@ class _Climbs:
     """Local searches for the bounds of all quantities, which make their runs side by side."""
 
     def __init__(self, model: ModelEvaluator) -> None:
-        from deployable.intervals.scalars import Climb
-
         is_wide = model.points.shape[1] > MOST_FULL
         quantities = [] if is_wide else model.experiment.quantity_list
         self.model, self.climbs = model, [(Climb(-1.0), Climb(1.0)) for _ in quantities]
@@ -229,8 +228,6 @@ def _bounds(
     climbs: _Climbs, q: int, surrogate: Any, mispredictions: np.ndarray, is_searched: bool
 ) -> QuantityBounds:
     """Bounds of one quantity; what runs attain where they were searched (`is_searched`)."""
-    from deployable.intervals.scalars import TOLERANCE, estimate_bounds
-
     model, remainders = climbs.model, climbs.remainders(q)
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
     if not np.isfinite(values).any():

@@ -21,6 +21,7 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Notify
+from deployable.intervals.scalars import share_of_box, shares_of_box
 
 _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
 _LINES = 512  # of a share with one interval halved, which is an outlook
@@ -53,8 +54,6 @@ _Shares = Mapping[tuple[int, ...], tuple[float, float]]
 def _find_shares(model: ModelEvaluator, result: LimitAssessment) -> _Shares:
     """Share of the box that keeps limits, and what is open, by their indices: of each limit, of
     those of a requirement, and of all."""
-    from deployable.intervals.scalars import shares_of_box
-
     sets = [(i,) for i in range(len(result.specs))]
     sets += [_indices(result, spec.requirement) for spec in result.specs]
     sets = list(dict.fromkeys([*sets, tuple(range(len(result.specs)))]))
@@ -137,8 +136,6 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
 
 def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
     """The share that meets all if one interval were half as wide, by the parameter's name."""
-    from deployable.intervals.scalars import share_of_box
-
     box, rows = model.experiment.box, {}
     for j in np.flatnonzero(box.free):
         lower, upper = -np.ones(box.dimension), np.ones(box.dimension)

@@ -7,6 +7,7 @@ import numpy as np
 
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
+from deployable.intervals.scalars import fit_scalar
 
 MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
@@ -36,14 +37,14 @@ class FittedRuns(NamedTuple):
     parameters scaled to -1 to 1; `numbers` (R, q), quantities, NaN for one that does not occur;
     `margins` (R, q), event margins, above 0 where the run has the quantity, NaN where not known.
     They are continuous where a quantity comes and goes in the box, and so locate that border. rest
-    (S, q): quantities of the other runs of a large scan; further: number of the last of the R runs
-    that the search for bounds added."""
+    (S, q): quantities of the other runs of a large scan; refinement_count: how many of the R runs,
+    the last ones, the search for bounds added."""
 
     points: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
     rest: np.ndarray = np.zeros((0, 0))
-    further: int = 0
+    refinement_count: int = 0
 
     @classmethod
     def read(cls, folder: Folder, refinements: bool = True) -> "FittedRuns":
@@ -70,8 +71,6 @@ class FittedRuns(NamedTuple):
     def surrogate(self, data: Any, q: int) -> Any:
         """Fit the surrogate of quantity `q` (index) to these runs again, as for the results:
         returns a `ScalarSurrogate`. data: the open `quantities.nc`, whose settings are read."""
-        from deployable.intervals.scalars import fit_scalar
-
         end = json.loads(data.config)["solver"]["duration"]
         least = float(data["least"][q])
         latest = end if data["is_time"][q] else None

@@ -36,7 +36,7 @@ from deployable.campaign.config.sections import (
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
 from deployable.campaign.files.contents import ROLES, RUN_ID, report_damage
-from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
+from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
 from fpm.files.seals import DamagedError
@@ -175,9 +175,8 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     time, mechanics = time or choose_step(experiment), experiment.mechanics
     normalized = np.concatenate([points for _, points in groups])
     role = np.repeat([ROLES.index(role) for role, _ in groups], [len(p) for _, p in groups])
-    name = namer(experiment, time.step, mechanics)
     role = role.astype(np.int8)
-    runs = Runs(role, normalized, values_of(experiment, role, normalized), name)
+    runs = Runs.from_points(experiment, role, normalized, time.step, mechanics)
     return Plan(experiment, mechanics, time, runs)
 
 
@@ -252,9 +251,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
     for problem in steps_problems(experiment.solver, time.step):
         raise ValueError(problem)
     if "packed" in data:
-        role, points = _unpack(data["packed"])
-        name = namer(experiment, time.step, mechanics)
-        runs = Runs(role, points, values_of(experiment, role, points), name)
+        runs = Runs.from_points(experiment, *_unpack(data["packed"]), time.step, mechanics)
     else:
         for run in data["runs"]:
             if not RUN_ID.fullmatch(run["id"]):

@@ -17,6 +17,7 @@ from deployable.campaign.results.fitted_runs import FittedRuns
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121
+_WIDTH = 7.0  # of the figure, inches
 _GREY = "0.75"
 
 
@@ -28,17 +29,16 @@ def draw_ranges(folder: Folder, target: str | Path) -> None:
     save(figure, Path(target) / "ranges")
 
 
-def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
+def ranges(data: Any, runs: FittedRuns) -> Any:
     """Make a matplotlib figure with one plot for each quantity: its value over one or two
     parameters, or where there are more the width of its interval by parameter. data: the open
-    `quantities.nc`; runs: the fitted ones; width: of the figure (inches)."""
-
+    `quantities.nc`; runs: the fitted ones."""
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
     count = len(data["quantity"])
     columns = 1 if len(free) > 2 or count == 1 else 2
     rows = -(-count // columns)
     height = (0.6 + 0.22 * len(free)) if len(free) > 2 else 2.7
-    figure = make_figure(figsize=(width, rows * height + 0.5), layout="constrained")
+    figure = make_figure(figsize=(_WIDTH, rows * height + 0.5), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     draw = {0: _line, 1: _line, 2: _map}.get(len(free), _bars)
     for q, ax in enumerate(axes):

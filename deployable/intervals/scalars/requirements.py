@@ -14,6 +14,7 @@ from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
+_BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
 _LEVEL_CONFIDENCE = 3.0  # as `_CONFIDENCE` of borders, of runs drawn to other places
 _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
@@ -273,12 +274,12 @@ def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
 
 
 def find_max_scale(
-    limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
+    limits: Sequence[Limit], nominal: np.ndarray
 ) -> tuple[float, int | None, np.ndarray | None]:
     """Largest scale factor (0 to 1) at which all of the box, shrunk towards the nominal point (k)
     in [-1, 1]^k, satisfies every one of `limits` (at least one); with the index of the limit that
     is violated first beyond it and the point (k) where, both None if it is 1. It is 0 where the
-    nominal point itself violates one. steps: bisections for the factor."""
+    nominal point itself violates one."""
 
     def first_violation(scale: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, scale)), i) for i, limit in enumerate(limits)]
@@ -291,7 +292,7 @@ def find_max_scale(
     low, high = 0.0, 1.0
     if (at_nominal := first_violation(0.0)) is not None:
         return 0.0, at_nominal[1], at_nominal[2]
-    for _ in range(steps):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         if (violation := first_violation(middle)) is None:
             low = middle

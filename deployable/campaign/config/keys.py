@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from itertools import pairwise
+from pathlib import Path
 from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
@@ -133,19 +134,6 @@ def _docstrings(hint: type) -> dict[str, str]:
     }
 
 
-_HEAD = """\
-# Keys of a config
-
-A [campaign](terms.md) is one YAML file, checked before any job starts; `python -m deployable check
-FILE` does it without running anything. `<name>` stands for a name of your own or of the scene.
-Numbers are in SI units, or in the unit that stands in brackets behind what a key is. Each may be
-stated with a unit that fits, as in structures: `duration: 500 ms`, `step: 20 us`, `lower: 5 deg`,
-`relative: 10 %`, `at_most: 2.5 s`; plans and results are the same. So may what definitions of
-responses, quantities and margins hold: `level: 90 deg`, `within: 3 mm`, `at: 2 s`. This page is
-made from `deployable/campaign/config/models.py` by `python -m deployable keys`.
-"""
-
-
 _UNIT_TEXTS = {
     "1": "or in %", "parameter": "unit: the parameter's", "response": "unit: the response's",
     "quantity": "unit: the quantity's",
@@ -184,7 +172,8 @@ def table(config: ConfigKey) -> str:
     sections = {name: part for name, part in groups.items() if len(part) > 1}
     parts = (singles | sections).items()
     texts = (f"\n## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
-    return _HEAD + "".join(texts)
+    head = Path(__file__).with_name("keys_page.md").read_text(encoding="utf-8")
+    return head + "".join(texts)
 
 
 _COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"

@@ -1,7 +1,5 @@
 """The limits that requirements set, assessed by surrogates and by runs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -4,8 +4,6 @@ Types and `Rule`s are the limits; the texts below the fields are those of docs/c
 fields of a section must be together is in `__post_init__`. pydantic is imported where a config is
 checked, not where a section is used, since that takes 0.1 s."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Literal
 

@@ -3,8 +3,6 @@
 Each becomes a number in the unit that its key has (`Rule.unit`), which may be that of a parameter,
 response or quantity, before anything else is checked: all that follows knows numbers alone."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from contextlib import suppress

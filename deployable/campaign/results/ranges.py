@@ -1,7 +1,5 @@
 """Figures of quantities over one or two parameters, else of their width by parameter."""
 
-from __future__ import annotations
-
 import textwrap
 from pathlib import Path
 from typing import Any

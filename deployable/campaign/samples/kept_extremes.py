@@ -6,8 +6,6 @@ without runs. Events are padded with NaN, -1, -1, their times in single precisio
 and no name of a run: the first is the nominal one, the others are nodes, and the name follows from
 the values (`campaign.plan.runs.run_id`)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

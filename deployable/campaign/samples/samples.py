@@ -6,8 +6,6 @@ kept_extremes`) no values, and tables of runs as small as can be. Variables are 
 parameters (`parameter_<name>`), none after a response, so that a response may have any name. This
 file is all that the interval side needs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -21,7 +21,7 @@ _OWNER = os.getpid()  # the others that it forks say nothing
 def end_on_ctrl_c() -> None:
     """Have Ctrl-C end this process at once with one sentence and status 130, unless Ctrl-C is
     ignored or handled otherwise already."""
-    if _raises():
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
 
 
@@ -32,10 +32,6 @@ def leave(status: int) -> NoReturn:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
-
-
-def _raises() -> bool:
-    return signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def _end(*rest: object) -> None:

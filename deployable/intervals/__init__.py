@@ -15,35 +15,3 @@ from .rounds import BoundPoints, choose_bound_points, seek_points
 from .sensitivity import measure_sensitivity, sensitivity_dataset, surrogate_dataset
 from .spline_extremes import spline_range
 from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
-
-__all__ = [
-    "MAX_RUNS",
-    "METHODS",
-    "MODELS",
-    "BoundPoints",
-    "Box",
-    "Design",
-    "IntervalError",
-    "Model",
-    "Range",
-    "Spline",
-    "Surrogate",
-    "add_errors",
-    "bounds_dataset",
-    "check_spline_runs",
-    "choose_bound_points",
-    "compare_bounds",
-    "compare_runs",
-    "find_surrogate_range",
-    "fit",
-    "fit_spline",
-    "hausdorff",
-    "held_out_points",
-    "make_design",
-    "match_points",
-    "measure_sensitivity",
-    "seek_points",
-    "sensitivity_dataset",
-    "spline_range",
-    "surrogate_dataset",
-]

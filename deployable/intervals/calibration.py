@@ -116,12 +116,9 @@ def fit_curves(
     """Fit the polynomials of the total degree whose leave-one-out errors are least; the errors of
     the result are the largest of these, with that of cubic interpolation between instants.
 
-    Parameters
-    ----------
-    test: its instants are those at which the errors count.
-    points, curves: coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
-    times: recorded instants (R) in s, at least four.
-    hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
+    test: its instants are those at which the errors count; points, curves: coordinates (N, p) of
+    its runs, at least one, and their curves (N, n, R); times: recorded instants (R) in s, at least
+    four; hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count;
     run_errors: errors (n, T) of the runs themselves, such as those of their time step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     x = (points - center) / half
@@ -196,16 +193,23 @@ def _lobes(change: np.ndarray) -> np.ndarray:
     return result
 
 
+def _places(tests: Sequence[Measurement], k: int) -> list[np.ndarray]:
+    """Indices of each test's variables, of which the first k are the box's: those of its axes, then
+    of its starts and its sensor."""
+    places, size = [], k
+    for test in tests:
+        count = test.starts + test.limits.shape[1]
+        places.append(np.concatenate([test.axes, size + np.arange(count)]).astype(int))
+        size += count
+    return places
+
+
 class _Problem:
     """Residuals of tests over the box's coordinates (k), then each test's starts and sensor."""
 
     def __init__(self, fits: Sequence[CurveFit], k: int):
-        self.fits, self.k, self.places, self.size = fits, k, [], k
-        for fit in fits:
-            count = fit.test.starts + fit.test.limits.shape[1]
-            places = np.concatenate([fit.test.axes, self.size + np.arange(count)])
-            self.places.append(places.astype(int))
-            self.size += count
+        self.fits, self.k, self.places = fits, k, _places([fit.test for fit in fits], k)
+        self.size = int(self.places[-1][-1]) + 1
         self.bands = np.concatenate([fit.test.bands.ravel() for fit in fits])
         self.errors = np.concatenate([fit.errors.ravel() for fit in fits])
 
@@ -338,6 +342,11 @@ class _Waves:
             ends = np.ones(test.limits.shape[1])
             sides += [runs.starts, np.array([-ends, ends])]
         self.hull = self.widest = np.concatenate(sides, axis=1)
+        self.places = _places(tests, self.k)
+        starts = [p[len(t.axes) : t.dimension] for p, t in zip(self.places, tests, strict=True)]
+        # What is narrowed: coordinates of the box, and of starts; the others are the sensors'.
+        self.inputs = np.concatenate([np.arange(self.k), *starts])
+        self.sensors = np.setdiff1d(np.arange(self.widest.shape[1]), self.inputs)
 
     def add(self, t: int, points: np.ndarray) -> np.ndarray:
         """Make runs of test `t` at coordinates (N, p), and return their curves (N, n, R)."""
@@ -350,11 +359,9 @@ class _Waves:
     def fits(self, number: int, most: int) -> list[CurveFit]:
         """Curves of all tests in the hull, after further runs there and, at its centre, with half
         the step. number: of the wave; most: largest number of runs of each test."""
-        fits, size = [], self.k
+        fits = []
         for t, test in enumerate(self.tests):
-            places = np.arange(size, size + test.starts)
-            size += test.starts + test.limits.shape[1]
-            hull = self.hull[:, np.concatenate([test.axes, places]).astype(int)]
+            hull = self.hull[:, self.places[t][: test.dimension]]
             half, center = np.ptp(hull, axis=0) / 2, hull.mean(axis=0)
             spread = _design(half > 0, comb(test.dimension + 2, 2), number)
             points = np.concatenate([center[None], center + half * spread])
@@ -367,19 +374,18 @@ class _Waves:
             fits.append(fit_curves(test, *data, hull, errors))
         return fits
 
-    def run(self, values: np.ndarray, problem: _Problem) -> tuple[np.ndarray, float]:
+    def run(self, values: np.ndarray) -> tuple[np.ndarray, float]:
         """Run all tests at the variables `values`, keep that if no run came nearer; return the
         values with those of the sensors that fit best, and the misfit."""
         run_fits, points = [], []
-        for t, (test, places) in enumerate(zip(self.tests, problem.places, strict=True)):
+        for t, (test, places) in enumerate(zip(self.tests, self.places, strict=True)):
             points.append(values[places[: test.dimension]])
             curves = self.add(t, points[t][None])
             hull = np.array([points[t], points[t]])
             run_fits.append(fit_curves(test, points[t][None], curves, self.times, hull))
         run_problem = _Problem(run_fits, self.k)
         hull = np.array([values, values])
-        for test, places in zip(self.tests, problem.places, strict=True):
-            hull[:, places[test.dimension :]] = [[-1.0], [1.0]]
+        hull[:, self.sensors] = [[-1.0], [1.0]]
         values, misfit = run_problem.search(values, hull, PLAIN)
         if misfit < self.attained:
             self.attained, self.best = misfit, values
@@ -396,7 +402,7 @@ class _Waves:
         center, half = self.widest.mean(axis=0), np.ptp(self.widest, axis=0) / 2
         count = _CHECKS // len(self.tests)
         for point in scan_points(free, count * (number + 1), corners=False)[-count:]:
-            values, misfit = self.run(center + half * point, problem)
+            values, misfit = self.run(center + half * point)
             hull = np.array([values, values])
             hull[:, self.sensors] = self.widest[:, self.sensors]
             if problem.search(values, hull, OUTER)[1] > 1.05 * misfit + 0.05:
@@ -420,7 +426,7 @@ class _Waves:
             best = min(plain, key=lambda pair: pair[1])[0]
             outer = [problem.search(v, self.hull, OUTER) for v, _ in plain]
             nearest = min(misfit for _, misfit in outer)
-            misfit = self.run(best, problem)[1]
+            misfit = self.run(best)[1]
             if (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all():
                 misfit = self.attained
             if nearest > misfit:  # a run there comes nearer: the errors were too small
@@ -452,20 +458,6 @@ class _Waves:
         if not pool and self.attained <= (1.0 if level is None else level):
             pool = [self.best]
         return problem, least, pool
-
-    @property
-    def inputs(self) -> np.ndarray:
-        """Indices of the variables whose limits are narrowed: of the box, and of starts."""
-        indices, size = list(range(self.k)), self.k
-        for test in self.tests:
-            indices += range(size, size + test.starts)
-            size += test.starts + test.limits.shape[1]
-        return np.array(indices)
-
-    @property
-    def sensors(self) -> np.ndarray:
-        """Indices of the other variables, those of the sensors."""
-        return np.setdiff1d(np.arange(self.widest.shape[1]), self.inputs)
 
     def islands(
         self, problem: _Problem, starts: list[np.ndarray], level: float
@@ -517,19 +509,13 @@ def calibrate(
     """Find what of a box explains all tests, with runs where that is open; if the tests are
     refuted, where the least band is attained.
 
-    Parameters
-    ----------
-    tests: at least one.
-    times: recorded instants (R) of runs in s, which span the instants of all tests and delays.
-    evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in its box and
-        starts, that returns the curves (N, n, R) of runs there.
-    finer: function of the number of a test and coordinates (p) that returns the curves (n, R) of a
-        run there with half the step.
-    hull: part of the box (2, k) in which to look, -1 to 1.
-    data: runs of each test that were made before; none if it is empty.
-    waves, most: largest numbers of waves of runs, and of runs of each test; twice both where no
-        point explains.
-    notify: called with messages."""
+    tests: at least one; times: recorded instants (R) of runs in s, which span the instants of all
+    tests and delays; evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in
+    its box and starts, that returns the curves (N, n, R) of runs there; finer: function of the
+    number of a test and coordinates (p) that returns the curves (n, R) of a run there with half the
+    step; hull: part of the box (2, k) in which to look, -1 to 1; data: runs of each test that were
+    made before, none if it is empty; waves, most: largest numbers of waves of runs, and of runs of
+    each test, twice both where no point explains; notify: called with messages."""
     state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves, most)
@@ -558,9 +544,8 @@ def calibrate(
     ]
     t = int(np.searchsorted(np.cumsum(sizes), index, side="right"))
     row = divmod(index - sum(sizes[:t]), len(tests[t].times))
-    start_axes = [places[len(f.test.axes) : f.test.dimension] for f, places in
-                  zip(problem.fits, problem.places, strict=True)]  # fmt: skip
-    starts = [state.hull[:, places] for places in start_axes]
+    starts = [state.hull[:, places[len(test.axes) : test.dimension]]
+              for places, test in zip(state.places, tests, strict=True)]  # fmt: skip
     data = [TestRuns(*runs) for runs in zip(state.points, state.curves, starts, strict=True)]
     return Calibration(
         state.hull[:, :k], starts, least, state.attained,
@@ -588,12 +573,8 @@ def calibrate_together(
     singles = [find([t], hull, ()) for t in indices]
     if len(tests) == 1:
         return singles[0], singles
-    common = np.array(
-        [
-            np.max([single.hull[0] for single in singles], axis=0),
-            np.min([single.hull[1] for single in singles], axis=0),
-        ]
-    )
+    low, high = np.moveaxis([single.hull for single in singles], 0, 1)
+    common = np.array([low.max(axis=0), high.min(axis=0)])
     if (common[0] > common[1]).any() or any(single.is_refuted for single in singles):
         # Without the runs so far: where they crowd, left-out errors are too small for the whole.
         return find(indices, hull, ()), singles

@@ -59,7 +59,8 @@ class Model:
 
 class PolynomialModel(Model):
     """Chebyshev polynomials fitted to the runs of `samples` at the points of `design`, with an
-    enclosed range; all other runs test them. tolerance: gap of enclosure and attained range at
+    enclosed range; all other runs test them: the error is the larger of the residuals there and the
+    neglected tail of coefficients. tolerance: gap of enclosure and attained range at
     which to stop, as a fraction of the latter's width."""
 
     kind = "enclosed range of the polynomial"
@@ -72,14 +73,9 @@ class PolynomialModel(Model):
         self.attributes = {"design_runs": design.run_count}
 
     def range(self) -> Range:
-        """Range of the polynomials over the box: bounds (n, T) guaranteed for them, attained bounds
-        (n, T), and the points (n, T, k) in [-1, 1]^k where the latter are attained."""
         return find_surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T): the larger of residuals at runs not fitted and the neglected tail
-        of coefficients; bounds: ignored; window: half width (s) of the time in which the largest
-        counts, None: 0.5 % of the duration."""
         samples, surrogate = self.samples, self.surrogate
         points, time = samples.points[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
@@ -88,7 +84,6 @@ class PolynomialModel(Model):
         return estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
-        """Return the n responses at T instants (n, T), in their units, at the centre of the box."""
         return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]
 
 
@@ -121,17 +116,13 @@ class ScanModel(Model):
         }
 
     def range(self) -> Range:
-        """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
-        points (n, T, k) in [-1, 1]^k of these runs."""
         total, points = self.total, self.points
         return to_range(total.low, total.high, points[total.low_run], points[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Growth (n, T) of bounds by the second half of runs, as an error; arguments unused."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
-        """Variable ``growth_quarter`` (response, time): growth by the last quarter of runs."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
@@ -195,16 +186,11 @@ class SplineModel(Model):
         return np.argsort(self.order)
 
     def range(self) -> Range:
-        """Range (n, T) that the spline or a run attains over the box, and the points (n, T, k) in
-        [-1, 1]^k where; its outer bounds are these, too."""
         bounds = spline_range(self.spline)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) by leave-one-out errors, as the class describes; bounds: the
-        result of `range`; window: half width (s) of the time in which the largest counts, None: 0.5
-        % of the duration."""
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
@@ -226,7 +212,6 @@ class SplineModel(Model):
         return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:
-        """Values (n, T) of the spline at the centre of the box."""
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]
 
 

@@ -80,14 +80,8 @@ def find_surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range
         # sums over the coefficients round, those of a large constant and small waves visibly
         rounding = (len(c) + 8) * np.finfo(float).eps * np.abs(c).sum(axis=0)
         lower, upper = lower - rounding, upper + rounding
-    return Range(
-        lower.reshape(shape),
-        upper.reshape(shape),
-        low.reshape(shape),
-        high.reshape(shape),
-        argmin.reshape(*shape, k),
-        argmax.reshape(*shape, k),
-    )
+    ends = (end.reshape(shape) for end in (lower, upper, low, high))
+    return Range(*ends, *(points.reshape(*shape, k) for points in (argmin, argmax)))
 
 
 def _tighten(c, surrogate, outer, inner, argument, close):
@@ -106,15 +100,16 @@ def _tighten(c, surrogate, outer, inner, argument, close):
 
 
 _MAX_GRID = 1024
+_SWEEPS = 30  # most passes over all directions
 _CHUNK = 1 << 22
 
 
 def find_inner_range(
-    coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
+    coefficients: np.ndarray, indices: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Find values that T polynomials attain over [-1, 1]^k, as extreme as a search by coordinate
     ascent finds: returns low and high (T), and the points (T, k) of either. coefficients (M, T);
-    indices (M, k): degrees of M Chebyshev products; sweeps: most passes over all directions."""
+    indices (M, k): degrees of M Chebyshev products."""
     samples = sample_points(indices.max(axis=0))
     basis = product_basis(samples, indices)
     total = coefficients.shape[1]
@@ -125,8 +120,8 @@ def find_inner_range(
         part = slice(start, start + step)
         c = coefficients[:, part]
         values = basis @ c
-        low[part], x_low[part] = climb(-c, indices, samples[values.argmin(axis=0)], sweeps)
-        high[part], x_high[part] = climb(c, indices, samples[values.argmax(axis=0)], sweeps)
+        low[part], x_low[part] = climb(-c, indices, samples[values.argmin(axis=0)])
+        high[part], x_high[part] = climb(c, indices, samples[values.argmax(axis=0)])
     return -low, high, x_low, x_high
 
 
@@ -143,12 +138,10 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
     return np.concatenate([corner_points(free), np.zeros((1, len(free))), draws])
 
 
-def climb(
-    c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
-) -> tuple[np.ndarray, np.ndarray]:
+def climb(c: np.ndarray, indices: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Maximize T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k: returns
     local maxima (T), and where (T, k). c (M, T): coefficients; indices (M, k): degrees of the
-    Chebyshev products; sweeps: most passes over all directions."""
+    Chebyshev products."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)
@@ -157,7 +150,7 @@ def climb(
         return c.sum(axis=0), x
     scale = np.abs(c).sum(axis=0)
     active = np.arange(c.shape[1])
-    for _ in range(sweeps):
+    for _ in range(_SWEEPS):
         previous = best[active]
         points, cost = x[active], c[:, active]
         for j in directions:

@@ -15,24 +15,6 @@ from .errors import IntervalError
 if TYPE_CHECKING:
     import xarray as xr
 
-# Coordinates that every dataset made of a samples dataset takes over, those that are there.
-_COORDINATES = (
-    "time",
-    "response",
-    "response_units",
-    "response_long_name",
-    "response_least",
-    "response_floor",
-    "response_ceiling",
-    "response_ratio",
-    "response_along",
-    "parameter",
-    "box_units",
-    "box_lower",
-    "box_upper",
-    "box_nominal",
-)
-
 _CHUNK = 1 << 23  # numbers in memory at a time
 _BOUND_NAMES = ("lower", "upper", "lower_run", "upper_run")
 
@@ -155,7 +137,9 @@ class Samples:
     def coordinates(self) -> dict:
         """Coordinates of the samples dataset by name, with the selected responses only, for a new
         dataset: time, names, units and words of responses and parameters, as present."""
-        variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
+        bases, prefixes = ("time", "response", "parameter"), ("response_", "box_")
+        names = [n for n in self.source.variables if n in bases or n.startswith(prefixes)]
+        variables = {n: self.source[n].variable for n in names}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:

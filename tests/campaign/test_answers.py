@@ -16,7 +16,8 @@ from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.ranges import FittedRuns, draw_ranges, ranges, runs_of
+from deployable.campaign.results.fitted_runs import FittedRuns
+from deployable.campaign.results.ranges import draw_ranges, ranges
 from deployable.intervals.scalars import fit_scalar
 from fpm.files.seals import unseal
 
@@ -152,7 +153,7 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
         )
         folder = run(raw, tmp_path)
         with open_netcdf(folder.quantities) as found:
-            (ax, *_) = ranges(found, runs_of(folder)).axes
+            (ax, *_) = ranges(found, FittedRuns.read(folder)).axes
             assert len(getattr(ax, drawn)) >= count - (count == 2)
             assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
 
@@ -253,7 +254,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
 
     monkeypatch.setattr(
         quantity_bounds, "_bounds",
-        lambda bench, *_: SimpleNamespace(relative_error=fall**bench.iterations),
+        lambda climbs, *_: SimpleNamespace(relative_error=fall**bench.iterations),
     )  # fmt: skip
     for name, result in (("_infill", [np.zeros(1)]), ("_spread", [np.zeros(1)])):
         monkeypatch.setattr(quantity_bounds, name, lambda *_, result=result: result)
@@ -279,9 +280,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         def add(self, points):
             self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
-    monkeypatch.setattr(
-        quantity_bounds, "_bounds", lambda bench, q, surrogate, *_: len(bench.points)
-    )
+    monkeypatch.setattr(quantity_bounds, "_bounds", lambda climbs, *_: len(bench.points))
     monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)

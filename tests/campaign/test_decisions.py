@@ -19,7 +19,7 @@ from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import VOLUME
-from deployable.intervals.scalars import Choice
+from deployable.intervals.scalars import Choice, Limit
 
 LATEST = float(1.01 * exact_time(0.1))
 EARLIEST = 1.8
@@ -98,13 +98,12 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
     from types import SimpleNamespace
 
     from deployable.campaign.answers import limits
-    from deployable.intervals import scalars
 
-    class Kept(scalars.Limit):
+    class Kept(Limit):
         def worst(self, lower, upper):
             return 1.0, np.zeros(2)
 
-    monkeypatch.setattr(scalars, "Limit", Kept)
+    monkeypatch.setattr(limits, "Limit", Kept)
     model = SimpleNamespace(
         points=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
         numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from deployable import campaign
-from deployable.campaign.answers import discretization
+from deployable.campaign.answers import discretization, quantity_bounds
 from deployable.campaign.answers.choice import design_points, find_deciding_parameters
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.quantity_bounds import _bounds
@@ -26,7 +26,7 @@ from deployable.campaign.results.facts import (
 )
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, number, quantity, share, with_error
-from deployable.intervals import Box, scalars
+from deployable.intervals import Box
 from deployable.intervals.scalars.search import BoundEstimate
 from deployable.intervals.scalars.surrogate import Extremes
 
@@ -228,12 +228,13 @@ def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
     low, high, unconverged, monkeypatch
 ):
     estimates = SimpleNamespace(value=0.0), SimpleNamespace(value=3.0)
-    monkeypatch.setattr(scalars, "estimate_bounds", lambda *arguments: estimates)
+    monkeypatch.setattr(quantity_bounds, "estimate_bounds", lambda *arguments: estimates)
     extremes = Extremes(low, high, np.array([-1.0]), np.array([1.0]))
     surrogate = SimpleNamespace(range=lambda: extremes)
     numbers = np.array([[1.5], [2.0], [np.nan], [1.0]])
     model = SimpleNamespace(numbers=numbers, points=np.array([[0.0], [0.3], [0.5], [-0.4]]))
-    bounds = _bounds(model, 0, surrogate, np.zeros(2))
+    climbs = SimpleNamespace(model=model, remainders=lambda q: (0.0, 0.0))
+    bounds = _bounds(climbs, 0, surrogate, np.zeros(2), is_searched=False)
     assert bounds.unconverged == unconverged
     assert (bounds.lower, bounds.upper) == (1.0, 2.0)
     assert (bounds.argmin[0], bounds.argmax[0]) == (-0.4, 0.3)
@@ -244,12 +245,13 @@ def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
 def test_after_searches_by_runs_bounds_are_those_of_the_runs(latest, upper, error, monkeypatch):
     """What a surrogate adds is part of the error; but a time may come after the runs have ended."""
     estimates = tuple(BoundEstimate(value, 0.2, np.zeros((0, 1))) for value in (1.0, 3.0))
-    monkeypatch.setattr(scalars, "estimate_bounds", lambda *arguments: estimates)
+    monkeypatch.setattr(quantity_bounds, "estimate_bounds", lambda *arguments: estimates)
     extremes = Extremes(1.0, 3.0, np.array([-1.0]), np.array([1.0]))
     surrogate = SimpleNamespace(range=lambda: extremes, latest=latest)
     numbers = np.array([[1.0], [2.0]])
     model = SimpleNamespace(numbers=numbers, points=np.array([[0.0], [0.3]]))
-    bounds = _bounds(model, 0, surrogate, np.zeros(2), is_searched=True)
+    climbs = SimpleNamespace(model=model, remainders=lambda q: (0.0, 0.0))
+    bounds = _bounds(climbs, 0, surrogate, np.zeros(2), is_searched=True)
     assert bounds.outer == (1.0, upper)
     assert bounds.error == error
 

@@ -143,7 +143,7 @@ def scalars() -> Iterator:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open_fraction
             border = one.occurrence
             yield border.decision(trial), border.band(trial), border.infill_points(4)
-            yield one.find_presence(*part) is None, one.find_absence(*part) is None
+            yield [one.find_place(*part, happens) is None for happens in (True, False)]
             if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)
                 yield [(each.low, each.high, each.width) for each in wide], one.end(-1.0, *part)[0]
@@ -176,11 +176,11 @@ def choices(k: int, found: list, limits: list) -> Iterator:
         return lower.clip(-1, 1), upper.clip(-1, 1)
 
     for goal in (req.Goal(found[0], "upper"), req.Goal(found[1], "lower", -1.0)):
-        best, first = req.find_best([goal], limits[:2], [(-0.8, 0.8)] * k, box)
+        best, first = req.ChoiceProblem([goal], limits[:2], [(-0.8, 0.8)] * k, box).find_best()
         yield best.goals, best.margin, [each.margin for each in first], len(first)
     if k == 1:
         width = req.Goal(found[3], "width")
-        yield req.find_best([width], [], [(-0.5, 0.5)], box)[0].goals
+        yield req.ChoiceProblem([width], [], [(-0.5, 0.5)], box).find_best()[0].goals
 
 
 def estimates() -> Iterator:

@@ -9,15 +9,13 @@ from deployable.intervals import make_design
 from deployable.intervals.box import Box, held_out_points
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import (
+    ChoiceProblem,
     Goal,
     Limit,
     Occurrence,
-    find_best,
     find_influence,
     find_least_scales,
     find_max_scale,
-    find_safe_range,
-    find_safest,
     fit_scalar,
     share_of_box,
     shares_of_box,
@@ -310,7 +308,7 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
         return tuple(2 * (ends - low) / (high - low) - 1)
 
     limits = [Limit(surrogate, "at_least", 1.8)]
-    best, grid = find_best([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
+    best, grid = ChoiceProblem([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box).find_best()
     exact = (c / (1.8 + surrogate.error)) ** 2 / 1.05
     assert best.is_safe and surrogate.error < 1e-4
     assert best.values[0] == pytest.approx(exact, rel=1e-6)
@@ -319,7 +317,7 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     assert len(grid) == 33
     # A window that no choice can keep: the one that breaks it least is in its middle.
     limits = [Limit(surrogate, "at_least", 1.8), Limit(surrogate, "at_most", 1.85)]
-    best, _ = find_best([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
+    best, _ = ChoiceProblem([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box).find_best()
     assert not best.is_allowed
     # c / sqrt(1.05 k) - 1.8 = 1.85 - c / sqrt(0.95 k)
     exact = (c * (1.05**-0.5 + 0.95**-0.5) / 3.65) ** 2
@@ -338,14 +336,15 @@ def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe)
     def box(choice):
         return 2 * (choice - 0.1) - 1, 2 * (choice + 0.1) - 1
 
-    best, trials = find_best(goals, limits, ends, box)
+    problem = ChoiceProblem(goals, limits, ends, box)
+    best, trials = problem.find_best()
     assert best.is_allowed and best.is_safe == is_safe
     # Where none keeps the error, the one in the middle is farthest from both limits.
     assert best.values[0] == pytest.approx(0.1 + error if is_safe else 0.2, abs=1e-4)
-    safest = find_safest(trials, goals, limits, ends, box)
+    safest = problem.find_safest(trials)
     assert safest.values[0] == pytest.approx(0.2, abs=1e-4)
     if is_safe:
-        low, high = find_safe_range(best, 0, limits, ends[0], box)
+        low, high = problem.find_safe_range(best, 0)
         assert [low, high] == pytest.approx([0.1 + error, 0.3 - error], abs=1e-3)
 
 

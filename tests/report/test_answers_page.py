@@ -46,7 +46,7 @@ def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
     total, *parts = map(int, re.findall(parts, sentence("given", opened.facts)))
     assert len(parts) == 3
     assert total == sum(parts) == len(list((folder / "trajectories").glob("*.nc")))
-    assert opened.work[0].task == (
+    assert opened.work[0]["task"] == (
         f"Integrating {parts[0]} runs, {parts[1] + parts[2]} for quantities and choice not counted"
     )
 

@@ -1,22 +1,5 @@
-"""The best choice of nominal values, judged by the worst case about each, `choice.json`.
-
-    parameters   [{name, units, lower, upper, value, decides, safe, safest}]: the range, the best
-                 choice, and whether choices that differ in it differ in what decides by more than
-                 the error; `safe`, the range about the choice in which all requirements are kept by
-                 their errors, and `safest`, the choice whose margins are the most times these
-                 errors; both without requirements of a level, or where none is kept so, null
-    kept         whether the whole box about the choice keeps all requirements
-    safe         whether it keeps them by their estimated errors or more
-    goals        [{end, quantity, units, sense, value, error, at, simulated}] of the choice; error:
-                 estimated, of a bound of the quantity; of a width `at` is where the upper end is,
-                 `lower_at` where the lower, `simulated` the width
-    limits       [{requirement, quantity, units, kind, level, margin, error, at, simulated}] of it
-    tried        [{values, goals, kept}]: choices of a grid, for the trade-off
-    fitted       {intervals, points, numbers, margins}: the runs that surrogates over all choices
-                 are fitted to: `points`, -1 to 1 within `intervals` ({name: [lower, upper]}),
-                 quantities and event margins there (null: none); not in `summary.json`
-    runs         how many runs it took, over choices and intervals
-    simulated    how many of them were simulated in the last call
+"""The best choice of nominal values, judged by the worst case about each, `choice.json`, whose keys
+`summary.schema.json` describes.
 
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
@@ -43,6 +26,7 @@ from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
+from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
 _DOUBTS = 4
 
@@ -73,19 +57,28 @@ def answer(
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst]
-        points += [
-            *recheck(best, trials, choose),
-            *(() if safest is None else safest.worst),
-        ]
+        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
+        points += [] if safest is None else [*safest.worst]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
-    error = _error(model, base_plan.experiment, choose, specs, best.is_allowed)
+    error = _error(model, choose, None if best.is_allowed else specs)
     decides = find_deciding_parameters(trials, error)
     choice = {
-        "parameters": _parameters(experiment, choose, best.values, decides, safe_ranges, safest),
+        "parameters": [
+            {
+                "name": name,
+                "units": experiment.scene_type.parameters[name].unit,
+                "lower": low,
+                "upper": high,
+                "value": float(best.values[i]),
+                "decides": decides[i],
+                "safe": None if safest is None else list(safe_ranges[i]),
+                "safest": None if safest is None else float(safest.values[i]),
+            }
+            for i, (name, (low, high)) in enumerate(choose.parameters.items())
+        ],
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
@@ -139,8 +132,6 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    from deployable.intervals.scalars import Goal, Limit, find_best, find_safe_range, find_safest
-
     surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
     names = list(model.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
@@ -153,25 +144,18 @@ def _best(
         lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
         return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
-    ends = list(choose.parameters.values())
-    best, trials = find_best(goals, limits, ends, subbox)
+    problem = ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
+    best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
-    safest = find_safest(trials, goals, limits, ends, subbox)
-    ranges = [find_safe_range(best, i, limits, pair, subbox) for i, pair in enumerate(ends)]
-    return best, safest, ranges, trials
+    ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
+    return best, problem.find_safest(trials), ranges, trials
 
 
-def _error(
-    model: ModelEvaluator,
-    experiment: Experiment,
-    choose: Choose,
-    specs: list[LimitSpec],
-    is_allowed: bool,
-) -> float:
+def _error(model: ModelEvaluator, choose: Choose, specs: list[LimitSpec] | None) -> float:
     """Error, and rounding, of what decides: the first goal, or, if no choice is allowed, limits."""
-    names, surrogates = list(experiment.quantities), model.surrogates()
-    indices = [names.index(choose.goals[0][2])] if is_allowed else [spec.quantity for spec in specs]
+    names, surrogates = list(model.experiment.quantities), model.surrogates()
+    indices = [names.index(choose.goals[0][2])] if specs is None else [s.quantity for s in specs]
     errors = [surrogates[q].error for q in indices]
     size = np.nanmax(np.abs(model.numbers[:, indices]), initial=0.0)
     return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
@@ -201,24 +185,6 @@ def find_deciding_parameters(trials: Sequence[Any], error: float) -> list[bool]:
         lines = [rows for rows in groups if len(rows) > 1]
         flags.append(any(map(differ, lines or [np.arange(len(trials))])))
     return flags
-
-
-def _parameters(
-    experiment: Experiment,
-    choose: Choose,
-    values: np.ndarray,
-    decides: Sequence[bool],
-    safe_ranges: Sequence[tuple[float, float]],
-    safest: Any,
-) -> list[dict]:
-    table, rows = experiment.scene_type.parameters, []
-    for i, (name, (low, high)) in enumerate(choose.parameters.items()):
-        row = {"name": name, "units": table[name].unit, "lower": low, "upper": high}
-        row |= {"value": float(values[i]), "decides": decides[i], "safe": None, "safest": None}
-        if safest is not None:
-            row |= {"safe": list(safe_ranges[i]), "safest": float(safest.values[i])}
-        rows.append(row)
-    return rows
 
 
 def _goal(

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from deployable import intervals
 from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
 from deployable.campaign.answers.limit_states import estimate_limit_state_error
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
@@ -56,8 +57,6 @@ def check_bounds(
     threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
     gets ``quantity_error_<component>`` (quantity), in their units. Attributes `check_runs`,
     `check_ids`: how many runs that took, and their ids, divided by blanks."""
-    from deployable import intervals
-
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     known_ids = set(model.account.ids)
     if model.experiment.is_adaptive:
@@ -94,11 +93,8 @@ class RefinementLevel(NamedTuple):
         fine|: 2**p at order p. coarse, fine, third: values (n), or curves (..., T), whose changes
         count by their mean over T, of the original plan, of `finer` and of `third`."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
-        return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
-
-
-def _mean_size(change: np.ndarray) -> np.ndarray:
-    return np.abs(change) if change.ndim == 1 else np.abs(change).mean(axis=-1)
+        sizes = np.abs(np.diff(levels, axis=0))
+        return refinement_ratio(*(sizes if sizes.ndim == 2 else sizes.mean(axis=-1)))
 
 
 def estimate_discretization_errors(
@@ -143,11 +139,7 @@ def estimate_discretization_errors(
 
 
 def _find_nearest_values(
-    model: ModelEvaluator,
-    plan: Plan,
-    indices: np.ndarray,
-    points: np.ndarray,
-    values: np.ndarray,
+    model: ModelEvaluator, plan: Plan, indices: np.ndarray, points: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
     nearest to points at which they do not, on the way to the next of a few runs that have them by
@@ -204,8 +196,6 @@ def estimate_fraction_errors(
 def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict[str, np.ndarray]:
     """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
     are attained; its order is taken where it is largest."""
-    from deployable import intervals
-
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values

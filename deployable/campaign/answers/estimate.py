@@ -182,18 +182,14 @@ def _stage_seconds(campaign: Campaign, cost: _BatchCost, missing: int) -> dict[s
     responses, quantities = len(experiment.responses), len(experiment.quantities)
     margins = sum(item.kind == "margin" for item in experiment.response_list)
     repeat_count, goals = min(MOTIONS * LANES, 2 * quantities), len(campaign.choose.goals)
-    limits, refinement_passes = (
-        _count_limits(campaign),
-        list(chain.from_iterable(_refinement_passes(campaign).values())),
-    )
+    limits = len(list_limits(campaign.requirements, list(experiment.quantities)))
+    refinement_passes = list(chain.from_iterable(_refinement_passes(campaign).values()))
     if experiment.is_adaptive:
         refinement_passes = []
     answer_time = QUANTITY * quantities + LIMIT * limits + CHOICE * goals * (goals + limits)
     answer_time += TEST * len(campaign.measured) + SHEETS * margins * cost.sweep
-    bounds, motion = (
-        BOUNDS + _fit_seconds(campaign),
-        MOTIONS * cost.batch + repeat_count * (cost.sweep + cost.read_time),
-    )
+    bounds = BOUNDS + _fit_seconds(campaign)
+    motion = MOTIONS * cost.batch + repeat_count * (cost.sweep + cost.read_time)
     times = {
         "plan": (PLAN, 0.0),
         "simulate": cost.sum_passes([(missing, 1.0)]),
@@ -206,10 +202,6 @@ def _stage_seconds(campaign: Campaign, cost: _BatchCost, missing: int) -> dict[s
     }
     left_out = {"plan", "simulate", "bounds"} if experiment.is_adaptive else {"rounds"}
     return {name: np.array(pair) for name, pair in times.items() if name not in left_out}
-
-
-def _count_limits(campaign: Campaign) -> int:
-    return len(list_limits(campaign.requirements, list(campaign.experiment.quantities)))
 
 
 def _fit_seconds(campaign: Campaign) -> float:
@@ -326,7 +318,7 @@ def describe_work(
 
 
 def count_cores() -> int:
-    """Return the number of processor count_cores of this machine, 1 if it is unknown."""
+    """Return the number of processor cores of this machine, 1 if it is unknown."""
     return os.cpu_count() or 1
 
 

@@ -11,16 +11,15 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment, Jobs
-from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
-from deployable.campaign.results.run_roles import fitted_rows
+from deployable.campaign.results.fitted_runs import FittedRuns
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
+from deployable.intervals.scalars import fit_scalar
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
 SAME_RUN, SAME_POINT = 1e-6, 2e-4
@@ -67,23 +66,10 @@ class ModelEvaluator:
         model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
         if len(plan.runs) <= MAX_PLAN_ROWS:
             model.account = RunAccount(known_ids=[run.id for run in plan.runs])
-        with open_netcdf(folder.samples) as samples:
-            normalized = samples["normalized"][:]
-            numbers = np.zeros((len(normalized), 0))
-            if model.experiment.quantities:
-                numbers = samples["quantities"][:]
-            rows = fitted_rows(numbers)
-            model.margins = margins_of_samples(model.experiment, samples, rows)
-        model.points, model.numbers = normalized[rows], numbers[rows]
-        model.rest_count = len(numbers) - len(rows)
-        model.rest_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
-        if refinements:
-            with open_netcdf(folder.refinement) as file:
-                if len(points := file["normalized"][:]):
-                    model.points = np.concatenate([model.points, points])
-                    model.numbers = np.concatenate([model.numbers, file["quantities"][:]])
-                    model.margins = np.concatenate([model.margins, file["margin"][:]])
-                    model.refinements += runs_at(model.plan, points)
+        runs = FittedRuns.read(folder, refinements)
+        model.points, model.numbers, model.margins = runs.points, runs.numbers, runs.margins
+        model.rest_count, model.rest_counts = len(runs.rest), np.isfinite(runs.rest).sum(axis=0)
+        model.refinements += runs_at(plan, runs.points[len(runs.points) - runs.refinement_count :])
         return model
 
     @property
@@ -143,8 +129,6 @@ class ModelEvaluator:
 
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
-        from deployable.intervals.scalars import fit_scalar
-
         end, quantities = self.experiment.solver.duration, self.experiment.quantity_list
         columns = zip(self.numbers.T, self.margins.T, quantities, strict=True)
         return [

@@ -1,7 +1,5 @@
 """The limits that requirements set, assessed by surrogates and by runs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +9,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.config.models import LIMITS
 from deployable.campaign.text.words import words_of
+from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale, fit_scalar
 
 _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border a run is made
 
@@ -73,8 +72,6 @@ def assess_limits(
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of values and of decision functions (sign: whether one exists), or None."""
-    from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale
-
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
         Limit(
@@ -139,8 +136,6 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
     """1 if the event of quantity `q` surely occurs in the whole box, -1 if nowhere, 0 if open."""
-    from deployable.intervals.scalars import fit_scalar
-
     margins = model.margins[:, q]
     if not np.isfinite(margins).all():
         return 0

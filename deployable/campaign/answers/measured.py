@@ -1,35 +1,5 @@
-"""From measured curves to what of the box explains them, `measured.json`.
-
-    refuted             whether nothing in the box explains all tests
-    least, attained     the least misfit in bands, at least, and of a run
-    explained, left, hull   fractions of the box's volume that explain, that are not excluded, and
-                        of the narrowed box
-    worst               {test, response, units, time, bands, residual}: where the nearest run is
-                        farthest off
-    parameters          [{name, units, before, after, best, seen}]: seen is both, lower or upper
-                        (sides that the tests bound) or none; after is null if the tests are
-                        refuted, best if each test fixes the parameter
-    trade_offs          [{names, correlation, slope}] of what is left, of parameters' values
-    quantities          [{name, units, before, after, error, happens}] over what is left; happens:
-                        in all, some or none of its runs
-    limits              [{requirement, quantity, kind, level, units, met}] over what is left: all,
-                        some, none or undecided
-    next                [{response, units, time, spread, bands, fraction, measured}]: where runs
-                        that are left differ most, in the unit, in bands (null where none is known),
-                        and as a fraction of the width of the bounds
-    checks              [{name, inside, least, attained, worst}], with what the tests leave; if they
-                        are refuted, alone with what comes nearest to them; inside: whether a run
-                        explains it, null if that is undecided
-    tests               [{name, file, digest, use, rows, instants, window, curves}]
-    singles             [{name, refuted, least, attained}]: each test that calibrates by itself
-    disjoint            [[name, name]]: pairs of these whose narrowed boxes have nothing in common
-    misfits             {points, values}: points of the box, -1 to 1, and their least misfit by the
-                        surrogates, in bands
-    runs
-
-Curves by response are {units, times, values, bands, lower, upper, best, rates, left}: measured, of
-all runs, and but for a check of the nearest run as the sensor has it, with its rates, and lower and
-upper values of the runs in the narrowed box and start, [] without any."""
+"""From measured curves to what of the box explains them, `measured.json`, whose keys
+`summary.schema.json` describes."""
 
 import itertools
 import json
@@ -94,8 +64,15 @@ def answer(
             checks.append({"name": test.name, **row})
     misfits = result.misfits()
     rows = {
-        **_verdict(result, sources, model.experiment.box.free),
-        "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
+        **_misfits(result),
+        "explained": result.fractions[0],
+        "left": result.fractions[1],
+        "hull": float(np.prod(np.ptp(result.hull, axis=0)[model.experiment.box.free] / 2.0)),
+        "worst": _worst(result, sources, *result.worst),
+        "singles": [
+            {"name": test.name, **_misfits(single)}
+            for test, single in zip(sources, singles, strict=True)
+        ],
         "disjoint": _disjoint_pairs(sources, singles),
         **_parameters(model, result, sources),
         **_describe_left(model, result, requirements, sources, folder),
@@ -225,10 +202,9 @@ def _calibrate(
     return calibrate(*arguments, data, waves, notify=partial(notify_of, range(len(tests)))), []
 
 
-def _single_row(test: _Test, result: Calibration) -> dict:
-    """What a test that calibrates says without the others."""
+def _misfits(result: Calibration) -> dict:
+    """Whether tests are refuted, and their least misfits."""
     return {
-        "name": test.name,
         "refuted": bool(result.is_refuted),
         "least": float(result.least),
         "attained": float(result.attained),
@@ -256,18 +232,6 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
     }  # fmt: skip
 
 
-def _verdict(result: Calibration, tests: Sequence[_Test], free: np.ndarray) -> dict:
-    return {
-        "refuted": bool(result.is_refuted),
-        "least": float(result.least),
-        "attained": float(result.attained),
-        "explained": result.fractions[0],
-        "left": result.fractions[1],
-        "hull": float(np.prod(np.ptp(result.hull, axis=0)[free] / 2.0)),
-        "worst": _worst(result, tests, *result.worst),
-    }
-
-
 def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
     """What the last of the tests says of what the others leave."""
     t = len(tests) - 1
@@ -275,8 +239,7 @@ def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
     i, instant = np.unravel_index(bands.argmax(), bands.shape)
     return {
         "inside": False if result.is_refuted else True if result.attained <= 1.0 else None,
-        "least": float(result.least),
-        "attained": float(result.attained),
+        **_misfits(result),
         "worst": _worst(result, tests, t, int(i), int(instant)),
     }
 

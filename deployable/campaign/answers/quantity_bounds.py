@@ -13,6 +13,7 @@ from deployable.campaign.plan.jobs import LANES
 from deployable.campaign.plan.plan import ROUNDING
 from deployable.intervals.box import MOST_FULL
 from deployable.intervals.designs import scan_points
+from deployable.intervals.scalars import TOLERANCE, Climb, estimate_bounds
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
@@ -99,8 +100,7 @@ def converge_bounds(
             climbs.run()
             surrogates = model.surrogates()
         bounds = [
-            _bounds(model, q, s, mispredictions[q], climbs.remainders(q), is_searched)
-            for q, s in enumerate(surrogates)
+            _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
         is_extra = iteration >= max_iterations
@@ -133,13 +133,8 @@ class _Progress:
         previous = [row for number, row in self.history if 2 * number <= count]
         limits = previous[-1] if previous else [np.inf] * len(shares)
         self.history.append((count, shares))
-        return [
-            b
-            for b, share, limit, tolerance in zip(
-                bounds, shares, limits, self.tolerances, strict=True
-            )
-            if share > tolerance and share <= _STAGNANT * limit
-        ]
+        rows = zip(bounds, shares, limits, self.tolerances, strict=True)
+        return [b for b, share, limit, most in rows if most < share <= _STAGNANT * limit]
 
 
 def _spread(model: ModelEvaluator, count: int) -> np.ndarray:
@@ -165,8 +160,6 @@ class _Climbs:
     """Local searches for the bounds of all quantities, which make their runs side by side."""
 
     def __init__(self, model: ModelEvaluator) -> None:
-        from deployable.intervals.scalars import Climb
-
         is_wide = model.points.shape[1] > MOST_FULL
         quantities = [] if is_wide else model.experiment.quantity_list
         self.model, self.climbs = model, [(Climb(-1.0), Climb(1.0)) for _ in quantities]
@@ -199,9 +192,8 @@ class _Climbs:
         """Go on until no search promises a gain, or most of the runs that are left are made: the
         others are for limit-state surfaces, and for where other bounds may be."""
         model = self.model
-        most = len(model.refinements) + _MOST_SHARE * (
-            model.max_refinements - len(model.refinements)
-        )
+        count = len(model.refinements)
+        most = count + _MOST_SHARE * (model.max_refinements - count)
         for _ in range(_MOST_CLIMBS):
             if len(model.refinements) >= most:
                 break
@@ -233,16 +225,10 @@ class _Climbs:
 
 
 def _bounds(
-    model: ModelEvaluator,
-    q: int,
-    surrogate: Any,
-    mispredictions: np.ndarray,
-    remainders: tuple[float, float] = (0.0, 0.0),
-    is_searched: bool = False,
+    climbs: _Climbs, q: int, surrogate: Any, mispredictions: np.ndarray, is_searched: bool
 ) -> QuantityBounds:
     """Bounds of one quantity; what runs attain where they were searched (`is_searched`)."""
-    from deployable.intervals.scalars import TOLERANCE, estimate_bounds
-
+    model, remainders = climbs.model, climbs.remainders(q)
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
     if not np.isfinite(values).any():
         no_point = np.full(model.points.shape[1], np.nan)
@@ -285,11 +271,8 @@ def _mispredictions(
     """Errors (q, 2) of surrogates' bounds against runs there, inf without number; or `previous`."""
     mispredictions = previous.copy()
     for q, b in enumerate(bounds):
-        extremes = (
-            (b.surrogate_range.low, b.surrogate_range.argmin),
-            (b.surrogate_range.high, b.surrogate_range.argmax),
-        )
-        for side, (value, point) in enumerate(extremes):
+        r = b.surrogate_range
+        for side, (value, point) in enumerate(((r.low, r.argmin), (r.high, r.argmax))):
             if b.unconverged[side]:
                 row, distance = model.nearest(point)
                 difference = abs(model.numbers[row, q] - value)

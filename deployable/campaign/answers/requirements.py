@@ -1,24 +1,7 @@
-"""From the runs of a campaign to what of the box meets its requirements, `requirements.json`.
+"""From the runs of a campaign to what of the box meets its requirements, `requirements.json`, whose
+keys `summary.schema.json` describes.
 
-    requirements   [{name, met, share, share_uncertainty, runs, limits}], met is all, some or none
-                   of the box; "undecided" where nothing fails, in so many runs or by what was
-                   fitted, and errors or what only happens or does not leave open whether all does;
-                   share_uncertainty: by how much the share may be more or less, by all runs and
-                   estimated errors
-    limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share,
-                   share_uncertainty, runs}]: margin at the worst place, and the estimated error,
-                   of mesh and step too if known; met and what follows of this limit alone
-    together       {met, share, share_uncertainty, runs, failures, max_interval_scale, fails,
-                   whole}: of all; failures: runs that break a limit, null where not all are judged;
-                   `fails` is the nearest place at which one fails: {requirement, quantity, kind,
-                   level, units, at, simulated}; whole: whether errors have those of step and mesh
-    halved         (in together) {name: {share, share_uncertainty}}: if the interval of one
-                   parameter were half as wide about its nominal value
-    runs, further_runs
-
-The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
-is broken, null where something does not happen. A place is parameter values by name; `simulated` is
-the quantity of the run there."""
+The runs that decide were made with those of the quantities' ends."""
 
 import json
 from collections.abc import Mapping
@@ -38,6 +21,7 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Notify
+from deployable.intervals.scalars import share_of_box, shares_of_box
 
 _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
 _LINES = 512  # of a share with one interval halved, which is an outlook
@@ -49,24 +33,19 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     is simulated. requirements, jobs: sections of the config; notify: gets messages."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
-    errors = _discretization_errors(folder)
+    with open_netcdf(folder.quantities) as data:
+        names = ("error_limit", "error_border")  # by mesh and step, of values and of occurrence
+        is_whole = names[0] in data.variables
+        errors = np.array([data[name][:] for name in names]) if is_whole else None
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)
     rows = {
         "requirements": [_requirement(model, result, name, shares) for name in requirements],
-        "together": {**_combine(model, result, shares), "whole": errors is not None},
+        "together": {**_combine(model, result, shares), "whole": is_whole},
         "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.refinements),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
-
-
-def _discretization_errors(folder: Folder) -> np.ndarray | None:
-    """Errors (2, q) by mesh and step, of values and of occurrence; None where not estimated."""
-    with open_netcdf(folder.quantities) as data:
-        if "error_limit" not in data.variables:
-            return None
-        return np.array([data[name][:] for name in ("error_limit", "error_border")])
 
 
 _Shares = Mapping[tuple[int, ...], tuple[float, float]]
@@ -75,8 +54,6 @@ _Shares = Mapping[tuple[int, ...], tuple[float, float]]
 def _find_shares(model: ModelEvaluator, result: LimitAssessment) -> _Shares:
     """Share of the box that keeps limits, and what is open, by their indices: of each limit, of
     those of a requirement, and of all."""
-    from deployable.intervals.scalars import shares_of_box
-
     sets = [(i,) for i in range(len(result.specs))]
     sets += [_indices(result, spec.requirement) for spec in result.specs]
     sets = list(dict.fromkeys([*sets, tuple(range(len(result.specs)))]))
@@ -159,8 +136,6 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
 
 def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
     """The share that meets all if one interval were half as wide, by the parameter's name."""
-    from deployable.intervals.scalars import share_of_box
-
     box, rows = model.experiment.box, {}
     for j in np.flatnonzero(box.free):
         lower, upper = -np.ones(box.dimension), np.ones(box.dimension)

@@ -8,8 +8,9 @@ import json
 import operator
 import re
 from collections.abc import Iterator
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from itertools import pairwise
+from pathlib import Path
 from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
@@ -116,15 +117,11 @@ def config_key_of(hint: Any, default: Any = MISSING, description: str = "") -> C
         elif is_dataclass(option):
             description = description or " ".join(option.__doc__.split())
             hints, docstrings = get_type_hints(option, include_extras=True), _docstrings(option)
-            children = {
-                f.name: config_key_of(hints[f.name], _default(f), docstrings.get(f.name, ""))
-                for f in fields(option)
-            }
+            for f in fields(option):
+                value = f.default if f.default_factory is MISSING else f.default_factory()
+                key_text = docstrings.get(f.name, "")
+                children[f.name] = config_key_of(hints[f.name], value, key_text)
     return ConfigKey(key, key.words(hint), description or key.text, default, children, entry, names)
-
-
-def _default(field: Field) -> Any:
-    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def _docstrings(hint: type) -> dict[str, str]:
@@ -135,19 +132,6 @@ def _docstrings(hint: type) -> dict[str, str]:
         for field, text in pairwise(lines)
         if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
     }
-
-
-_HEAD = """\
-# Keys of a config
-
-A [campaign](terms.md) is one YAML file, checked before any job starts; `python -m deployable check
-FILE` does it without running anything. `<name>` stands for a name of your own or of the scene.
-Numbers are in SI units, or in the unit that stands in brackets behind what a key is. Each may be
-stated with a unit that fits, as in structures: `duration: 500 ms`, `step: 20 us`, `lower: 5 deg`,
-`relative: 10 %`, `at_most: 2.5 s`; plans and results are the same. So may what definitions of
-responses, quantities and margins hold: `level: 90 deg`, `within: 3 mm`, `at: 2 s`. This page is
-made from `deployable/campaign/config/models.py` by `python -m deployable keys`.
-"""
 
 
 _UNIT_TEXTS = {
@@ -188,7 +172,8 @@ def table(config: ConfigKey) -> str:
     sections = {name: part for name, part in groups.items() if len(part) > 1}
     parts = (singles | sections).items()
     texts = (f"\n## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
-    return _HEAD + "".join(texts)
+    head = Path(__file__).with_name("keys_page.md").read_text(encoding="utf-8")
+    return head + "".join(texts)
 
 
 _COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"

@@ -1,7 +1,5 @@
 """Measured curves: the checks of the section `measured`, and the curves of its tests."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 

@@ -4,40 +4,44 @@ Types and `Rule`s are the limits; the texts below the fields are those of docs/c
 fields of a section must be together is in `__post_init__`. pydantic is imported where a config is
 checked, not where a section is used, since that takes 0.1 s."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Literal
 
 from deployable.campaign.config.keys import RefusedError, Rule
 
-Name = Annotated[
-    str,
-    Rule(
-        "a name of up to 64 letters, digits and `_` that starts with a letter",
-        pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
-    ),
-]
-CampaignName = Annotated[
-    str,
-    Rule(
-        "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
-        "name of a study",
-        pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|verification)$)"
-        "[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
-    ),
-]
-CaseName = Annotated[
-    str,
-    Rule(
-        "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
-        "not that of a folder of results, or `all`",
-        pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)$)"
-        "[A-Za-z][A-Za-z0-9 _-]{0,63}",
-    ),
-]
+
+def _type_of(kind: Any, allowed: str, **rule: Any) -> Any:
+    """A type with its rule, `allowed` in words."""
+    return Annotated[kind, Rule(allowed, **rule)]
+
+
+Name = _type_of(
+    str, "a name of up to 64 letters, digits and `_` that starts with a letter",
+    pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
+)  # fmt: skip
+CampaignName = _type_of(
+    str, "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name "
+    "of a study",
+    pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
+    "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
+)  # fmt: skip
+CaseName = _type_of(
+    str, "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
+    "not that of a folder of results, or `all`",
+    pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
+    "$)[A-Za-z][A-Za-z0-9 _-]{0,63}",
+)  # fmt: skip
 Share = Annotated[float, Rule(ge=1e-4, le=1, unit="1")]
 OrAuto = Literal["auto"]
+StructureFile = _type_of(str, "the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
+SceneValues = Annotated[
+    dict[str, _type_of(Any, "a number", unit="parameter")],
+    Rule("a mapping from the scene's parameter names to values"),
+]
+Definitions = Rule("a mapping from names (letters, digits, `_`, starting with a letter) to "
+                   "definitions")  # fmt: skip
+Pair = tuple[float, float], "`[lower, upper]`, two numbers"
+"""Type and words of a range."""
 ABSENT: Any = None
 """Of a key without a default; a config cannot say it."""
 
@@ -81,13 +85,10 @@ class SceneSection(ConfigSection):
 
     name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
-    file: Annotated[str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")] = ABSENT
+    file: StructureFile = ABSENT
     """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
     a Python file is run when it is read, so name only one that you trust."""
-    parameters: Annotated[
-        dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
-        Rule("a mapping from the scene's parameter names to values"),
-    ] = field(default_factory=dict)
+    parameters: SceneValues = field(default_factory=dict)
     """Values that differ from the scene's defaults, by the scene's own parameter names; numbers and
     options such as `elements`."""
 
@@ -153,6 +154,10 @@ class IntervalSpec(ConfigSection):
         if nominal is not None and not lower <= nominal <= upper:
             text = f"{nominal:.12g} is outside; allowed: {lower:.12g} to {upper:.12g}"
             raise RefusedError("nominal", text)
+
+
+OneInterval = _type_of(IntervalSpec, "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
+                       "`{lower: 1, upper: 3}`, perhaps with `nominal`")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -264,11 +269,9 @@ class ChooseSection(ConfigSection):
     case is simulated."""
 
     parameters: Annotated[
-        dict[str, Annotated[tuple[float, float], Rule(
-            "`[lower, upper]`, two numbers", text="Range of the nominal value.",
-            unit="parameter")]],
+        dict[str, _type_of(*Pair, text="Range of the nominal value.", unit="parameter")],
         Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
-    ] = field(default_factory=dict)  # fmt: skip
+    ] = field(default_factory=dict)
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
     `relative` grows with the choice, any other keeps its width; a parameter without an interval is
     chosen exactly."""
@@ -294,20 +297,14 @@ class CaseSolver(ConfigSection):
 class CaseSection(ConfigSection):
     """One case: what differs from the campaign, which has the rest; `{}` is the campaign itself."""
 
-    scene: Annotated[
-        dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
-        Rule("a mapping from the scene's parameter names to values"),
-    ] = field(default_factory=dict)
+    scene: SceneValues = field(default_factory=dict)
     """Values of scene parameters that are no intervals."""
-    file: Annotated[str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")] = ABSENT
+    file: StructureFile = ABSENT
     """File of another structure, in the place of the campaign's."""
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
-        dict[str, Annotated[IntervalSpec, Rule(
-            "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: 1, upper: 3}`, "
-            "perhaps with `nominal`")]],
-        Rule("a mapping from parameter names to intervals", most=60),
-    ] = field(default_factory=dict)  # fmt: skip
+        dict[str, OneInterval], Rule("a mapping from parameter names to intervals", most=60)
+    ] = field(default_factory=dict)
     """Intervals that stand in the place of the campaign's, or are further ones, as there."""
 
 
@@ -354,7 +351,7 @@ class Jobs(ConfigSection):
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
-Times = Annotated[tuple[float, float], Rule("`[lower, upper]`, two numbers", unit="s")]
+Times = _type_of(*Pair, unit="s")
 _ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
 _Size = Annotated[float, Rule(gt=0, unit="response")]
 
@@ -396,18 +393,14 @@ class MeasuredTest(ConfigSection):
     """By how much the model may be wrong, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
-        dict[str, Annotated[tuple[float, float], Rule(
-            "`[lower, upper]`, two numbers", text="Interval in this test.", unit="parameter")]],
+        dict[str, _type_of(*Pair, text="Interval in this test.", unit="parameter")],
         Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
-    ] = field(default_factory=dict)  # fmt: skip
+    ] = field(default_factory=dict)
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
     its start: they are eliminated within it."""
     window: Times = ABSENT
     """First and last time of the file that count. Default: all behind the longest delay."""
-    scene: Annotated[
-        dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
-        Rule("a mapping from the scene's parameter names to values"),
-    ] = field(default_factory=dict)
+    scene: SceneValues = field(default_factory=dict)
     """Values that held in this test, by the scene's parameter names; an interval parameter among
     them is not narrowed by it."""
     use: Literal["calibrate", "check"] = "calibrate"
@@ -440,11 +433,9 @@ class Config(ConfigSection):
     ]
     solver: Solver = Solver()
     intervals: Annotated[
-        dict[str, Annotated[IntervalSpec, Rule(
-            "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or `{lower: 1, upper: 3}`, "
-            "perhaps with `nominal`")]],
+        dict[str, OneInterval],
         Rule("a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
-    ]  # fmt: skip
+    ]
     """The uncertain parameters, by the scene's parameter names."""
     design: DesignSection = DesignSection()
     bounds: BoundsChoice = BoundsChoice()
@@ -475,7 +466,7 @@ class Config(ConfigSection):
                 **dict.fromkeys(("level", "about", "within"), "response"),
             ),
         ],
-        Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
+        Definitions,
     ] = field(default_factory=dict)
     """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
     values, values at a time, times of crossings and events and others, and arithmetic of these
@@ -487,7 +478,7 @@ class Config(ConfigSection):
                 "margin", "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`", **_OF_MARGINS
             ),
         ],
-        Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
+        Definitions,
     ] = field(default_factory=dict)
     """Torque or force margins over the travel of an opening moved quasi-statically, by names of
     your own (docs/review-sheet.md). Each is a response over the opening, the quantity
@@ -508,9 +499,8 @@ class Config(ConfigSection):
     verify: Verify = Verify()
     requirements: Annotated[
         dict[Name, Annotated[
-            dict[str, Annotated[Limits, Rule(
-                "a mapping with `at_least`, `at_most` or `happens`, by quantity as in "
-                "`{t_shut: {at_most: 0.32}}`")]],
+            dict[str, _type_of(Limits, "a mapping with `at_least`, `at_most` or `happens`, by "
+                "quantity as in `{t_shut: {at_most: 0.32}}`")],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 text="The limits of one requirement, by quantity; all of them must be kept. A "
                 "list `cases: [on ground]` beside them: it is of these cases alone."),
@@ -525,7 +515,7 @@ class Config(ConfigSection):
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
+        dict[Name, _type_of(MeasuredTest, "a mapping with `file`, `columns` and `band`")],
         Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
     """Tests whose measured curves tell which part of the box is left, or that none is, by names of
@@ -533,10 +523,12 @@ class Config(ConfigSection):
     figures: FigureChoice = FigureChoice()
     jobs: Jobs = Jobs()
     cases: Annotated[
-        dict[CaseName, Annotated[CaseSection, Rule(
-            "a mapping with `scene`, `file`, `solver` and `intervals`")]],
+        dict[
+            CaseName,
+            _type_of(CaseSection, "a mapping with `scene`, `file`, `solver` and `intervals`"),
+        ],
         Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
-    ] = field(default_factory=dict)  # fmt: skip
+    ] = field(default_factory=dict)
     """Variants of the campaign, by names of your own, such as `on ground` or `one spring out`: each
     is run over the whole box, with results in `results/<campaign>/<name>/`, and a page tells which
     requirement is met in all of them and which case decides (docs/cases.md)."""

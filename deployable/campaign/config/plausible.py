@@ -2,8 +2,6 @@
 
 What its structure has of the kind is told by `fpm.structures.plausible`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

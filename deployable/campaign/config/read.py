@@ -1,7 +1,5 @@
 """A config as its models take it, and what they refuse: key, value and what is allowed."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

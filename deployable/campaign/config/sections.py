@@ -102,13 +102,13 @@ class Interval:
     upper: float
 
 
-def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
+def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
     """Yield parameter values by name, in their units, to build the structure at: at the nominal
-    point, then at all corners of the box of `intervals`; if there are more than `most` corners, at
-    each interval's two ends with all others nominal instead."""
+    point, then at all corners of the box of up to four `intervals`; of more at each interval's two
+    ends with all others nominal instead."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
-    if 2 ** len(intervals) <= most:
+    if len(intervals) <= 4:
         ends = [dict.fromkeys((i.lower, i.upper)) for i in intervals.values()]
         for values in itertools.product(*ends):
             yield dict(zip(intervals, values, strict=True))

@@ -3,8 +3,6 @@
 Each becomes a number in the unit that its key has (`Rule.unit`), which may be that of a parameter,
 response or quantity, before anything else is checked: all that follows knows numbers alone."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from contextlib import suppress
@@ -142,7 +140,11 @@ class StatedUnits:
     @cached_property
     def _with_margins(self) -> Config:
         names = ("responses", "margins")
-        sections = {name: _definitions(self._section(name)) for name in names}
+        sections = {
+            name: {key: x for key, x in dict(self._section(name) or {}).items()
+                   if isinstance(x, Mapping)}
+            for name in names
+        }  # fmt: skip
         review = self._source.get("review")
         config = Config(campaign="", scene=None, intervals={}, review=review, **sections)
         return with_margins(config, {"duration": 0})[0]
@@ -174,10 +176,6 @@ def _has_units(value: Any, exclusions: tuple = ()) -> bool:
     if isinstance(value, list | tuple):
         return any(map(_has_units, value))
     return isinstance(value, str) and _TEXT.fullmatch(value.strip()) is not None
-
-
-def _definitions(section: Any) -> dict[str, Mapping]:
-    return {name: x for name, x in dict(section or {}).items() if isinstance(x, Mapping)}
 
 
 def _unit(text: str) -> Unit:

@@ -22,24 +22,14 @@ class ExportFormat:
     takes: tuple[str, ...] = ()
 
 
-def _vtk(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    from deployable.campaign.export.vtk import write_vtk
-
-    return [write_vtk(run.motion(frames), folder / f"{run.name}.pvd")]
-
-
-def _glb(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    from deployable.campaign.pictures.glb import write_glb
-
-    return [write_glb(run.motion(frames), folder / f"{run.name}.glb")]
-
-
-def _picture(kind: str) -> Callable[..., list[Path]]:
-    def write(run: SelectedRun, folder: Path, frames: int, by_stress: bool = False) -> list[Path]:
+def _motion_file(suffix: str) -> Callable[..., list[Path]]:
+    def write(run: SelectedRun, folder: Path, frames: int, **colours: bool) -> list[Path]:
+        from deployable.campaign.export.vtk import write_vtk
         from deployable.campaign.pictures.animation import write_moving
+        from deployable.campaign.pictures.glb import write_glb
 
-        motion, path = run.motion(frames), folder / f"{run.name}.{kind}"
-        return [write_moving(motion, path, by_stress=by_stress)]
+        write_motion = {"pvd": write_vtk, "glb": write_glb}.get(suffix, write_moving)
+        return [write_motion(run.motion(frames), folder / f"{run.name}.{suffix}", **colours)]
 
     return write
 
@@ -59,11 +49,15 @@ def _figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 _CURVES = "bounds.nc", "sensitivities.nc"
 FORMATS = {
     "vtk": ExportFormat(
-        _vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101
+        _motion_file("pvd"), "a collection for ParaView: a .pvd, and two .vtu for every frame", 101
     ),
-    "glb": ExportFormat(_glb, "one glTF file that moves, for viewers and Blender", 101),
-    "gif": ExportFormat(_picture("gif"), "a moving picture", 60),
-    "webp": ExportFormat(_picture("webp"), "a moving picture, smaller and with more colours", 60),
+    "glb": ExportFormat(
+        _motion_file("glb"), "one glTF file that moves, for viewers and Blender", 101
+    ),
+    "gif": ExportFormat(_motion_file("gif"), "a moving picture", 60),
+    "webp": ExportFormat(
+        _motion_file("webp"), "a moving picture, smaller and with more colours", 60
+    ),
     "figures": ExportFormat(_figures, "figures for a journal: PDF, SVG, PNG", 401, _CURVES),
     "csv": ExportFormat(
         _csv, "curves of the run; of a campaign also its bounds and runs", 0, _CURVES[:1]

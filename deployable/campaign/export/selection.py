@@ -9,9 +9,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from deployable.campaign.config.sections import Experiment, trust
+import fpm
+from deployable.campaign.config.loader import load, parse
+from deployable.campaign.config.sections import Experiment, scene_type, trust
 from deployable.campaign.errors import CampaignError, ConfigError
+from deployable.campaign.files import open_netcdf, refuse_links
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.run_roles import nominal_row, read_ids
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
@@ -53,7 +57,6 @@ class SelectedRun:
     def motion(self, frames: int) -> xarray.Dataset:
         """Simulate the run and return its whole motion, a dataset as `fpm.motions` makes it;
         frames: how many, evenly spread over time. Raises `CampaignError` if the run fails."""
-        import fpm
         from fpm.motions.motion import whole_motion
 
         self._compile()
@@ -67,8 +70,6 @@ class SelectedRun:
     def outcome(self) -> Any:
         """Simulate the run, record all that its responses need, and return its `fpm.Outcome`.
         Raises `CampaignError` if the run fails."""
-        import fpm
-
         record = [need for response in self.responses for need in response.needs]
         self._compile(record)
         (outcome,) = fpm.simulate([self.scene], record=record, **self._times())
@@ -134,8 +135,6 @@ def choose(
 
 
 def _select_results_run(folder: Folder, run: str) -> SelectedRun:
-    from deployable.campaign.files import open_netcdf, refuse_links
-
     refuse_links(folder.path)
     if (folder / "cases.json").exists():
         names = ", ".join(sorted(path.parent.name for path in folder.path.glob("*/samples.nc")))
@@ -177,7 +176,6 @@ def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> i
 
 def _select_config(path: Path, settings: Mapping[str, str], duration: float | None) -> SelectedRun:
     from deployable.campaign.config.check import load_config
-    from deployable.campaign.plan.plan import choose_step
 
     experiment = load_config([path]).experiment
     if duration is not None:
@@ -205,8 +203,6 @@ def _selected_run(
 
 
 def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
-    import fpm
-    from deployable.campaign.config.sections import scene_type
 
     if not Path(source).suffix and Path(source).name != source:
         raise CampaignError(
@@ -223,16 +219,12 @@ def _select_structure(source: str, settings: Mapping[str, str], duration: float)
 def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
     """Parse values of parameters, texts by name, as in a YAML file: `"2.5"` as 2.5, `"true"` as
     True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
-    from deployable.campaign.config.loader import parse
-
     pairs = settings.items()
     return {n: parse(f"value: {text}", f"--set {n}")["value"] for n, text in pairs}
 
 
 def _is_campaign(path: Path) -> bool:
     """Whether a YAML file is a campaign's, not a structure's, whose reader says what is wrong."""
-    from deployable.campaign.config.loader import load
-
     try:
         return "campaign" in load(path)
     except ConfigError:

@@ -15,69 +15,12 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, steps_problems
 from deployable.campaign.errors import CampaignError, HeldConfigError
+from deployable.campaign.files.variables import VariableSpec, variables_of
 from fpm.files.seals import DamagedError
 
 ROLES = ("nominal", "node", "held_out", "further")
 RUN_ID = re.compile("[0-9a-f]{16}")
 """Pattern of the names of runs, after which files are called."""
-
-_BOX = """@text: config campaign config_hash mechanics scene
-text parameter: parameter box_units
-known parameter: box_lower box_upper box_nominal"""
-_CURVES = f"""{_BOX}
-@text: limiting_element
-@number: time_step time_step_limit
-text response: response response_units response_long_name response_along?
-number response: response_least? response_ratio? response_floor? response_ceiling?
-known time: time"""
-_SAMPLES = f"""{_CURVES}
-known run parameter: normalized value
-number run event: event_time event_contact event_closing
-text contact: contact
-text quantity: quantity? quantity_units? quantity_long_name?
-number run quantity: quantities? margin?"""
-_QUANTITIES = f"""{_BOX}
-text quantity: quantity quantity_units quantity_long_name"""
-_VARIABLES = {
-    "samples.nc": f"""{_SAMPLES}
-text run: role run_id
-known run: overlap
-known run response time: values""",
-    "extremes": f"""{_SAMPLES}
-known : overlap
-known response time: nominal
-known quarter response time: lower upper lower_run upper_run""",
-    "bounds.nc": f"""{_CURVES}
-@text: bounds_kind design_method provenance
-@number: design_order held_out_runs
-known response time: lower upper nominal?
-number response time: error? error_held_out? error_decay? error_surrogate? error_step? error_mesh?
-number response time: growth_quarter?
-number response: least most
-known response: largest_impossible largest_impossible_time
-number response: worst_violation? coverage?""",
-    "surrogate.nc": f"""{_CURVES}
-known term parameter: multi_index
-known response term time: coefficient?""",
-    "sensitivities.nc": f"""{_CURVES}
-number response parameter time: width
-number response parameter: width_overall
-number response time: error""",
-    "quantities.nc": f"""{_QUANTITIES}
-@number: runs further_runs check_runs
-text quantity: fit search_end?
-number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
-number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
-known quantity: unconverged_lower unconverged_upper runs_with runs_without
-known quantity: happens happens_uncertainty is_time
-number quantity parameter: argmin argmax share alone fixed halved""",
-    "refinement.nc": f"""{_QUANTITIES}
-text run: run_id
-known run parameter: normalized value
-number run quantity: quantities margin""",
-}
-"""Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
-or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
 
 _SCALING = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range",
             "_Unsigned"}  # fmt: skip
@@ -127,17 +70,15 @@ def _inspect(path: Path, *state: int) -> Experiment | None:
         name = path.name
         if name == "samples.nc" and "lower_run" in file.variables:
             name = "extremes"
-        if name not in _VARIABLES:
+        if not (variables := variables_of(name)):
             return None
         if name == "sensitivities.nc" and not file.variables:  # nothing was fitted
             return Experiment.read(file.config)
-        for line in _VARIABLES[name].splitlines():
-            kind, *dims = line.partition(":")[0].split()
-            for field in line.partition(":")[2].split():
-                if kind.startswith("@"):
-                    _check_attribute(file, field, kind[1:])
-                else:
-                    _check_variable(file, field, kind, tuple(dims))
+        for field, spec in variables.items():
+            if spec.dims == ("@",):
+                _check_attribute(file, field, spec.content)
+            else:
+                _check_variable(file, field, spec)
         return _belongs(file, Experiment.read(file.config))
 
 
@@ -163,16 +104,15 @@ def _check_attribute(file: Any, name: str, kind: str) -> None:
         matches(_PROVENANCE, json.loads(value), name)
 
 
-def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> None:
-    variable = file.variables.get(name.removesuffix("?"))
+def _check_variable(file: Any, name: str, spec: VariableSpec) -> None:
+    kind, variable = spec.content, file.variables.get(name)
     if variable is None:
-        if name.endswith("?"):
+        if spec.is_optional:
             return
         raise ValueError(f"it has no variable {name}")
-    name = variable.name
-    if variable.dimensions != dims:
+    if variable.dimensions != spec.dims:
         axes = " and ".join(variable.dimensions) or "nothing"
-        raise ValueError(f"its variable {name} lies over {axes}, not {' and '.join(dims)}")
+        raise ValueError(f"its variable {name} lies over {axes}, not {' and '.join(spec.dims)}")
     if not variable.size:  # text is kept as numbers then
         return
     is_text = variable.dtype is str
@@ -256,7 +196,7 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
             **properties["choice"],
             "required": [*properties["choice"]["required"], "fitted"],
         },
-        "cases.json": {"required": ["cases", "together"]},
+        "cases.json": _schema()["$defs"]["cases"],
         "measured.json": properties["measured"],
     }
     with report_damage(path):

@@ -44,7 +44,8 @@ def draw_structure(scene: Any) -> Any:
     for place, axis in hinges:
         ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
-    for place in supports[_clip_to_limits(supports @ view.page.T, limits)]:
+    flat = supports @ view.page.T
+    for place in supports[((flat >= limits[0]) & (flat <= limits[1])).all(axis=1)]:
         ax.plot(*(view.page @ place), **_MARKER)
     particles = np.setdiff1d(particles, solid.nodes)
     ax.plot(*(scene.position[particles] @ view.page.T).T, "o", color="black", markersize=4)
@@ -79,7 +80,3 @@ def _particles(scene: Any) -> np.ndarray:
     for beams in scene.beams:
         is_on_beam[beams.nodes.ravel()] = True
     return np.flatnonzero(is_on_beam | ~scene.fixed.all(axis=1))
-
-
-def _clip_to_limits(flat: np.ndarray, limits: np.ndarray) -> np.ndarray:
-    return ((flat >= limits[0]) & (flat <= limits[1])).all(axis=1)

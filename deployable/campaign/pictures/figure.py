@@ -1,7 +1,5 @@
 """Matplotlib's figures, loaded at less cost where nobody reads what it says of them."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

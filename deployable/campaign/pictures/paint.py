@@ -109,12 +109,8 @@ def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -
         ends = level - 0.012 * size, level + 0.012 * size
         ax.plot((end, end), ends, color=_AXIS, lw=1.2)
     place, style = (right - 0.5 * length, level + 0.03 * size), {"ha": "center", "va": "bottom"}
-    ax.text(*place, length_text(length), fontsize=7, color=_AXIS, **style)
-
-
-def length_text(length: float) -> str:
-    """Write a length (m) with its unit: `0.5 m`, or in millimetres below 0.1 m: `20 mm`."""
-    return f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm"
+    text = f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm"
+    ax.text(*place, text, fontsize=7, color=_AXIS, **style)
 
 
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:

@@ -264,11 +264,7 @@ def _whole(runs: int) -> int:
 
 
 def _infill_points(
-    experiment: Experiment,
-    samples: Any,
-    unmet: list[str],
-    count: int,
-    seed: int,
+    experiment: Experiment, samples: Any, unmet: list[str], count: int, seed: int
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where a spline predicts wider responses of those
     that are `unmet`; the rest spread."""

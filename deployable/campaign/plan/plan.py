@@ -36,10 +36,11 @@ from deployable.campaign.config.sections import (
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
 from deployable.campaign.files.contents import ROLES, RUN_ID, report_damage
-from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
+from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
 from fpm.files.seals import DamagedError
+from fpm.files.trajectory import CONVENTIONS
 
 ROUNDING = 1e-12
 """Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
@@ -125,6 +126,19 @@ class Plan:
         """Digest of experiment, time step and runs, by which results show of what plan they are."""
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of netCDF files that are made of this plan's runs: conventions, campaign,
+        scene, config with its hash, digest of the mechanics (code and structure)."""
+        return {
+            "Conventions": CONVENTIONS,
+            "campaign": self.experiment.name,
+            "scene": self.experiment.scene.name,
+            "config_hash": self.config_hash,
+            "config": json.dumps(plain_data(self.experiment)),
+            "mechanics": self.mechanics,
+        }
+
     def unique_runs(self) -> Runs:
         """Return the plan's runs in order, without repeats of an earlier one's parameter values."""
         return self._unique
@@ -136,6 +150,16 @@ class Plan:
     def name_values(self, run: PlannedRun) -> dict[str, float]:
         """Return the values of the interval parameters in a run, in their units, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
+
+
+def box_columns(experiment: Experiment) -> dict[str, list]:
+    """Return the variables over `parameter` of netCDF files of a campaign: names and units of the
+    interval parameters, and lower, upper and nominal value of each, lists by name of variable."""
+    parameters, names = experiment.scene_type.parameters, list(experiment.intervals)
+    columns = {"parameter": names, "box_units": [parameters[name].unit for name in names]}
+    for key in ("lower", "upper", "nominal"):
+        columns[f"box_{key}"] = [getattr(i, key) for i in experiment.intervals.values()]
+    return columns
 
 
 def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
@@ -151,9 +175,8 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     time, mechanics = time or choose_step(experiment), experiment.mechanics
     normalized = np.concatenate([points for _, points in groups])
     role = np.repeat([ROLES.index(role) for role, _ in groups], [len(p) for _, p in groups])
-    name = namer(experiment, time.step, mechanics)
     role = role.astype(np.int8)
-    runs = Runs(role, normalized, values_of(experiment, role, normalized), name)
+    runs = Runs.from_points(experiment, role, normalized, time.step, mechanics)
     return Plan(experiment, mechanics, time, runs)
 
 
@@ -228,9 +251,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
     for problem in steps_problems(experiment.solver, time.step):
         raise ValueError(problem)
     if "packed" in data:
-        role, points = _unpack(data["packed"])
-        name = namer(experiment, time.step, mechanics)
-        runs = Runs(role, points, values_of(experiment, role, points), name)
+        runs = Runs.from_points(experiment, *_unpack(data["packed"]), time.step, mechanics)
     else:
         for run in data["runs"]:
             if not RUN_ID.fullmatch(run["id"]):

@@ -52,6 +52,17 @@ class Runs(Sequence[PlannedRun]):
         )
         return cls(role, *arrays, names.__getitem__)
 
+    @classmethod
+    def from_points(
+        cls, experiment: Experiment, role: np.ndarray, points: np.ndarray, step: float,
+        mechanics: str,
+    ) -> "Runs":  # fmt: skip
+        """Make the sequence of an experiment's runs at normalized points (N, k); nominal runs get
+        the config's exact values. role (N): as of the class; step, mechanics: as of `namer`."""
+        values = experiment.box.from_unit(points)
+        values[role == ROLES.index("nominal")] = experiment.nominal
+        return cls(role, points, values, namer(experiment, step, mechanics))
+
     def __len__(self) -> int:
         return len(self.role)
 
@@ -116,15 +127,6 @@ class RunAccount:
                 self.ids.add(run_id)
                 self.count += 1
         return [run_id in self.ids for run_id in ids]
-
-
-def values_of(experiment: Experiment, role: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Compute the values (N, k) of the k interval parameters, in their units, in N runs. points (N,
-    k): normalized points, from -1 at the lower end of an interval to 1 at the upper; role (N):
-    indices into `ROLES`; nominal runs get the config's exact values."""
-    values = experiment.box.from_unit(points)
-    values[role == ROLES.index("nominal")] = experiment.nominal
-    return values
 
 
 def namer(

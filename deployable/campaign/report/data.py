@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     import xarray
+
+    from deployable.campaign.report.motions import ShownRun
 
 
 REFINEMENT = "further"
@@ -49,26 +51,18 @@ class ResponseBounds:
 
 
 @dataclass(frozen=True)
-class Event:
-    """A contact (by name) that closes, or opens if `closing` is False, at `time` (s) of a run."""
-
-    time: float
-    contact: str
-    closing: bool
-
-
-@dataclass(frozen=True)
 class PageRun:
     """A run on the page. id: hexadecimal; role: `nominal`, `node` (the surrogate is fitted to it),
     `held_out` (tests the fit) or `further` (added at bounds and limit-state surfaces); values (k):
     of the parameters, each in its own unit; curves (n, T): its n responses, None where they are not
-    drawn; events: contacts that close or open in it, in order of time."""
+    drawn; events: contacts that close or open in it, in order of time, dicts as in the page's data:
+    `time` (s), `contact` (name), `closing`."""
 
     id: str
     role: str
     values: np.ndarray
     curves: np.ndarray | None = None
-    events: tuple[Event, ...] = ()
+    events: Sequence[Mapping[str, Any]] = ()
 
 
 @dataclass(frozen=True)
@@ -79,14 +73,6 @@ class MovingRun:
     run: int
     label: str
     motion: xarray.Dataset
-
-
-@dataclass(frozen=True)
-class OmittedRun:
-    """A run that the page has no room to show moving: id (hexadecimal); `label`: what it is."""
-
-    id: str
-    label: str
 
 
 @dataclass(frozen=True)
@@ -116,22 +102,13 @@ class WhatIf:
 
 
 @dataclass(frozen=True)
-class Work:
-    """Time that a task (what was done, in words) took: `clock`, seconds of wall-clock time, and
-    `cpu`, seconds of processor time, None if unknown."""
-
-    task: str
-    clock: float
-    cpu: float | None = None
-
-
-@dataclass(frozen=True)
 class PageData:
     """All data that a campaign's page shows, as `from_results` reads them. facts: content of
     `summary.json`; time (T): s; responses: their bounds; runs: the planned ones (of a large scan
     those that move), then of those added at bounds and limit-state surfaces the ones that move;
     moving: runs shown moving, the nominal one first, then those at which quantities and bounds are
-    attained; omitted_runs: runs for whose motion the page has no room; work: times that tasks took;
+    attained; omitted_runs: runs for whose motion the page has no room; work: times that tasks took,
+    dicts of `task` (what was done, in words), `clock` and `cpu` (s of wall clock and processors);
     provenance: what computed the results, texts by name; config: text of a config that repeats the
     campaign; verdicts: which runs meet the requirements, None without quantities; what_if:
     functions for the sliders, None: none."""
@@ -141,8 +118,8 @@ class PageData:
     responses: tuple[ResponseBounds, ...]
     runs: tuple[PageRun, ...]
     moving: tuple[MovingRun, ...] = ()
-    omitted_runs: tuple[OmittedRun, ...] = ()
-    work: tuple[Work, ...] = ()
+    omitted_runs: tuple[ShownRun, ...] = ()
+    work: Sequence[Mapping[str, Any]] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     verdicts: RunVerdicts | None = None

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.report.data import PageData
+from deployable.intervals.scalars import Limit
 
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
@@ -39,8 +40,6 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
     """Mask (R) of the runs that meet all requirements' limits. limits: dicts in `summary.json` with
     quantity, kind ("at_most", "at_least", "happens") and level; names: of the q quantities; numbers
     (R, q): their values, NaN if absent, which breaks any limit but `happens: false`."""
-    from deployable.intervals.scalars import Limit
-
     passes = np.ones(len(numbers), dtype=bool)
     for limit in limits:
         value = numbers[:, list(names).index(limit["quantity"])]

@@ -139,17 +139,13 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
-    visible_runs = {0, *(mover.run for mover in data.moving)}
+    has_all, visible_runs = len(data.runs) <= MOST_EVENT_RUNS, {0, *(m.run for m in data.moving)}
     return [
         {
             "id": run.id,
             "role": run.role,
             "values": run.values.tolist(),
-            "events": [
-                {"time": e.time, "contact": e.contact, "closing": e.closing}
-                for e in run.events
-                if len(data.runs) <= MOST_EVENT_RUNS or i in visible_runs
-            ],
+            "events": [*run.events] if has_all or i in visible_runs else [],
         }
         for i, run in enumerate(data.runs)
     ]

@@ -14,20 +14,17 @@ from deployable.campaign.files import open_dataset, open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.data import (
     REFINEMENT,
-    Event,
     MovingRun,
-    OmittedRun,
     PageData,
     PageRun,
     ResponseBounds,
     RunVerdicts,
     WhatIf,
-    Work,
 )
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
-from deployable.campaign.results.ranges import FittedRuns, runs_of
+from deployable.campaign.results.fitted_runs import FittedRuns
 from deployable.campaign.results.run_roles import count_roles, keeps_extremes, read_ids, read_roles
 from fpm.files.seals import DamagedError, check
 
@@ -49,13 +46,14 @@ def from_results(folder: str | Path) -> PageData:
     movers = shown_runs(folder)
     rows = _rows(samples, movers)
     runs, moving = _moving(folder, _runs(samples, rows), rows, movers)
+    moving_ids = {runs[mover.run].id for mover in moving}
     data = PageData(
         facts=facts,
         time=bounds["time"].values,
         responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
         runs=runs,
         moving=moving,
-        omitted_runs=_find_omitted_runs(movers, runs, moving),
+        omitted_runs=tuple(run for run in movers if moving and run.id not in moving_ids),
         work=_work(folder, facts["runs"]),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
@@ -82,28 +80,19 @@ def _responses(
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
 
-    return tuple(
-        ResponseBounds(
-            name=name,
-            long_name=str(bounds["response_long_name"].values[i]),
-            units=str(bounds["response_units"].values[i]),
-            abscissa=along_of(bounds, i),
-            least=values("least", i),
-            most=values("most", i),
-            lower=bounds["lower"].values[i],
-            upper=bounds["upper"].values[i],
-            nominal=values("nominal", i),
-            error=values("error", i),
-            shares=values("width_overall", i, sensitivities),
-            widths=_denoise(values("width", i, sensitivities), values("error", i, sensitivities)),
-        )
-        for i, name in enumerate(bounds["response"].values.tolist())
-    )
-
-
-def _denoise(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
-    """Widths (k, t), not a number where they are not above the error of the fit (t)."""
-    return widths if widths is None or error is None else np.where(widths > error, widths, np.nan)
+    rows = []
+    for i, name in enumerate(bounds["response"].values.tolist()):
+        widths, error = (values(key, i, sensitivities) for key in ("width", "error"))
+        if widths is not None and error is not None:  # below the error of the fit they are none
+            widths = np.where(widths > error, widths, np.nan)
+        curves = {
+            key: values(key, i) for key in ("least", "most", "lower", "upper", "nominal", "error")
+        }
+        words = (str(bounds[f"response_{key}"].values[i]) for key in ("long_name", "units"))
+        shares, abscissa = values("width_overall", i, sensitivities), along_of(bounds, i)
+        curves |= {"shares": shares, "widths": widths, "abscissa": abscissa}
+        rows.append(ResponseBounds(name, *words, **curves))
+    return tuple(rows)
 
 
 MOST_RUNS = 10_000
@@ -126,9 +115,9 @@ def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[PageRun, ...]:
         PageRun(
             id=names[i], role=run_roles[rows[i]], values=values[i],
             events=tuple(
-                Event(float(time), contacts[int(contact)], bool(closing))
-                for time, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
-                if np.isfinite(time)
+                {"time": float(t), "contact": contacts[int(contact)], "closing": bool(closing)}
+                for t, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
+                if np.isfinite(t)
             ),
         )
         for i in range(len(rows))
@@ -189,7 +178,7 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
     place = Folder(folder)
     model = WhatIf({}, None, None)
     if summary["quantities"]:
-        model = WhatIf(_surrogates(place, runs_of(place)), None, None)
+        model = WhatIf(_surrogates(place, FittedRuns.read(place)), None, None)
     if "choice" in summary:
         record = read_json(place.choice)["fitted"]
         keys = ("points", "numbers", "margins")
@@ -213,40 +202,26 @@ def _surrogates(folder: Folder, runs: FittedRuns) -> dict[str, ScalarSurrogate]:
         return {name: runs.surrogate(file, q) for q, name in enumerate(names)}
 
 
-def _find_omitted_runs(
-    movers: Iterable[ShownRun], runs: tuple[PageRun, ...], moving: tuple[MovingRun, ...]
-) -> tuple[OmittedRun, ...]:
-    """Runs that would be shown, beside those that move."""
-    on_page = {runs[mover.run].id for mover in moving}
-    rest = (run for run in movers if on_page and run.id not in on_page)
-    return tuple(OmittedRun(run.id, run.label) for run in rest)
-
-
-def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:
+def _impacts(motion: xarray.Dataset) -> tuple[dict, ...]:
     """The events of a run that is not among the samples."""
     names, rows = motion["eventful"].values.tolist(), sorted(motion["impact"].values.tolist())
-    return tuple(Event(time, names[int(index)], closing == 1) for time, index, closing in rows)
+    return tuple({"time": t, "contact": names[int(i)], "closing": c == 1} for t, i, c in rows)
 
 
-def _manifests(folder: Path) -> list[Path]:
-    """What the batches left, those of all rounds too."""
-    patterns = ("batches/*.json", "rounds/*/batches/*.json")
-    return sorted(path for pattern in patterns for path in folder.glob(pattern))
-
-
-def _work(folder: Path, run_counts: Mapping[str, int]) -> tuple[Work, ...]:
+def _work(folder: Path, run_counts: Mapping[str, int]) -> list[dict]:
     """Time in batches of runs, of all processes; run_counts: the summary's, by purpose."""
-    if not (manifests := list(map(read_json, _manifests(folder)))):
-        return ()
+    patterns = ("batches/*.json", "rounds/*/batches/*.json")
+    paths = sorted(path for pattern in patterns for path in folder.glob(pattern))
+    if not (manifests := list(map(read_json, paths))):
+        return []
     total = np.sum([m["seconds"] for m in manifests], axis=0)
     solver = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
     runs = sum(m["simulated"] for m in manifests)
     extra_runs = run_counts.get("further", 0) + run_counts.get("choice", 0)
     rest = f", {extra_runs} for quantities and choice not counted" if extra_runs else ""
-    return (
-        Work(f"Integrating {runs} runs{rest}", *solver.tolist()),
-        Work("Starting, compiling or loading the kernels, writing", *(total - solver).tolist()),
-    )
+    tasks = {f"Integrating {runs} runs{rest}": solver}
+    tasks["Starting, compiling or loading the kernels, writing"] = total - solver
+    return [{"task": task, "clock": t[0], "cpu": t[1]} for task, t in tasks.items()]
 
 
 def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -> dict[str, str]:

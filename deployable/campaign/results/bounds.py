@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from deployable import intervals
 from deployable.campaign.config.sections import BoundsChoice, Experiment, make_design
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
@@ -28,8 +29,6 @@ def analyse(
     returns it with further estimates of their errors; None: it is written as it is. A scan's
     samples are read in pieces, so they may be larger than memory."""
     import xarray as xr
-
-    from deployable import intervals
 
     with open_dataset(folder.samples) as samples:
         experiment = Experiment.read(samples.attrs["config"])
@@ -52,8 +51,6 @@ def analyse(
 
 def _design(samples: Any) -> Any:
     """The design of a plain scan: to make it again takes longer than its bounds."""
-    from deployable import intervals
-
     nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
     points = samples["normalized"].values[nodes]
     orders = (0,) * points.shape[1]

@@ -1,24 +1,5 @@
 """Facts of a campaign's cases together, from the summary of each: the content of `cases.json`.
-
-    cases         [{name, folder, page, changes, headline, together}]: page: whether there is one;
-                  together: of the case's own requirements, null if it has none
-    requirements  [{name, met, cases, failing, undecided, worst, limits}]: met is all, some or none
-                  of the boxes of the cases that it is of, or "undecided"; cases: their names;
-                  failing, undecided: of those in which it fails, is undecided
-    limits        [{quantity, units, kind, level, worst, by_case}]; by_case: the limit in each
-                  case, in their order, null where it is not required
-    worst         the limit in the case that decides: its margin, error and place, with its
-                  `requirement`, `case` and `close`, the cases as bad within both errors
-    quantities    [{name, units, lower, lower_error, lower_cases, upper, upper_error, upper_cases,
-                  beyond, never, by_case}]: errors of the ends; beyond, never: cases in which it has
-                  no latest time, in which no run has it
-    together      {met, failing, undecided, free}: of all requirements; cases in which some fail,
-                  are undecided, or nothing is required; null without requirements
-    worst         the limit that decides over all requirements
-    next          the next test that measured curves ask for, with its `case`; null: none
-    notes         [{notes, cases}]: a text on what makes numbers of these cases doubtful
-
-A failure decides before what is undecided, and that before what is met; then the smaller margin."""
+`summary.schema.json` describes its keys (`$defs.cases`)."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -71,14 +52,12 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
-        "next": max(_next_tests(summaries), key=_separation, default=None),
+        "next": max(  # that separates runs most: in bands, or unmeasured, as a share of the width
+            _next_tests(summaries), default=None,
+            key=lambda row: (row["bands"] or 0.0, row["fraction"]),
+        ),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
     }  # fmt: skip
-
-
-def _separation(row: Mapping) -> tuple[float, float]:
-    """By how much a next test separates runs: in bands, or unmeasured, as a share of the width."""
-    return row["bands"] or 0.0, row["fraction"]
 
 
 def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
@@ -116,11 +95,7 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             for limit in row["limits"]:
                 location = place(limit["at"], summaries[case]["parameters"])
                 details = {**limit, "requirement": name, "case": case, "where": location}
-                key = (
-                    limit["quantity"],
-                    limit["kind"],
-                    limit["level"],
-                )  # margins have one of their own
+                key = limit["quantity"], limit["kind"], limit["level"]  # each has its margins
                 limits.setdefault(key, {})[case] = details
         comparisons = [_compare(group, list(summaries)) for group in limits.values()]
         rows.append({
@@ -178,7 +153,7 @@ def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """The interval of each quantity in each case, and over all."""
-    keys = "lower upper error beyond units happens happens_uncertainty runs_without predicted_ends"
+    keys = "lower upper error units happens happens_uncertainty runs_without predicted_ends"
     by_name: dict[str, dict[str, Mapping]] = {}
     for case, facts in summaries.items():
         for row in facts["quantities"]:

@@ -103,7 +103,10 @@ def facts_of(
     mark_constant(facts)
     if facts["overlap"] > SOFT:
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
-    facts["runs"] = _run_counts(facts)
+    runs = {"design": facts["design"]["runs"], "further": facts.pop("further_runs", 0)}
+    runs["choice"] = facts.get("choice", {}).get("runs", 0)
+    runs["checks"] = facts.pop("check_runs", 0)
+    facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
 
 
@@ -215,14 +218,6 @@ def _contact_names(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
                 change = {parameter["name"]: 1.01 * parameter["value"]}
                 variations[parameter["name"]] = stiffness(**nominal, **change)
     return [name for name, variation in variations.items() if np.allclose(variation, in_proportion)]
-
-
-def _run_counts(facts: dict) -> dict[str, int]:
-    """How many runs were made, by what for, and in `all`."""
-    runs = {"design": facts["design"]["runs"], "further": facts.pop("further_runs", 0)}
-    runs["choice"] = facts.get("choice", {}).get("runs", 0)
-    runs["checks"] = facts.pop("check_runs", 0)
-    return {**runs, "all": sum(runs.values())}
 
 
 def drop_unknown_error(kind: str, error: float) -> float | None:

@@ -92,7 +92,7 @@ def margin_of(
         "standard": standard,
         "evidence": evidence_of(response),
         "openings": list(openings),
-        "without": failed_components(response),
+        "without": list(response.subjects[response.subjects.index(standard) + 2 :]),
         "locked": list(definition.get("locked", ())),
         "starts_vary": bool(is_stowed and np.ptp(starts) > OPENING_TOLERANCE),
         "first": positions.first,
@@ -147,11 +147,6 @@ def evidence_of(margin: Any) -> str:
     """What the uncertainty factors of a torque margin (its `Response`) rest on, such as `theory` or
     `measurement`: a key of `resists` in its standard."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
-
-
-def failed_components(margin: Any) -> list[str]:
-    """List the components, as a spring that failed, without which a torque `margin` is taken."""
-    return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
 def travel_of(

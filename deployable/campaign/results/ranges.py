@@ -1,25 +1,21 @@
 """Figures of quantities over one or two parameters, else of their width by parameter."""
 
-from __future__ import annotations
-
-import json
 import textwrap
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.colours import BLUE, RED
 from deployable.campaign.pictures.figure import make_figure
-from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.run_roles import fitted_rows
+from deployable.campaign.results.fitted_runs import FittedRuns
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121
+_WIDTH = 7.0  # of the figure, inches
 _GREY = "0.75"
 
 
@@ -27,21 +23,20 @@ def draw_ranges(folder: Folder, target: str | Path) -> None:
     """Draw all quantities over the box of parameters as `ranges.png` and `.pdf`. folder:
     the campaign's results, which are read; target: folder of the files."""
     with open_netcdf(folder.quantities) as data:
-        figure = ranges(data, runs_of(folder))
+        figure = ranges(data, FittedRuns.read(folder))
     save(figure, Path(target) / "ranges")
 
 
-def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
+def ranges(data: Any, runs: FittedRuns) -> Any:
     """Make a matplotlib figure with one plot for each quantity: its value over one or two
     parameters, or where there are more the width of its interval by parameter. data: the open
-    `quantities.nc`; runs: the fitted ones (`runs_of`); width: of the figure (inches)."""
-
+    `quantities.nc`; runs: the fitted ones."""
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
     count = len(data["quantity"])
     columns = 1 if len(free) > 2 or count == 1 else 2
     rows = -(-count // columns)
     height = (0.6 + 0.22 * len(free)) if len(free) > 2 else 2.7
-    figure = make_figure(figsize=(width, rows * height + 0.5), layout="constrained")
+    figure = make_figure(figsize=(_WIDTH, rows * height + 0.5), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     draw = {0: _line, 1: _line, 2: _map}.get(len(free), _bars)
     for q, ax in enumerate(axes):
@@ -53,42 +48,6 @@ def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
         else:
             ax.set_axis_off()
     return figure
-
-
-class FittedRuns(NamedTuple):
-    """The R runs that surrogates (fitted functions) of quantities rest on: `points` (R, k),
-    parameters scaled to -1 to 1; `numbers` (R, q), quantities, NaN for one that does not occur;
-    `margins` (R, q), event margins, above 0 where the run has the quantity, NaN where not known."""
-
-    points: np.ndarray
-    numbers: np.ndarray
-    margins: np.ndarray
-
-    def surrogate(self, data: Any, q: int) -> Any:
-        """Fit the surrogate of quantity `q` (index) to these runs again, as for the results:
-        returns a `ScalarSurrogate`. data: the open `quantities.nc`, whose settings are read."""
-        from deployable.intervals.scalars import fit_scalar
-
-        end = json.loads(data.config)["solver"]["duration"]
-        least = float(data["least"][q])
-        latest = end if data["is_time"][q] else None
-        least = least if np.isfinite(least) else None
-        return fit_scalar(self.points, self.numbers[:, q], latest, least, self.margins[:, q])
-
-
-def runs_of(folder: Folder) -> FittedRuns:
-    """Read the runs that surrogates of quantities are fitted to, from a campaign's folder: those of
-    `samples.nc` (of a large scan a part) with event margins, and of the search for bounds
-    (`refinement.nc`, which must exist)."""
-    with open_netcdf(folder.samples) as file:
-        numbers = file["quantities"][:]
-        rows = fitted_rows(numbers)
-        experiment = Experiment.read(file.config)
-        margins = margins_of_samples(experiment, file, rows)
-        parts = [(file["normalized"][:][rows], numbers[rows], margins)]
-    with open_netcdf(folder.refinement) as file:
-        parts.append(tuple(file[name][:] for name in ("normalized", "quantities", "margin")))
-    return FittedRuns(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _label(data: Any, j: int) -> str:

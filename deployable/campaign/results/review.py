@@ -3,7 +3,9 @@
 Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated. A
 row is met only where the numbers that it prints show it, with their errors."""
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from deployable.campaign.config.sections import BY_STANDARD
@@ -35,6 +37,13 @@ class Verdict(NamedTuple):
 
 
 NO_VERDICT = Verdict(NOT_ANALYSED, NOT_ANALYSED)
+ALL_MEET = Verdict(MET, "met in all of the box, by analysis")
+SOME_FAIL = Verdict(UNMET, "not met in at least a part of the box")
+ALL_FAIL = Verdict(UNMET, "not met anywhere in the box")
+
+
+def _because(state: str, reason: str) -> Verdict:
+    return Verdict(state, f"{state}: {reason}")
 
 
 class Clause(NamedTuple):
@@ -47,41 +56,13 @@ class Clause(NamedTuple):
     topic: str
 
 
+_TABLES = json.loads(Path(__file__).with_name("clauses.json").read_text(encoding="utf-8"))
 CLAUSES = {
-    "ecss-e-st-33-01c": (
-        Clause("4.7.5.2", "stresses and tensions within allowables, with factors of safety: metals "
-               "1.25 (yield), 1.5 (ultimate), 4 (fatigue); cables 3; stops 2 on yield", "stress"),
-        Clause("4.7.5.3", "over the full range of travel at least the actuation Tmin, without "
-               "kinetic energy: a margin of at least 0", "margin"),
-        Clause("4.7.5.3", "springs are redundant, or single ones justified", "redundant"),
-        Clause("4.7.5.4.3", "latches catch over all temperatures, gradients and tolerances",
-               "latches"),
-        Clause("4.7.5.4.3", "a first miss does not prevent a latch from catching later", "misses"),
-        Clause("4.7.5.4.3", "shock loads of latches, by analysis or test", "latch shock"),
-        Clause("4.7.5.4.4", "stops bear the largest shock, with margins", "stop"),
-        Clause("4.7.5.4.4", "a stop does not end in a state that cannot be left", ""),
-        Clause("4.7.5.4.8", "clearance of at least three times its tolerance, with thermoelastic "
-               "effects", "clearance"),
-        Clause("4.8.2.1", "effects on ground separated from those in orbit", ""),
-        Clause("4.8.2.5", "budgets of preload and tolerance", "budget"),
-        Clause("4.8.2.6", "a parametric study of all mechanical variables", "parametric"),
-        Clause("4.8.2.6", "conformance at the worst combinations of parameters", "together"),
-        Clause("4.8.2.6", "failure cases", "failure"),
-        Clause("4.8.2.6", "integrity of the model, by a balance of energy or momentum", "balance"),
-        Clause("4.8.2.6", "sensitivity to the uncertainty of parameters", "influence"),
-        Clause("4.8.2.6", "inputs updated by tests; where these differ, the reason", "tests"),
-        Clause("4.8.2.11", "shock that the mechanism makes", "shock"),
-    ),
-}  # fmt: skip
+    standard: tuple(Clause(*row) for row in rows) for standard, rows in _TABLES["clauses"].items()
+}
 """By standard, as in `fpm.reading.standards`."""
 
-TOPICS = {
-    "stress": {"stress"}, "section_force": {"stress"}, "section_moment": {"stress"},
-    "tension": {"stress"}, "clearance": {"clearance"}, "acceleration": {"shock"},
-    "latch_impulse": {"latch shock", "shock"}, "latch_impact": {"latch shock", "shock"},
-    "latch_moment": {"latch shock", "shock"}, "constraint_force": {"shock"},
-    "reaction_force": {"shock"}, "latches": {"latches"}, "misses": {"misses"},
-}  # fmt: skip
+TOPICS = {kind: set(topics) for kind, topics in _TABLES["topics"].items()}
 """Topics by kinds of response and by events of which quantities are."""
 
 ALLOWABLES = ("stress", "stop", "latch shock")
@@ -276,7 +257,7 @@ class _Sheet:
         if not limits:
             verdict = Verdict(REPORT, "reported; no limit was stated")
             if topic in ALLOWABLES:
-                verdict = Verdict(NOT_ANALYSED, "not analysed: no allowable was stated (at_most)")
+                verdict = _because(NOT_ANALYSED, "no allowable was stated (at_most)")
             return [self._row(row, verdict)]
         return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
 
@@ -340,18 +321,18 @@ class _Sheet:
     def _judge(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
         """Whether a requirement's limit is kept, as assessed and by the printed interval."""
         if limit["met"] == "none":
-            return Verdict(UNMET, "not met anywhere in the box")
+            return ALL_FAIL
         if limit["met"] == "some":
             share = numbers.share(limit["share"], limit["share_uncertainty"])
             return Verdict(UNMET, f"not met in a part of the box; {share} of the box meets it")
         if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
-            return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
+            return _because(OPEN, f"{runs}, which proves nothing of the rest")
         if limit["kind"] != "happens" and not _keeps(row, limit["kind"], limit["level"]):
-            return Verdict(OPEN, "undecided: the limit is within the error")
+            return _because(OPEN, "the limit is within the error")
         if row.get("doubt"):
-            return Verdict(OPEN, f"undecided: {row['doubt']}")
-        return Verdict(MET, "met in all of the box, by analysis")
+            return _because(OPEN, f"{row['doubt']}")
+        return ALL_MEET
 
     def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
         """Whether a limit is kept that is an allowable; nothing where it is none."""
@@ -362,12 +343,12 @@ class _Sheet:
         if not self._side(row["name"], limit):
             limit_text = _describe_limit(limit, row["units"])
             text = f"{limit_text}, of this quantity, is no allowable of the largest load"
-            return Verdict(NOT_ANALYSED, f"not analysed: {text}")
+            return _because(NOT_ANALYSED, text)
         verdict = self._judge(row, limit)
         is_signed = self._numbers[row["name"]].response.least is None
         if verdict.state == MET and is_signed and not {1, -1} <= sides:
-            text = "partly analysed: met for loads of one sign; state a limit of the other as well"
-            return Verdict(PARTIAL, text)
+            text = "met for loads of one sign; state a limit of the other as well"
+            return _because(PARTIAL, text)
         if verdict.state == MET:
             return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
         return verdict
@@ -394,12 +375,12 @@ class _Sheet:
         if limit := self._limit_at_zero(row["name"]):
             return self._judge(row, limit)
         if row["upper"] is not None and row["upper"] < 0:
-            return Verdict(UNMET, "not met anywhere in the box")
+            return ALL_FAIL
         if row["lower"] is None or row["lower"] < 0:
-            return Verdict(UNMET, "not met in at least a part of the box")
+            return SOME_FAIL
         if _keeps(row, "at_least", 0.0):
-            return Verdict(MET, "met in all of the box, by analysis")
-        return Verdict(OPEN, "undecided: the least margin is within its error")
+            return ALL_MEET
+        return _because(OPEN, "the least margin is within its error")
 
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
         """Whether a margin meets its standard; of one by factors of its own, what both say."""
@@ -421,8 +402,7 @@ class _Sheet:
                 return Verdict(stricter.state, f"{stricter.state}: {text}")
         if reasons := self._open_travel(margin):
             analysed = _stretch(margin["first"], margin["last"], margin["unit"])
-            text = f"partly analysed: met from {analysed}; {'; '.join(reasons)}"
-            return Verdict(PARTIAL, text)
+            return _because(PARTIAL, f"met from {analysed}; {'; '.join(reasons)}")
         if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
             return Verdict(MET, f"{verdict.text}, if tests have shown what the factors rest on")
         return verdict
@@ -472,7 +452,7 @@ class _Sheet:
         margin = self._margins[row["name"]]
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:
             text = f"{', '.join(idle)} drives nowhere: to leave it out is no failure"
-            return Verdict(NOT_ANALYSED, f"not analysed: {text}")
+            return _because(NOT_ANALYSED, text)
         return self._margin(row)
 
     def _catches(self, row: Mapping[str, Any]) -> Verdict:
@@ -482,31 +462,30 @@ class _Sheet:
         event_limits = [limit for limit in limits if _is_there(limit)]
         if not event_limits:
             demand = "that it does not happen" if limits else "nothing of it"
-            return Verdict(NOT_ANALYSED, f"not analysed: the campaign requires {demand}")
+            return _because(NOT_ANALYSED, f"the campaign requires {demand}")
         verdict = self._judge(row, event_limits[0])
         if verdict.state == MET and len(places) > 1:
-            text = f"partly analysed: met for one of {', '.join(places)}, whichever it is"
-            return Verdict(PARTIAL, text)
+            return _because(PARTIAL, f"met for one of {', '.join(places)}, whichever it is")
         return verdict
 
     def _catches_later(self, row: Mapping[str, Any]) -> Verdict:
         """Whether a latch that misses catches later."""
         if not row["runs_with"]:
-            return Verdict(NOT_ANALYSED, "not analysed: no run misses")
+            return _because(NOT_ANALYSED, "no run misses")
         places = self._numbers[row["name"]].places
         for name, number in self._numbers.items():
             if number.event == "latches" and number.places == places:
                 verdict = self._catches(self._quantities[name])
                 return Verdict(verdict.state, f"{verdict.text} (by {name})")
-        return Verdict(NOT_ANALYSED, "not analysed: whether it latches later is no quantity")
+        return _because(NOT_ANALYSED, "whether it latches later is no quantity")
 
     def _clearance(self, row: Mapping[str, Any]) -> Verdict:
         """Whether the least clearance is three times its tolerance, the width of its interval."""
         if self._numbers[row["name"]].kind != "smallest":
-            return Verdict(NOT_ANALYSED, "not analysed: of a clearance the `smallest` is asked")
+            return _because(NOT_ANALYSED, "of a clearance the `smallest` is asked")
         error = _error(row)
         if row["lower"] is None or error is None or not row["upper"] > row["lower"]:
-            return Verdict(NOT_ANALYSED, "not analysed: no tolerance changes it")
+            return _because(NOT_ANALYSED, "no tolerance changes it")
         tolerance = row["upper"] - row["lower"] + 2 * error
         text = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
         if row["lower"] - error >= 3 * tolerance:
@@ -525,8 +504,8 @@ class _Sheet:
         if not springs:
             return None
         if len(springs) == 1:
-            text = f"not analysed: {springs[0]} is a single spring, which is to be justified"
-            return _row("", Verdict(NOT_ANALYSED, text))
+            text = f"{springs[0]} is a single spring, which is to be justified"
+            return _row("", _because(NOT_ANALYSED, text))
         verdicts = {
             margin["without"][0]: (name, self._margin(self._quantities[name]))
             for name, margin in margins.items()
@@ -538,7 +517,7 @@ class _Sheet:
         )
         analysed = ", ".join(name for name, _ in verdicts.values())
         if not verdicts:
-            return _row("", Verdict(NOT_ANALYSED, f"not analysed: {', '.join(springs)}"))
+            return _row("", _because(NOT_ANALYSED, f"{', '.join(springs)}"))
         states = {verdict.state for _, verdict in verdicts.values()}
         state = next((member for member in STATES if member in states), MET)
         if state == MET and not rest:
@@ -571,16 +550,16 @@ class _Sheet:
                 for row in rows for limit in row["limits"]]  # fmt: skip
         open_ = [name for name, state in states.items() if state not in (MET, UNMET)]
         if not free:
-            verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
+            verdict = _because(NOT_ANALYSED, "no parameter is an interval")
         elif failures:
-            verdict = Verdict(UNMET, "not met in at least a part of the box")
+            verdict = SOME_FAIL
         elif whole["met"] != "all" or OPEN in outcomes:
             verdict = self._judge({}, {**whole, "met": "undecided"})
         elif open_:
             text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
-            verdict = Verdict(PARTIAL, f"partly analysed: {text}")
+            verdict = _because(PARTIAL, text)
         else:
-            verdict = Verdict(MET, "met in all of the box, by analysis")
+            verdict = ALL_MEET
         if failures and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["share_uncertainty"])
             verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
@@ -596,8 +575,8 @@ class _Sheet:
             "largest energy"
         )
         if motion is None:
-            text = "partly analysed: how far energies change was not kept (jobs.keep)"
-            return _row(analysed, Verdict(PARTIAL, text))
+            text = "how far energies change was not kept (jobs.keep)"
+            return _row(analysed, _because(PARTIAL, text))
         change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "imbalance"))
         value = (
             f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}, the "
@@ -605,10 +584,9 @@ class _Sheet:
             f"{numbers.quantity(imbalance, 'J', 2)}"
         )
         if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
-            text = "not analysed: hardly anything moves, so that the balance shows nothing"
-            return _row(analysed, Verdict(NOT_ANALYSED, text), value)
-        text = "met: all runs keep it"
-        return _row(analysed, Verdict(MET, text), value)
+            text = "hardly anything moves, so that the balance shows nothing"
+            return _row(analysed, _because(NOT_ANALYSED, text), value)
+        return _row(analysed, Verdict(MET, "met: all runs keep it"), value)
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
@@ -622,7 +600,7 @@ class _Sheet:
             return _row("", NO_VERDICT)
         verdict = Verdict(REPORT, "reported")
         if fixed:
-            verdict = Verdict(PARTIAL, f"partly analysed: these do not vary: {'; '.join(fixed)}")
+            verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}")
         return _row("parameters that are intervals", verdict, ", ".join(free))
 
     def tests(self) -> dict[str, str]:
@@ -651,7 +629,7 @@ class _Sheet:
         )
         verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
-            verdict = Verdict(OPEN, "undecided: no run explains the tests, and none is excluded")
+            verdict = _because(OPEN, "no run explains the tests, and none is excluded")
         return _row(analysed, verdict, value, nearest)
 
     def influence(self) -> dict[str, str] | None:

@@ -37,29 +37,6 @@ def nominal_row(samples: Any) -> int | None:
     return int(rows[0]) if len(rows) else None
 
 
-MAX_FIT_RUNS = 10_000
-"""Runs up to which surrogates of quantities are fitted to all of them."""
-
-_MAX_FITTED_RUNS = 4_000  # of more runs
-
-
-def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
-    q): quantities of all runs, NaN for one that does not occur. Of up to 10,000 runs
-    (`MAX_FIT_RUNS`) all are chosen; of more the first 4000, which fill the box of parameters, and
-    for each quantity the runs with its least and largest value and the first without it."""
-    if len(numbers) <= MAX_FIT_RUNS:
-        return np.arange(len(numbers))
-    rows = set(range(_MAX_FITTED_RUNS))
-    for column in numbers.T:
-        mask = np.isfinite(column)
-        if mask.any():
-            rows |= {int(np.nanargmin(column)), int(np.nanargmax(column))}
-        if not mask.all():
-            rows.add(int(np.argmin(mask)))
-    return np.array(sorted(rows))
-
-
 def read_roles(samples: Any) -> list[str]:
     """Role of each run of an open `samples.nc`: `nominal`, `node` (fitted), `held_out` (a test)."""
     if keeps_extremes(samples):

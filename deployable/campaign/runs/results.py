@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -200,17 +200,6 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
-def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension in an open `netCDF4.Dataset` (`file`), one entry for each of `names`,
-    which become its coordinate variable; long_name: that variable's description."""
-    names = np.array([str(name) for name in names], dtype=object)
-    file.createDimension(dimension, len(names))
-    variable = file.createVariable(dimension, str, (dimension,))
-    variable.long_name = long_name
-    if len(names):
-        variable[:] = names
-
-
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
     """Write dimensions that have names, and variables, to a new netCDF file `path`. names:
     coordinate names by dimension; variables: by name a tuple of netCDF type, dimensions, values,
@@ -219,7 +208,11 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
         for dimension, labels in names.items():
-            write_dimension(file, dimension, labels, f"name of the {dimension}")
+            file.createDimension(dimension, len(labels))
+            variable = file.createVariable(dimension, str, (dimension,))
+            variable.long_name = f"name of the {dimension}"
+            if len(labels):
+                variable[:] = np.array(list(map(str, labels)), dtype=object)
         for name, (kind, dims, values, options) in variables.items():
             for dim, size in zip(dims, np.shape(values), strict=True):
                 if dim not in file.dimensions:

@@ -1,21 +1,10 @@
 """Gather what `keep: extremes` left of all runs of a plan into one file, `samples.nc`.
 
-It has the variables of `campaign.samples.samples`, but for those of every run's curves:
-
-    dims   run, response, time, parameter, event, quarter
-    lower, upper (quarter, response, time)          least and largest value in a quarter of the runs
-    lower_run, upper_run (quarter, response, time)  which run that is, the first of several; -1 in a
-                                                    quarter without runs
-    nominal(response, time)                         the nominal run, the first of the runs
-    normalized, value (run, parameter), quantities, margin (run, quantity), as there
-    event_time, event_contact, event_closing (run, event)   the times in single precision; padded
-                                                    with NaN, -1, -1
-    overlap                                         largest of all runs, rad
-
-There is no role and no name of a run: the first is the nominal one, the others are nodes, and the
-name follows from the values (`campaign.plan.runs.run_id`)."""
-
-from __future__ import annotations
+What it holds says `files/variables.json` (`extremes`): in the place of every run's curves the least
+and largest values in each quarter of the runs, with the first run that has each, -1 in a quarter
+without runs. Events are padded with NaN, -1, -1, their times in single precision. There is no role
+and no name of a run: the first is the nominal one, the others are nodes, and the name follows from
+the values (`campaign.plan.runs.run_id`)."""
 
 from pathlib import Path
 from typing import Any
@@ -24,6 +13,7 @@ import numpy as np
 
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import result_file
+from deployable.campaign.files.variables import create
 from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import make_again
@@ -35,12 +25,7 @@ from deployable.campaign.samples import samples
 from deployable.intervals.samples import RunBounds, quarter_ends
 
 _CHUNK_RUNS = 4096
-_LONG_NAMES = {
-    "lower": "least value in a quarter of the runs",
-    "upper": "largest value in a quarter of the runs",
-    "lower_run": "index of the run with the least value",
-    "upper_run": "index of the run with the largest value",
-}
+_FILE = "extremes"
 
 
 def gather(
@@ -97,21 +82,14 @@ def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
     samples.write_names(file, "response", store.responses)
     file.createDimension("quarter", 4)
     file.createDimension("event", None)
-    variable = file.createVariable("nominal", "f8", ("response", "time"))
-    variable.long_name = "nominal run"
-    variable[:] = chunk.first
-    file.createVariable("overlap", "f8", ())[:] = 0.0
-    file["overlap"].setncatts(samples.ATTRIBUTES["overlap"])
+    create(file, _FILE, "nominal", chunk.first)
+    create(file, _FILE, "overlap", 0.0)
     for name, (kind, fill) in EVENTS.items():
-        compression = _compression(runs, 8)
-        variable = file.createVariable(name, kind, ("run", "event"), fill_value=fill, **compression)
-        variable.setncatts(samples.ATTRIBUTES[name])
+        create(file, _FILE, name, kind=kind, fill_value=fill, **_compression(runs, 8))
     if quantities := store.experiment.quantity_list:
         samples.write_names(file, "quantity", quantities)
-        compression = _compression(runs, len(quantities))
         for name in ("quantities", "margin"):
-            variable = file.createVariable(name, "f8", ("run", "quantity"), **compression)
-            variable.long_name = samples.ATTRIBUTES[name]["long_name"]
+            create(file, _FILE, name, **_compression(runs, len(quantities)))
 
 
 def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
@@ -126,12 +104,8 @@ def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
 
 def _write_quarters(file: Any, quarters: list[RunBounds | None]) -> None:
     for name, key in zip(CURVES, ("low", "high", "low_run", "high_run"), strict=True):
-        is_run = name.endswith("run")
-        kind, fill = ("i4", -1) if is_run else ("f8", 0.0)
-        dims = ("quarter", "response", "time")
-        variable = file.createVariable(name, kind, dims, zlib=True, complevel=1)
+        kind, fill = ("i4", -1) if name.endswith("run") else ("f8", 0.0)
+        variable = create(file, _FILE, name, kind=kind, zlib=True, complevel=1)
         for i, quarter in enumerate(quarters):
             empty = np.full(variable.shape[1:], fill)
             variable[i] = empty if quarter is None else getattr(quarter, key)
-        variable.long_name = _LONG_NAMES[name]
-        variable.setncatts({"units": "1"} if is_run else {})

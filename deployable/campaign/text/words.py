@@ -1,20 +1,12 @@
 """Quantities in the words of readers who do not know their names."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from deployable.campaign.text.numbers import quantity as with_unit
-
-if TYPE_CHECKING:
-    from fpm.reading.quantities import Quantity
+from fpm.reading.quantities import Quantity
 
 
 def words_of(quantity: Quantity) -> dict[str, str]:
     """Describe a quantity in a dict of two texts: `event`, what must happen for it to exist (`L
     latches`; else `there is a largest ...`), and `words`, what it is (`speed when L latches`)."""
-    from fpm.reading.quantities import Quantity
-
     if quantity.kind == "expression":
         events = [words_of(part)["event"] for part in quantity.parts if not part.always_exists]
         joint = " or " if quantity.is_choice else " and "

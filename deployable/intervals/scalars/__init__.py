@@ -8,43 +8,14 @@ from .fits import Fit, choose_fit
 from .occurrence import Occurrence
 from .requirements import (
     Choice,
+    ChoiceProblem,
     Goal,
     Limit,
-    find_best,
     find_least_scales,
     find_max_scale,
-    find_safe_range,
-    find_safest,
     share_of_box,
     shares_of_box,
     sub_box,
 )
 from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
 from .surrogate import Extremes, Influence, ScalarSurrogate, find_influence, fit_scalar
-
-__all__ = [
-    "NEAREST",
-    "TOLERANCE",
-    "BoundEstimate",
-    "Choice",
-    "Climb",
-    "Extremes",
-    "Fit",
-    "Goal",
-    "Influence",
-    "Limit",
-    "Occurrence",
-    "ScalarSurrogate",
-    "choose_fit",
-    "estimate_bounds",
-    "find_best",
-    "find_influence",
-    "find_least_scales",
-    "find_max_scale",
-    "find_safe_range",
-    "find_safest",
-    "fit_scalar",
-    "share_of_box",
-    "shares_of_box",
-    "sub_box",
-]

@@ -24,14 +24,10 @@ if TYPE_CHECKING:
     from .fits import Fit
 
 _POINTS, _CANDIDATES = 8192, 2048
-_MOST = (
-    1000  # runs that a border is fitted to, in half a second: those nearest to others that differ
-)
+_MOST = 1000  # runs that a border is fitted to, in half a second: those nearest to unlike ones
 _LENGTH = 2.0  # of the kernel: the side of the box
 _NOISE = 1e-10  # added to the kernel of a run with itself, so that rounding is no obstacle
-_LEAST = (
-    5e-4  # distance of two runs about a border, in unit coordinates, below which none is sought
-)
+_LEAST = 5e-4  # unit distance of two runs about a border, below which none is sought
 REACH = 0.25
 """Distance of two runs, one with the event and one without, in normalized coordinates, up to which
 the function that separates them is at least in proportion to it."""
@@ -120,7 +116,7 @@ class Occurrence:
         points = np.zeros((0, self.points.shape[1]))
         if not self.is_mixed:
             return points
-        trials = self._undecided_points()
+        trials = self._level_points(_LEVELS)
         gaps = scipy.spatial.cKDTree(self.points).query(trials)[0] if len(trials) else np.zeros(0)
         while len(points) < count and gaps.max(initial=0.0) > _LEAST:
             points = np.concatenate([points, trials[[gaps.argmax()]]])
@@ -132,10 +128,6 @@ class Occurrence:
         """Points (P, k) in [-1, 1]^k on the border of where the event occurs (limit-state surface),
         on the side where it does; none where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
-
-    def _undecided_points(self) -> np.ndarray:
-        """Unit points (P, k) at which the decision value has one of a few sizes."""
-        return self._level_points(_LEVELS)
 
     def _level_points(self, levels: Sequence[float]) -> np.ndarray:
         """Unit points (P, k) just above each level of the decision value over its band, each
@@ -240,8 +232,10 @@ def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
 class FittedOccurrence(Occurrence):
     """In which part of the box of parameters an event occurs, by a fitted function: where `fit`, of
     an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
-    event's time, is not above that. error: that of the fit, in its unit; points, happens: as in
-    `Occurrence`. A margin or time locates the border better than whether the event occurs."""
+    event's time, is not above that. The decision function is that margin, or the time left. error:
+    that of the fit, in its unit, half the width of the undecided band; volume fractions are
+    uncertain by `Fit.median_errors`; points, happens: as in `Occurrence`. A margin or time locates
+    the border better than whether the event occurs."""
 
     fit: Fit
     error: float
@@ -255,27 +249,18 @@ class FittedOccurrence(Occurrence):
         return bool(agreement.all() and (decision[~self.happens] < tolerance).all())
 
     def decision(self, points: np.ndarray) -> np.ndarray:
-        """Decision function (P) at `points` (P, k) in [-1, 1]^k, above 0 where the event
-        occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
         values = self.fit.evaluate(points)
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        """Write the decision function (`decision`) as a table for other programs."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
     def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """Decision function (R) at R runs by their own results: their event margins (R), or, if the
-        fit is of a time, the time left before `latest` (s); numbers (R): that time (s)."""
         return margins if self.latest is None else self.latest - numbers
 
     def band(self, points: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `points` (P, k) in [-1, 1]^k, to which the
-        size of `decision` is compared: everywhere `error`, that of the fit."""
         return np.full(len(points), self.error)
 
     def usual_band(self, points: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
-        uncertain: by the leave-one-out errors of the fit (`Fit.median_errors`)."""
         return self.fit.median_errors(points)

@@ -14,6 +14,7 @@ from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
+_BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
 _LEVEL_CONFIDENCE = 3.0  # as `_CONFIDENCE` of borders, of runs drawn to other places
 _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
@@ -134,11 +135,10 @@ class Limit:
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
         surrogate, middle = self.surrogate, (lower + upper) / 2
         if self.kind == "happens":
-            find = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
-            point = find(lower, upper)
+            point = surrogate.find_place(lower, upper, bool(self.level) != worst)
             feasible = (point is None) == worst
             return (np.inf if feasible else -np.inf), middle if point is None else point
-        if worst and (point := surrogate.find_absence(lower, upper)) is not None:
+        if worst and (point := surrogate.find_place(lower, upper, False)) is not None:
             return -np.inf, point
         sign = 1.0 if (self.kind == "at_most") == worst else -1.0
         value, point = surrogate.end(sign, lower, upper)
@@ -187,21 +187,10 @@ def shares_of_box(
     on one line in one dimension, on many lines spread over the box in several; borders of where
     limits are satisfied are found on each by linear interpolation.
 
-    Parameters
-    ----------
-    sets
-        Sets of limits; surrogates that they share are evaluated once.
-    free
-        Mask (k) of directions with a width.
-    lower, upper
-        Corners (k each), in [-1, 1]^k, of the part of the box that counts, by default all.
-    lines
-        How many lines are spread over the box.
-
-    Returns
-    -------
-    list
-        Of each set the fraction and its uncertainty, both from 0 to 1."""
+    sets: sets of limits, which evaluate surrogates that they share once; free: mask (k) of the
+    directions with a width; lower, upper: corners (k each), in [-1, 1]^k, of the part of the box
+    that counts; lines: how many are spread over it. Returns of each set the fraction and its
+    uncertainty, both from 0 to 1."""
     free, shares = np.asarray(free, dtype=bool), [(0.0, 0.0)] * len(sets)
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE
@@ -285,12 +274,12 @@ def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
 
 
 def find_max_scale(
-    limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
+    limits: Sequence[Limit], nominal: np.ndarray
 ) -> tuple[float, int | None, np.ndarray | None]:
     """Largest scale factor (0 to 1) at which all of the box, shrunk towards the nominal point (k)
     in [-1, 1]^k, satisfies every one of `limits` (at least one); with the index of the limit that
     is violated first beyond it and the point (k) where, both None if it is 1. It is 0 where the
-    nominal point itself violates one. steps: bisections for the factor."""
+    nominal point itself violates one."""
 
     def first_violation(scale: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, scale)), i) for i, limit in enumerate(limits)]
@@ -303,7 +292,7 @@ def find_max_scale(
     low, high = 0.0, 1.0
     if (at_nominal := first_violation(0.0)) is not None:
         return 0.0, at_nominal[1], at_nominal[2]
-    for _ in range(steps):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         if (violation := first_violation(middle)) is None:
             low = middle
@@ -369,127 +358,112 @@ class Choice:
         return self.is_allowed and self.safety >= 1
 
 
-def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], box: BoxOf) -> Choice:
-    """Evaluate goals (objectives) and limits in the worst case for chosen parameter values (c), as
-    a `Choice`; box: function of these values that returns the lower and upper corner (k each, in
-    [-1, 1]) of the box that they leave."""
-    lower, upper = box(values)
-    goal_values = [goal.value(lower, upper) for goal in goals]
-    limit_values = [limit.worst(lower, upper) for limit in limits]
-    margins = np.array([margin for margin, _ in limit_values])
-    errors = np.array([0.0 if limit.kind == "happens" else limit.error for limit in limits])
-    has_error = np.isfinite(margins) & ~np.isnan(errors)
-    sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
-    return Choice(
-        np.asarray(values, dtype=float),
-        np.array([value for value, _ in goal_values]),
-        float(margins.min(initial=np.inf)),
-        margins,
-        np.array([point for _, point in limit_values]).reshape(len(limit_values), len(lower)),
-        [point for _, point in goal_values],
-        float((margins[has_error] / sizes).min(initial=np.inf)),
-    )
+@dataclass(frozen=True)
+class ChoiceProblem:
+    """A choice of c parameter values that satisfies `limits` in all of the box that it leaves, with
+    the best worst case of the first of `goals` there (robust optimisation). ranges: least and
+    largest of each value (c pairs); box: function of the values (c) that returns the lower and
+    upper corner (k each, in [-1, 1]) of the box that they leave."""
 
+    goals: Sequence[Goal]
+    limits: Sequence[Limit]
+    ranges: Sequence[tuple[float, float]]
+    box: BoxOf
 
-def find_best(
-    goals: Sequence[Goal],
-    limits: Sequence[Limit],
-    ranges: Sequence[tuple[float, float]],
-    box: BoxOf,
-) -> tuple[Choice, list[Choice]]:
-    """Choose values that satisfy every limit by its error with the best first objective (robust
-    optimisation); if none do, those with the largest margins over their errors, or, if no choice
-    satisfies all limits, that violate them least. Returns that choice, and all choices of the first
-    grid. ranges: least and largest of each chosen value (c pairs); box: function of the values (c)
-    that returns the lower and upper corner (k each, in [-1, 1]) of the box that they leave. Tried
-    are a grid (from three values on a Sobol sequence), then finer ones about the best."""
+    def judge(self, values: np.ndarray) -> Choice:
+        """Evaluate goals and limits in the worst case for chosen values (c)."""
+        lower, upper = self.box(values)
+        goal_values = [goal.value(lower, upper) for goal in self.goals]
+        limit_values = [limit.worst(lower, upper) for limit in self.limits]
+        margins = np.array([margin for margin, _ in limit_values])
+        errors = np.array(
+            [0.0 if limit.kind == "happens" else limit.error for limit in self.limits]
+        )
+        has_error = np.isfinite(margins) & ~np.isnan(errors)
+        sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
+        return Choice(
+            np.asarray(values, dtype=float),
+            np.array([value for value, _ in goal_values]),
+            float(margins.min(initial=np.inf)),
+            margins,
+            np.array([point for _, point in limit_values]).reshape(len(limit_values), len(lower)),
+            [point for _, point in goal_values],
+            float((margins[has_error] / sizes).min(initial=np.inf)),
+        )
 
-    def rank(choice: Choice) -> tuple[int, float]:
-        if not choice.is_allowed:
-            return 2, -choice.margin
-        value = goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
-        return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
+    def find_best(self) -> tuple[Choice, list[Choice]]:
+        """Choose values that satisfy every limit by its error with the best first goal; if none do,
+        those with the largest margins over their errors, or, if no choice satisfies all limits,
+        that violate them least. Returns that choice, and all choices of the first grid. Tried are a
+        grid (from three values on a Sobol sequence), then finer ones about the best."""
 
-    trials = [judge(point, goals, limits, box) for point in _grid_of_choices(ranges)]
-    return _refine_choice(trials, rank, goals, limits, ranges, box), trials
+        def rank(choice: Choice) -> tuple[int, float]:
+            if not choice.is_allowed:
+                return 2, -choice.margin
+            value = self.goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
+            return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
 
+        trials = [self.judge(point) for point in self._grid()]
+        return self._refine(trials, rank), trials
 
-def find_safest(
-    trials: Sequence[Choice],
-    goals: Sequence[Goal],
-    limits: Sequence[Limit],
-    ranges: Sequence[tuple[float, float]],
-    box: BoxOf,
-) -> Choice:
-    """Choose the values whose least limit margin is the most times its error (`Choice.safety`); if
-    no choice satisfies all limits, those that violate them least. Searched on finer and finer grids
-    from the best of `trials`, all choices that were tried. goals, limits: to be evaluated; ranges:
-    least and largest of each chosen value (c pairs); box: function of the values (c) that returns
-    the lower and upper corner (k each, in [-1, 1]) of the box that they leave."""
+    def find_safest(self, trials: Sequence[Choice]) -> Choice:
+        """Choose the values whose least limit margin is the most times its error
+        (`Choice.safety`); if no choice satisfies all limits, those that violate them least.
+        Searched on finer and finer grids from the best of `trials`, all that were tried."""
 
-    def rank(choice: Choice) -> tuple[bool, float]:
-        return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.margin
+        def rank(choice: Choice) -> tuple[bool, float]:
+            return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.margin
 
-    return _refine_choice(trials, rank, goals, limits, ranges, box)
+        return self._refine(trials, rank)
 
+    def find_safe_range(self, best: Choice, index: int) -> tuple[float, float]:
+        """Range (least, largest) of one chosen value, of index `index`, about that of the safe
+        choice `best`, all other values kept, in which all limits are satisfied by their errors; it
+        ends where one is not, or with the range that is allowed. A gap narrower than a 16th of the
+        way to an end is not noticed."""
 
-def find_safe_range(
-    best: Choice, index: int, limits: Sequence[Limit], ends: tuple[float, float], box: BoxOf
-) -> tuple[float, float]:
-    """Range (least, largest) of one chosen value, of index `index`, about that of the safe choice
-    `best`, all other values kept, in which all limits are satisfied by their errors; it ends where
-    one is not, or at `ends`, the least and largest value that is allowed. box: function of the
-    values (c) that returns the lower and upper corner (k each, in [-1, 1]) of the box that they
-    leave. A gap narrower than a 16th of the way to an end is not noticed."""
+        def is_safe(value: float) -> bool:
+            values = np.where(np.arange(len(best.values)) == index, value, best.values)
+            return replace(self, goals=()).judge(values).is_safe
 
-    def is_safe(value: float) -> bool:
-        return judge(np.where(np.arange(len(best.values)) == index, value, best.values), (), limits,
-                     box).is_safe  # fmt: skip
+        ends = []
+        for end in self.ranges[index]:
+            safe_value = best.values[index]
+            for value in np.linspace(safe_value, end, 17)[1:]:
+                if not is_safe(value):
+                    for _ in range(10):
+                        middle = (safe_value + value) / 2
+                        if is_safe(middle):
+                            safe_value = middle
+                        else:
+                            value = middle
+                    break
+                safe_value = value
+            ends.append(float(safe_value))
+        return ends[0], ends[1]
 
-    limits_of_range = []
-    for end in ends:
-        safe_value = best.values[index]
-        for value in np.linspace(safe_value, end, 17)[1:]:
-            if not is_safe(value):
-                for _ in range(10):
-                    middle = (safe_value + value) / 2
-                    safe_value, value = (middle, value) if is_safe(middle) else (safe_value, middle)
-                break
-            safe_value = value
-        limits_of_range.append(float(safe_value))
-    return limits_of_range[0], limits_of_range[1]
+    def _grid(self) -> np.ndarray:
+        """Values (n, c) to be tried first: a grid, or from three on a Sobol sequence."""
+        ends = np.array(self.ranges, dtype=float)
+        wide = ends[:, 1] > ends[:, 0]
+        if len(ends) <= 2:
+            count = _GRID if len(ends) == 1 else _ZOOM_GRID + 6
+            sizes = [count if free else 1 for free in wide]
+            lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
+            return np.array(list(itertools.product(*lines)))
+        points = (scan_points(wide, _SPREAD) + 1) / 2
+        return ends[:, 0] + points * (ends[:, 1] - ends[:, 0])
 
-
-def _grid_of_choices(ranges: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Values (n, c) to be tried first: a grid, or from three chosen values on a Sobol sequence."""
-    ends = np.array(ranges, dtype=float)
-    wide = ends[:, 1] > ends[:, 0]
-    if len(ends) <= 2:
-        count = _GRID if len(ends) == 1 else _ZOOM_GRID + 6
-        sizes = [count if free else 1 for free in wide]
-        lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
-        return np.array(list(itertools.product(*lines)))
-    points = (scan_points(wide, _SPREAD) + 1) / 2
-    return ends[:, 0] + points * (ends[:, 1] - ends[:, 0])
-
-
-def _refine_choice(
-    trials: Sequence[Choice],
-    rank: Callable[[Choice], tuple],
-    goals: Sequence[Goal],
-    limits: Sequence[Limit],
-    ranges: Sequence[tuple[float, float]],
-    box: BoxOf,
-) -> Choice:
-    """The choice of the lowest rank: the best of `trials`, then of finer and finer grids about."""
-    ends = np.array(ranges, dtype=float)
-    wide = ends[:, 1] > ends[:, 0]
-    best = min(trials, key=rank)
-    reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(trials) ** (1 / len(ends)))
-    steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
-    for _ in range(_ZOOMS):
-        for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
-            point = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
-            best = min(best, judge(point, goals, limits, box), key=rank)
-        reach = reach * (0.45 if len(ends) == 1 else 0.6)
-    return best
+    def _refine(self, trials: Sequence[Choice], rank: Callable[[Choice], tuple]) -> Choice:
+        """The choice of the lowest rank: the best of `trials`, then of finer and finer grids."""
+        ends = np.array(self.ranges, dtype=float)
+        wide = ends[:, 1] > ends[:, 0]
+        best = min(trials, key=rank)
+        reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(trials) ** (1 / len(ends)))
+        steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
+        for _ in range(_ZOOMS):
+            for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
+                point = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
+                best = min(best, self.judge(point), key=rank)
+            reach = reach * (0.45 if len(ends) == 1 else 0.6)
+        return best

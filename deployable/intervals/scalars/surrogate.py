@@ -40,22 +40,6 @@ class Extremes:
         return self.high - self.low
 
 
-def find_extremes(
-    function: Function,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    extra_points: np.ndarray | None = None,
-    climbs: int = _CLIMBS,
-) -> Extremes:
-    """Find the least and largest value that a function attains over the part of the box from
-    `lower` to `upper` (k each, in [-1, 1]). function: takes points (P, k) and returns values (P),
-    NaN where it has none; extra_points (P, k): tried beside those spread over the part, or None;
-    climbs: number of best points from which a search goes on, 0 for none."""
-    low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
-    high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
-    return Extremes(low, high, argmin, argmax)
-
-
 def extreme(
     function: Function,
     sign: float,
@@ -200,18 +184,15 @@ class ScalarSurrogate:
         of best points from which a search goes on."""
         if lower is None and upper is None and not options:
             return self._whole_range
-        return self._search_range(lower, upper, **options)
+        part = (*self._part(lower, upper), self._trial_points)
+        low, argmin = extreme(self.evaluate, -1.0, *part, **options)
+        high, argmax = extreme(self.evaluate, 1.0, *part, **options)
+        return Extremes(low, high, argmin, argmax)
 
     @cached_property
     def _whole_range(self) -> Extremes:
         """The range over the whole box, which bounds, their errors and influences all ask for."""
-        return self._search_range(None, None)
-
-    def _search_range(
-        self, lower: np.ndarray | None, upper: np.ndarray | None, **options: int
-    ) -> Extremes:
-        lower, upper = self._part(lower, upper)
-        return find_extremes(self.evaluate, lower, upper, self._trial_points, **options)
+        return self.range(*self._part())
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
@@ -238,20 +219,11 @@ class ScalarSurrogate:
         lower = np.where(free, -side if lower is None else lower, 0.0)
         return lower, np.where(free, side if upper is None else upper, 0.0)
 
-    def find_absence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """Find the point (k) of a part of the box where the quantity most certainly does not exist,
-        that is where the decision function (`Occurrence.decision`) is least; None if it exists all
-        over the part. lower, upper (k each): corners of the part, in [-1, 1]."""
-        return self._find_point(lower, upper, False)
-
-    def find_presence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """Find the point (k) of a part of the box where the quantity most certainly exists; None if
-        it exists nowhere in the part. Most certainly: where the decision function
-        (`Occurrence.decision`) is largest; the part's middle if all runs have the quantity. lower,
+    def find_place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
+        """Find the point (k) of a part of the box where the quantity most certainly exists
+        (`happens`), or does not: where the decision function (`Occurrence.decision`) is largest, or
+        least; the part's middle if all runs agree with that; None if there is no such point. lower,
         upper (k each): corners of the part, in [-1, 1]."""
-        return self._find_point(lower, upper, True)
-
-    def _find_point(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None

@@ -1,0 +1,82 @@
+"""What results in netCDF hold, as `variables.json` states it: their checks read it, and so do those
+that write variables whose meaning it tells.
+
+A row of the file is of the variables (or, after an @, attributes) of a result: dimensions; `text`,
+`number`, or `known`, numbers none of which is infinite or missing; names, with a ? of what may be
+absent; unit, and what it is. A text in the place of a row stands for all rows of that name."""
+
+import json
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class VariableSpec(NamedTuple):
+    """A variable of a result in netCDF: its dimensions, or ("@",) of an attribute; what it holds:
+    "text", "number" or "known"; whether it may be absent; and its `attributes`, for one that is
+    written by `create` or `dataset_of`: `long_name` and, if there is a single one, `units`."""
+
+    dims: tuple[str, ...]
+    content: str
+    is_optional: bool
+    attributes: dict[str, str]
+
+
+@cache
+def variables_of(result: str) -> dict[str, VariableSpec]:
+    """Variables and attributes of a result by name; {} for one of which nothing is stated. result:
+    name of the file, such as `bounds.nc`; of a `samples.nc` with `keep: extremes`, `extremes`."""
+    return dict(_rows(_tables(), result))
+
+
+@cache
+def _tables() -> dict[str, list]:
+    text = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
+    return json.loads(text)
+
+
+def _rows(tables: Mapping[str, list], name: str) -> Iterator[tuple[str, VariableSpec]]:
+    for row in tables.get(name, ()):
+        if isinstance(row, str):
+            yield from _rows(tables, row)
+            continue
+        dims, content, names, units, text = (*row, "", "")[:5]
+        attributes = {"units": units} if units else {}
+        attributes |= {"long_name": text} if text else {}
+        for field in names.split():
+            spec = VariableSpec(tuple(dims.split()), content, field.endswith("?"), attributes)
+            yield field.removesuffix("?"), spec
+
+
+def create(
+    file: Any, result: str, name: str, values: Any = None, kind: Any = "f8", **options
+) -> Any:
+    """Create a variable of a result in an open `netCDF4.Dataset` (`file`) with its dimensions,
+    which exist but for one that it names itself, and attributes, and return it. result: as of
+    `variables_of`; values: to be written, None: none yet; kind: netCDF's type of numbers; options:
+    of `createVariable`."""
+    dims, content, _, attributes = variables_of(result)[name]
+    if content == "text":
+        kind, values = str, np.array([str(value) for value in values], dtype=object)
+    if name in dims:
+        file.createDimension(name, len(values))
+    variable = file.createVariable(name, kind, dims, **options)
+    variable.setncatts(attributes)
+    if np.size(values) and values is not None:
+        variable[:] = values
+    return variable
+
+
+def dataset_of(result: str, columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> Any:
+    """Make the `xarray.Dataset` of a result of quantities from the values of its variables,
+    `columns` by name, and its attributes. result: as of `variables_of`."""
+    import xarray as xr
+
+    specs, coordinates = variables_of(result), variables_of("answers")
+    variables = {name: (specs[name].dims, np.array(values), specs[name].attributes)
+                 for name, values in columns.items()}  # fmt: skip
+    coords = {name: variables.pop(name) for name in coordinates if name in variables}
+    return xr.Dataset(variables, coords, attributes)

@@ -8,6 +8,10 @@ from deployable import check_fpm_module
 from deployable.one_thread import set_environment
 
 set_environment()  # before numpy is loaded
+import numpy  # noqa: E402
+
+# scipy copies all names of numpy; to get these two loads Fortran's tools and `unittest`, in 0.1 s.
+numpy.f2py = numpy.testing = None
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
 # Nothing here is an array of dask, which xarray would load to see so, where it is installed.

@@ -96,14 +96,11 @@ def _commit() -> str:
     if not (_ROOT / ".git").exists():
         return "unknown"
 
-    def git(*arguments: str) -> str:
-        command = ["git", "-C", str(_ROOT), *arguments]
-        process = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
-        return process.stdout.strip()
-
+    command = ["git", "-C", str(_ROOT), "describe", "--always", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
-        changes = git("status", "--porcelain", "--untracked-files=no")
-        return git("rev-parse", "HEAD") + (", changed" if changes else "")
+        return subprocess.run(
+            [*command, "--dirty=, changed"], capture_output=True, text=True, check=True, timeout=10
+        ).stdout.strip()
     return "unknown"
 
 

@@ -74,9 +74,13 @@ class PackageFiles:
         it), (): all; exclude: those left out. Raises ChangedError as `check` does."""
         self.check()
         if (include, exclude) not in self._digests_of:
-            names = (n for n in self._states if (not include or _is_within(n, include)))
-            digests = [(n, self._digest(n)) for n in sorted(names) if not _is_within(n, exclude)]
-            self._digests_of[include, exclude] = _short(digests)
+            names = (n for n in self._states if not include or _is_within(n, include))
+            states = [(n, self._states[n]) for n in sorted(names) if not _is_within(n, exclude)]
+            digest = _recall(
+                repr((str(self.folder), states)).encode(),
+                lambda: _sha256([(name, self._digest(name)) for name, _ in states]),
+            )
+            self._digests_of[include, exclude] = digest[:16]
         return self._digests_of[include, exclude]
 
     def check(self, reread: bool = False) -> None:
@@ -137,8 +141,8 @@ def _is_within(name: str, places: tuple[str, ...]) -> bool:
     return any(name == place or name.startswith(f"{place}/") for place in places)
 
 
-def _short(data: object) -> str:
-    return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
+def _sha256(data: object) -> str:
+    return hashlib.sha256((data if isinstance(data, str) else repr(data)).encode()).hexdigest()
 
 
 MECHANICS = PackageFiles(PACKAGE)
@@ -277,14 +281,20 @@ def content_digest(content: bytes, path: Path) -> str:
 
 @cache
 def _tree_digest(content: bytes, path: str) -> str:
+    return _recall(content, lambda: _sha256(_tree(content, path)))
+
+
+def _recall(key: bytes, find: Callable[[], str]) -> str:
+    """The digest (64 hex digits) that `find` returns; it is kept on disk by what it follows from,
+    `key`."""
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    name = f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
+    name = f"{hashlib.sha256(key).hexdigest()}-{version}-{VERSION}"
     folder = os.path.join(_cache_path(), "syntax")  # no Path: there are hundreds in each process
     with suppress(OSError), open(os.path.join(folder, name), encoding="ascii") as memo:
         text = memo.read()
         if len(text) == 64:
             return text
-    digest = hashlib.sha256(_tree(content, path).encode()).hexdigest()
+    digest = find()
     with suppress(OSError):
         os.makedirs(folder, exist_ok=True)
         part = Path(folder, f"{name}.{os.getpid()}")

@@ -261,7 +261,7 @@ def syntax_digest(paths: Iterable[Path]) -> str:
     """Return the first 16 hex digits of a SHA-256 of the syntax trees of Python files, and of every
     byte of other files. Comments, formatting and docstrings do not count, nor folders and the order
     of `paths`; file names do. SyntaxError for a `.py` that is no Python."""
-    return _short(sorted((path.name, tree_digest(path)) for path in paths))
+    return _sha256(sorted((path.name, tree_digest(path)) for path in paths))[:16]
 
 
 def tree_digest(path: Path) -> str:

@@ -216,6 +216,15 @@ def test_it_is_quick():
     assert best < 0.02  # less than 1 ms alone
 
 
+def test_the_digest_of_files_as_they_were_is_kept(copied, monkeypatch):
+    before = sources.PackageFiles(copied).digest()
+    with monkeypatch.context() as patch:
+        patch.setattr(sources, "tree_digest", None)  # nothing is read
+        assert sources.PackageFiles(copied).digest() == before
+    (copied / "errors.py").write_text("CHANGED = 1")
+    assert sources.PackageFiles(copied).digest() != before
+
+
 def test_a_cache_that_can_not_be_written_does_not_matter(copied, monkeypatch):
     before = digests(copied)
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")

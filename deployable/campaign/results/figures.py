@@ -255,7 +255,7 @@ def small_fonts() -> Iterator[None]:
 
     def load_small(*arguments: Any, **options: Any) -> Any:
         font = usual(*arguments, **options)
-        for table in {"GDEF", "GPOS", "GSUB"} & {*font.keys()}:
+        for table in {"GDEF", "GPOS", "GSUB", "kern"} & {*font.keys()}:
             del font[table]
         return font
 

@@ -11,7 +11,8 @@ set_environment()  # before numpy is loaded
 import numpy  # noqa: E402
 
 # scipy copies all names of numpy; to get these two loads Fortran's tools and `unittest`, in 0.1 s.
-numpy.f2py = numpy.testing = None
+for _name in ("f2py", "testing"):
+    setattr(numpy, _name, None)
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
 # Nothing here is an array of dask, which xarray would load to see so, where it is installed.

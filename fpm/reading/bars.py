@@ -58,17 +58,16 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
     return {name: Bar(name, tuple(group)) for name, group in groups.items()}
 
 
-def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, ...]]:
-    """Return for the start and for the end of m beam elements: positions (t, m, 3) m, global axes y
-    and z (t, m, 3, 2) of the sections as the particles carry them, and the particles' frames (t, m,
-    3, 3), axes as columns. scene: theirs; beams: the group; place(particle): positions (t, 3) m of
-    a particle (index) at t instants; axes(particle): its frames (t, 3, 3), axes as columns
-    (`Recording.place`, `Recording.axes`)."""
+def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return two pairs, for the start and the end of m beam elements: positions (t, m, 3) m, and
+    global axes y and z (t, m, 3, 2) of the sections as the particles carry them. scene: theirs;
+    beams: the group; place(particle): positions (t, 3) m of a particle (index) at t instants;
+    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`)."""
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
         section_axes = frames @ (start[nodes].transpose(0, 2, 1) @ square)
-        ends.append((np.stack([place(int(p)) for p in nodes], axis=1), section_axes, frames))
+        ends.append((np.stack([place(int(p)) for p in nodes], axis=1), section_axes))
     return ends
 
 
@@ -76,25 +75,24 @@ class Bends(NamedTuple):
     """Deformation of m beam elements at t instants. length (t, m) m and chord (t, m, 3): of the
     line from end to end, and its direction; sines, angles: a list of two, for both ends, (t, m, 2):
     sine and angle (rad) between chord and the section's normal, towards its axes y and z; axes: y,
-    z (t, m, 3, 2) at both ends, global; frames (t, m, 3, 3): of the particles at both ends."""
+    z (t, m, 3, 2) at both ends, global."""
 
     length: np.ndarray
     chord: np.ndarray
     sines: list[np.ndarray]
     angles: list[np.ndarray]
     axes: list[np.ndarray]
-    frames: list[np.ndarray]
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
     """Return the deformation of `beams`, a group of m beam elements of a scene; place(particle),
     axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
-    (first, second), *both = zip(*ends_of(scene, beams, place, axes), strict=True)
-    chord, (end_axes, frames) = second - first, map(list, both)
+    (first, *end_axes), (second, *axes2) = ends_of(scene, beams, place, axes)
+    chord, end_axes = second - first, end_axes + axes2
     length = np.linalg.norm(chord, axis=2)
     chord = chord / length[:, :, None]
     sines = [np.einsum("tmi,tmik->tmk", chord, axes_of_end) for axes_of_end in end_axes]
-    return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], end_axes, frames)
+    return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], end_axes)
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
@@ -102,7 +100,7 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     place(i), axes(i): positions (t, 3) m and frames (t, 3, 3), axes as columns, of particle i at t
     instants. The result: (t, m, 2, 3) each, N and N m, along and about the section's axes."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
-    length, chord, sines, angles, end_axes, frames = bends_of(scene, beams, place, axes)
+    length, chord, sines, angles, end_axes = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
     sums = 2.0 * angles[0] + angles[1], 2.0 * angles[1] + angles[0]
     by_sine = [stiffness * sums[k] * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)]
@@ -116,8 +114,9 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     moments = [np.cross(chord, pulls[0]) - torsion, -np.cross(chord, pulls[1]) - torsion]
     start = scene.frame if scene.unstrained is None else scene.unstrained
     end_values = []
-    for nodes, moment, end_frames in zip(beams.nodes.T, moments, frames, strict=True):
-        section = end_frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad)
+    for nodes, moment in zip(beams.nodes.T, moments, strict=True):
+        frames = np.stack([axes(int(p)) for p in nodes], axis=1)
+        section = frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad)
         end_values.append([np.einsum("tmi,tmik->tmk", v, section) for v in (force, moment)])
     return Sections(*(np.stack(ends, axis=2) for ends in zip(*end_values, strict=True)))
 

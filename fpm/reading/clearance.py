@@ -31,7 +31,7 @@ def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
     as vectors (t, m, 2, 3) m, and radii (t, m) m of round ones."""
     lines = []
     for beams in bar.groups:
-        (start, section_axes, _), (end, *_) = ends_of(scene, beams, place, axes)
+        (start, section_axes), (end, _) = ends_of(scene, beams, place, axes)
         y, z = half_sizes(beams.section)
         is_round = beams.section.outline == "round"
         sides = section_axes.swapaxes(2, 3) * (0.0 if is_round else np.array([[y], [z]]))

@@ -15,17 +15,20 @@ import xarray as xr
 from numpy.polynomial import chebyshev
 
 from deployable import campaign
+from deployable.campaign.config.models import FigureChoice
 from deployable.campaign.config.sections import BoundsChoice
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
-from deployable.campaign.report import draw_nominal, make_motions
+from deployable.campaign.report import make_motions
 from deployable.campaign.results import figures
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.facts import _extrapolated_error
 from deployable.campaign.results.figures import draw_envelopes, draw_panels
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
+from deployable.campaign.stages import page
 from deployable.campaign.text.numbers import pretty
+from evidence.attack.victim import silent
 from fpm.files.seals import unseal
 from fpm.scenes.scene_type import SceneType
 
@@ -135,7 +138,7 @@ def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_pat
         folder = beside(finished, tmp_path / place)
         draw_envelopes(folder.bounds, 0.1, folder.figures)
         draw_panels(folder.bounds, 0.1, folder.overviews)
-        draw_nominal(folder, 5)
+        page.work(folder, silent, FigureChoice(5), frames=11)
         found.append({path.name: unseal(path) for path in folder.figures.rglob("*.*")})
     first, second = found
     kinds = {"png": b"\x89PNG", "pdf": b"%PDF"}
@@ -147,24 +150,21 @@ def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_pat
         assert b"/Type3" not in content
 
 
-@pytest.mark.parametrize("motion", ["made before", "made again", "cut off"])
-def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, monkeypatch, motion):
-    """By what the page has, or made again."""
+def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, monkeypatch):
     folder = beside(finished, tmp_path / "test")
-    if motion != "made again":
-        (path, *_) = make_motions(folder.path, frames=11)  # the nominal run's
-        path.write_bytes(path.read_bytes()[: -20 * (motion == "cut off") or None])
     monkeypatch.setattr(figures, "PICTURES", ("svg",))  # in which panels can be counted
-    draw_nominal(folder, 3)
+    page.work(folder, silent, FigureChoice(3), frames=11)
     drawn = ElementTree.fromstring((folder.overviews / "moments.svg").read_text())
     panels = [each for each in drawn.iter() if each.get("id", "").startswith("axes_")]
     assert len(panels) == 3
 
 
-def test_a_structure_that_has_changed_since_is_not_drawn(finished, monkeypatch):
+def test_runs_of_a_structure_that_has_changed_since_do_not_move(finished, tmp_path, monkeypatch):
+    folder = beside(finished, tmp_path / "test")
     monkeypatch.setattr(SceneType, "digest", "another")
     with pytest.raises(CampaignError, match="have changed since"):
-        draw_nominal(finished, 3)
+        make_motions(folder.path)
+    assert not folder.motions.exists()
 
 
 def files_of(finished) -> list:

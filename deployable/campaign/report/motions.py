@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,10 +11,8 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_dataset, open_netcdf
+from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import Folder
-from deployable.campaign.pictures.moments import draw_moments
-from deployable.campaign.results.figures import save
 from deployable.campaign.results.run_roles import keeps_extremes, nominal_row, read_ids
 from fpm.files.seals import DamagedError, check
 
@@ -171,33 +168,22 @@ def _read_curves(experiment: Any, outcome: Any) -> dict:
     }  # fmt: skip
 
 
-def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
-    """Return the whole motion of one run: read from the folder `motions`, or simulated again where
-    it is missing or damaged. folder: of the results; row: the run's index in `samples.nc`."""
-
-    folder = Path(folder)
-    with open_dataset(folder / "samples.nc") as samples:
-        (name,) = read_ids(samples, [row])
-        with (
-            suppress(FileNotFoundError, DamagedError),
-            open_dataset(Folder(folder).motions / f"{name}.nc") as motion,
-        ):
-            return motion.load()
-        return motions_of(samples, [ShownRun(name, samples["value"].values[row], "", row)])[0]
-
-
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     """Simulate the runs that a campaign's page shows, write their whole motions into `folder /
-    "motions"`, files named after the runs' ids (.nc), and return the paths. folder: of the
-    campaign's results; frames: of each motion. Damaged motions of other runs are removed. Where
-    structure or mechanics changed since the runs, nothing is written, and the list is empty."""
+    "motions"`, files named after the runs' ids (.nc), and return the paths, first that of the
+    nominal run (or a scan's first). folder: of the campaign's results; frames: of each motion.
+    Damaged motions of other runs are removed. Raises `CampaignError` where structure or mechanics
+    changed since the runs were made."""
     from deployable.campaign.results.bounds import write_dataset
 
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
         experiment = Experiment.read(samples.attrs["config"])
         if experiment.mechanics != samples.attrs["mechanics"]:
-            return []
+            raise CampaignError(
+                f"the structure or the mechanics have changed since {folder} was made, so that no "
+                "run can move on its page; run the campaign first"
+            )
         runs = shown_runs(folder)
         values = dict(zip(samples["parameter"].values.tolist(), runs[0].values, strict=True))
         runs = runs[: count_moving_runs(len(experiment.build(values).position))]
@@ -210,25 +196,3 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         except DamagedError:  # which is no longer shown, and so never made again
             path.unlink()
     return paths
-
-
-def draw_nominal(folder: Folder, count: int) -> None:
-    """Draw `count` moments of a campaign's nominal run side by side into
-    `figures/campaign/moments`, as `.png` and `.pdf`: evenly along the particles' paths,
-    from the start to the first closure of a contact, or to the end. folder: of the results. Raises
-    `CampaignError` where structure or mechanics changed since the runs were made."""
-    with open_netcdf(folder.samples) as samples:
-        experiment = Experiment.read(samples.config)
-        row, mechanics = nominal_row(samples) or 0, samples.mechanics
-        (name,) = read_ids(samples, [row])
-    if experiment.mechanics != mechanics:
-        raise CampaignError(
-            f"the structure or the mechanics have changed since {folder.path} was made, so that "
-            "it cannot be drawn; run the campaign first"
-        )
-    try:
-        with open_netcdf(folder.motions / f"{name}.nc") as motion:
-            figure = draw_moments(motion, count)
-    except (FileNotFoundError, DamagedError):
-        figure = draw_moments(motion_of(folder.path, row), count)
-    save(figure, folder.overviews / "moments")

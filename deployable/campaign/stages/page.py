@@ -1,12 +1,17 @@
 """The page of a campaign."""
 
+import os
+import threading
 from typing import Any
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import check_results, read_json
+from deployable.campaign.files import check_results, open_netcdf, read_json
 from deployable.campaign.folder import Folder
-from deployable.campaign.report import draw_nominal, from_results, make_motions, write_page
-from deployable.campaign.runs.progress import Notify, report_seconds
+from deployable.campaign.pictures.moments import draw_moments
+from deployable.campaign.report import from_results, make_motions, write_page
+from deployable.campaign.results.figures import save
+from deployable.campaign.runs.batch import spread
+from deployable.campaign.runs.progress import Notify, report_seconds, report_step
 from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
@@ -22,9 +27,16 @@ def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> 
     check_results(folder, (SAMPLES, "surrogate.nc"))
     name = folder.whole.name
     with report_seconds(f"{name}: making runs again that move on the page", notify):
-        is_made = make_motions(folder.path, frames)
-    if not is_made:
-        notify("no run is made again: the structure or the mechanics have changed since")
-    with report_seconds(f"{name}: making the page", notify):
+        nominal, *_ = make_motions(folder.path, frames)
+
+    def draw() -> None:
+        with open_netcdf(nominal) as motion:
+            save(draw_moments(motion, figures.moments), folder.overviews / "moments")
+
+    def write() -> None:
         write_page(from_results(folder.path), folder.report)
-        draw_nominal(folder, figures.moments)
+
+    # Side by side, but where threads run, which other processes would not have.
+    processes = (os.cpu_count() or 1) if threading.active_count() == 1 else 1
+    with report_step(lambda _: f"{name}: making the page", notify, processes == 1):
+        list(spread(lambda make: make(), [(write,), (draw,)], processes))

@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+from importlib.util import LazyLoader, find_spec, module_from_spec
 
 from deployable import check_fpm_module
 from deployable.one_thread import set_environment
@@ -10,9 +11,13 @@ from deployable.one_thread import set_environment
 set_environment()  # before numpy is loaded
 import numpy  # noqa: E402
 
-# scipy copies all names of numpy; to get these two loads Fortran's tools and `unittest`, in 0.1 s.
+# scipy takes all names of numpy: Fortran's tools and `unittest` too, which take 0.1 s to load.
 for _name in ("f2py", "testing"):
-    setattr(numpy, _name, None)
+    _spec = find_spec(f"numpy.{_name}")
+    _spec.loader = LazyLoader(_spec.loader)
+    sys.modules[_spec.name] = module_from_spec(_spec)
+    _spec.loader.exec_module(sys.modules[_spec.name])
+    setattr(numpy, _name, sys.modules[_spec.name])
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
 # Nothing here is an array of dask, which xarray would load to see so, where it is installed.

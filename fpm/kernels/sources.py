@@ -6,12 +6,14 @@ are imported (`PackageFiles`); one that has changed since is refused where somet
 import ast
 import hashlib
 import inspect
+import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
+from typing import Any
 
 from fpm.errors import ChangedError, SceneError
 
@@ -61,7 +63,6 @@ class PackageFiles:
             stats = {path.relative_to(folder): state_of(stat) for path, stat in files.items()}
             code = {p.as_posix(): s for p, s in stats.items() if LINKS not in p.parent.as_posix()}
             self._states = data | code
-        self._digests: dict[str, str] = {}
         self._digests_of: dict[tuple, str] = {}
         # Whatever is not imported is read whenever it is used.
         self._data = [name for name in self._states if not name.endswith(".py")]
@@ -75,12 +76,8 @@ class PackageFiles:
         self.check()
         if (include, exclude) not in self._digests_of:
             names = (n for n in self._states if not include or _is_within(n, include))
-            states = [(n, self._states[n]) for n in sorted(names) if not _is_within(n, exclude)]
-            digest = _recall(
-                repr((str(self.folder), states)).encode(),
-                lambda: _sha256([(name, self._digest(name)) for name, _ in states]),
-            )
-            self._digests_of[include, exclude] = digest[:16]
+            digests = [(n, self._digest(n)) for n in sorted(names) if not _is_within(n, exclude)]
+            self._digests_of[include, exclude] = _sha256(digests)[:16]
         return self._digests_of[include, exclude]
 
     def check(self, reread: bool = False) -> None:
@@ -114,16 +111,22 @@ class PackageFiles:
 
     def _digest(self, name: str) -> str:
         if name not in self._digests:
-            path = self.folder / name
-            try:
-                digest = tree_digest(path)
-                is_same = state_of(path.stat()) == self._states[name]
-            except (OSError, SyntaxError):
-                is_same = False
-            if not is_same:
-                raise ChangedError(f"{self.folder.name}/{name}")
-            self._digests[name] = digest
+            raise ChangedError(f"{self.folder.name}/{name}")
         return self._digests[name]
+
+    @cached_property
+    def _digests(self) -> dict[str, str]:
+        """Digests of all files that are as they were, kept on disk by what tells a change."""
+        key = repr((str(self.folder), sorted(self._states.items())))
+        return _recall(key.encode(), lambda: dict(self._read_digests()))
+
+    def _read_digests(self) -> Iterator[tuple[str, str]]:
+        for name, state in self._states.items():
+            path = self.folder / name
+            with suppress(OSError, SyntaxError):
+                digest = tree_digest(path)
+                if state_of(path.stat()) == state:
+                    yield name, digest
 
 
 def _states(folder: str | Path, prefix: str = "") -> Iterator[tuple[str, State]]:
@@ -284,23 +287,20 @@ def _tree_digest(content: bytes, path: str) -> str:
     return _recall(content, lambda: _sha256(_tree(content, path)))
 
 
-def _recall(key: bytes, find: Callable[[], str]) -> str:
-    """The digest (64 hex digits) that `find` returns; it is kept on disk by what it follows from,
-    `key`."""
+def _recall(key: bytes, find: Callable[[], Any]) -> Any:
+    """What `find` returns, as JSON can say it; kept on disk by what it follows from, `key`."""
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
     name = f"{hashlib.sha256(key).hexdigest()}-{version}-{VERSION}"
     folder = os.path.join(_cache_path(), "syntax")  # no Path: there are hundreds in each process
-    with suppress(OSError), open(os.path.join(folder, name), encoding="ascii") as memo:
-        text = memo.read()
-        if len(text) == 64:
-            return text
-    digest = find()
+    with suppress(OSError, ValueError), open(os.path.join(folder, name), encoding="utf-8") as memo:
+        return json.loads(memo.read())
+    value = find()
     with suppress(OSError):
         os.makedirs(folder, exist_ok=True)
         part = Path(folder, f"{name}.{os.getpid()}")
-        part.write_text(digest)
+        part.write_text(json.dumps(value), encoding="utf-8")
         os.replace(part, os.path.join(folder, name))
-    return digest
+    return value
 
 
 def user_cache() -> Path:

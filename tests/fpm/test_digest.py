@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import os
 import shutil
 import sys
 import time
@@ -10,6 +11,7 @@ import pytest
 
 import fpm
 from deployable.campaign.config.sections import scene_type
+from fpm.errors import ChangedError
 from fpm.kernels import sources
 
 
@@ -216,12 +218,19 @@ def test_it_is_quick():
     assert best < 0.02  # less than 1 ms alone
 
 
-def test_the_digest_of_files_as_they_were_is_kept(copied, monkeypatch):
+def test_digests_of_files_as_they_were_are_kept(copied, monkeypatch):
+    data = copied / "table.json"
+    data.write_text("{}")
     before = sources.PackageFiles(copied).digest()
+    code = sources.PackageFiles(copied)
     with monkeypatch.context() as patch:
         patch.setattr(sources, "tree_digest", None)  # nothing is read
-        assert sources.PackageFiles(copied).digest() == before
-    (copied / "errors.py").write_text("CHANGED = 1")
+        assert code.digest() == before
+    os.utime(data)
+    code.check()
+    data.write_text("[]")
+    with pytest.raises(ChangedError, match=r"table\.json"):
+        code.check()
     assert sources.PackageFiles(copied).digest() != before
 
 

@@ -1,7 +1,5 @@
 """The page of a campaign."""
 
-import os
-import threading
 from typing import Any
 
 from deployable.campaign.errors import CampaignError
@@ -10,8 +8,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.moments import draw_moments
 from deployable.campaign.report import from_results, make_motions, write_page
 from deployable.campaign.results.figures import save
-from deployable.campaign.runs.batch import spread
-from deployable.campaign.runs.progress import Notify, report_seconds, report_step
+from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
@@ -28,15 +25,7 @@ def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> 
     name = folder.whole.name
     with report_seconds(f"{name}: making runs again that move on the page", notify):
         nominal, *_ = make_motions(folder.path, frames)
-
-    def draw() -> None:
+    with report_seconds(f"{name}: making the page", notify):
+        write_page(from_results(folder.path), folder.report)
         with open_netcdf(nominal) as motion:
             save(draw_moments(motion, figures.moments), folder.overviews / "moments")
-
-    def write() -> None:
-        write_page(from_results(folder.path), folder.report)
-
-    # Side by side, but where threads run, which other processes would not have.
-    processes = (os.cpu_count() or 1) if threading.active_count() == 1 else 1
-    with report_step(lambda _: f"{name}: making the page", notify, processes == 1):
-        list(spread(lambda make: make(), [(write,), (draw,)], processes))

@@ -14,6 +14,9 @@ import gc
 import hashlib
 import logging
 import os
+import pickle
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -145,6 +148,9 @@ COMPILED_NAMES: list[str] = []
 _ENGINES: list[llvm.ExecutionEngine] = []
 """What keeps machine code in memory."""
 
+_LOADED_TYPES: set[type] = set()
+"""Classes of arrays whose kernels are in memory, in one form at least."""
+
 THREADS = threading.Lock()
 """Lock held by the thread that makes code ready."""
 
@@ -159,6 +165,7 @@ def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) ->
     """Return a call of the time loop `run.run` ("run"), or of the sum of forces `run.act` ("act"),
     with compiled kernels, to be made once or many times. parts: arrays of each element type; world,
     rest: further arguments of the function; the call reads and changes these arrays themselves."""
+    helper = _start_helper(name, parts, world, rest)
     world_form = form_of(world)
     codes = [_kernels(part, world, world_form) for part in parts]
     memory = [_in_memory(part) for part in parts]
@@ -173,6 +180,8 @@ def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) ->
     )
     arguments = table, world, *rest
     address = _loop(name, arguments)
+    if helper:
+        helper.wait()
     values, kinds = [], []
     for argument in arguments:
         if _is_by_reference(argument):
@@ -191,6 +200,56 @@ def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) ->
         function(ctypes.addressof(result), None, *values)
 
     return call
+
+
+HELPER = """
+import pickle, sys
+sys.path[:], name, parts, world, rest = pickle.load(sys.stdin.buffer)
+from fpm.kernels import compiled_loop
+compiled_loop.compile_backwards(name, parts, world, rest)
+"""
+
+
+def _start_helper(
+    name: str, parts: Sequence[tuple], world: tuple, rest: tuple
+) -> subprocess.Popen | None:
+    """A process that compiles the same from the end on, where there is a core for it, and more than
+    one thing to compile; None: there is none. Locks see to it that nothing is compiled twice."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    if {type(part) for part in parts} <= _LOADED_TYPES or cores == 1:
+        return None
+    missing = [part for part in parts if not is_compiled(part, world)]
+    if len(missing) + (not is_loop_compiled()) < 2:
+        return None
+    with suppress(OSError, pickle.PicklingError, AttributeError):
+        blanks = _blank((tuple(parts), world, rest))
+        content = pickle.dumps((sys.path, name, *blanks))
+        streams = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
+        command = [sys.executable, "-c", HELPER]
+        helper = subprocess.Popen(command, stderr=subprocess.DEVNULL, **streams)
+        with suppress(BrokenPipeError), helper.stdin:
+            helper.stdin.write(content)
+        return helper
+    return None
+
+
+def _blank(value: Any) -> Any:
+    """A value of the same form, with empty arrays."""
+    if isinstance(value, np.ndarray):
+        return np.empty((0,) * value.ndim, value.dtype)
+    if isinstance(value, tuple):
+        fields = map(_blank, value)
+        return type(value)(*fields) if hasattr(value, "_fields") else tuple(fields)
+    return value
+
+
+def compile_backwards(name: str, parts: Sequence[tuple], world: tuple, rest: tuple) -> None:
+    """Compile what `prepare_call` needs of its arguments, in the other order. Only the form of
+    arrays counts, not their size."""
+    table = Calls(np.zeros(1, np.int64), np.zeros((0, 2), np.int64))
+    _loop(name, (table, world, *rest))
+    for part in reversed(parts):
+        _kernels(part, world, form_of(world))
 
 
 def is_compiled(part: tuple, world: tuple) -> bool:
@@ -241,6 +300,7 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
 
         path, has_code = cache_file(arrays.__name__, form, arrays), bool(_hooks(arrays))
         READY[arrays, form] = _make_ready(path, compile_kernels) if has_code else {}
+        _LOADED_TYPES.add(arrays)
     return READY[arrays, form]
 
 

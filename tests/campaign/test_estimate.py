@@ -97,7 +97,7 @@ def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
 
 
 def test_margins_cost_their_travels_and_a_cache_saves_compiling(monkeypatch):
-    """A travel takes longer than the integration of a run here."""
+    """Travels take far longer than the integration of the runs here."""
     from deployable.campaign.answers import estimate as module
 
     whole = estimate(loaded("review"))
@@ -105,7 +105,7 @@ def test_margins_cost_their_travels_and_a_cache_saves_compiling(monkeypatch):
     monkeypatch.setattr("fpm.list_kinds_to_compile", lambda *rest: [])
     plain = estimate(loaded("review"))
     assert whole.core_time > 20 * plain.core_time and plain.compile_time == 0.0
-    assert whole.seconds > 3 * plain.seconds
+    assert whole.seconds > plain.seconds + whole.compile_time + 20 * plain.core_time
 
 
 def test_an_accuracy_has_a_likely_range_below_its_ceiling():

@@ -26,8 +26,20 @@ def interrupts():
 
 
 def test_the_command_is_there_before_what_reads_the_number_of_threads():
-    code = "import sys, deployable.__main__; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    code = """if True:
+        import os, sys
+        os.environ.pop("OMP_NUM_THREADS", None)
+        class Watch:
+            def find_spec(self, name, path=None, target=None):
+                if name == "numpy":
+                    sys.exit(os.environ.get("OMP_NUM_THREADS", "any"))
+        sys.meta_path.insert(0, Watch())
+        import deployable.__main__
+    """
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (1, "1\n")
 
 
 def test_ctrl_c_stays_ignored_where_it_is(interrupts):

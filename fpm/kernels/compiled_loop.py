@@ -15,6 +15,7 @@ import hashlib
 import logging
 import os
 import pickle
+import re
 import subprocess
 import sys
 import threading
@@ -22,18 +23,18 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba import types
-from numba.core.codegen import initialize_llvm
+from numba.core.codegen import CodeLibrary, initialize_llvm
 
-from fpm.errors import ChangedError
+from fpm.errors import ChangedError, SceneError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
 from fpm.kernels.hooks import ENTRIES, HASHES, KERNELS, NAMES, Calls, entry_of
+from fpm.kernels.inlining import InlinedKernel
 from fpm.kernels.references import Reference
 from fpm.kernels.vectors import OPTIONS
 from fpm.kernels.world import StepTime
@@ -159,6 +160,9 @@ SEAL = "seal"
 
 Code = dict[str, tuple[str, bytes]]
 """Of compiled functions, by name, the name in their machine code, and that."""
+
+PYTHON = re.compile(r"@Py[A-Z]|@numba_gil|store .*%excinfo")
+"""What in the code of a kernel needs Python, or raises an error, which the loop cannot hand on."""
 
 
 def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) -> Callable[[], None]:
@@ -295,11 +299,18 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
             for hook in _hooks(arrays):
                 function, arguments = entry_of(arrays, hook)
                 kinds = [Reference(numba_type(part)), *(argument_types[a] for a in arguments)]
-                code[hook] = _compile(function, kinds)
+                library, code[hook] = _compile(function, kinds)
+                if user_sources and PYTHON.search(library.get_llvm_str()):
+                    allowed = "kernels that raise no error and use nothing of Python"
+                    raise SceneError(f"kernel of {arrays.__name__}", hook, allowed)
+                is_kept.append(not library.has_dynamic_globals)
             return code
 
-        path, has_code = cache_file(arrays.__name__, form, arrays), bool(_hooks(arrays))
-        READY[arrays, form] = _make_ready(path, compile_kernels) if has_code else {}
+        user_sources = find_user_sources(arrays)
+        is_kept = [_is_told_by_its_file(KERNELS[arrays, hook]) for hook in _hooks(arrays)]
+        path = cache_file(arrays.__name__, form, arrays)
+        ready = _make_ready(path, compile_kernels, is_kept) if is_kept else {}
+        READY[arrays, form] = ready
         _LOADED_TYPES.add(arrays)
     return READY[arrays, form]
 
@@ -314,45 +325,58 @@ def _loop(name: str, arguments: tuple) -> int:
                 Reference(numba_type(a)) if _is_by_reference(a) else numba_type(a)
                 for a in arguments
             ]
-            return {name: _compile(FUNCTIONS[name].py_func, kinds)}
+            return {name: _compile(FUNCTIONS[name].py_func, kinds)[1]}
 
-        READY[name, form] = _make_ready(cache_file(name, form), compile_loop)
+        READY[name, form] = _make_ready(cache_file(name, form), compile_loop, [])
     return READY[name, form][name]
 
 
-def _compile(function: Callable, kinds: Sequence[types.Type]) -> tuple[str, bytes]:
-    """The name of a function in machine code for arguments of some types, and that code."""
+def _is_told_by_its_file(kernel: Callable) -> bool:
+    """Whether a kernel is the same wherever its file is: it is not one of several that a function
+    made of that text with values of its own."""
+    cells = [cell.cell_contents for cell in kernel.py_func.__closure__ or ()]
+    return all(isinstance(c, InlinedKernel) and _is_told_by_its_file(c) for c in cells)
+
+
+def _compile(
+    function: Callable, kinds: Sequence[types.Type]
+) -> tuple[CodeLibrary, tuple[str, bytes]]:
+    """A function compiled for arguments of some types: its library, and the name of the function in
+    machine code and that code."""
     dispatcher = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(function)
     dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
-    return result.fndesc.llvm_func_name, result.library.serialize_using_object_code()[2][0]
+    code = result.library.serialize_using_object_code()[2][0]
+    return result.library, (result.fndesc.llvm_func_name, code)
 
 
-def _make_ready(path: Path, compile_all: Callable[[], Code]) -> dict[str, int]:
-    """Addresses of functions, loaded from their file, or compiled and written there. The first
-    process compiles, and others wait for its lock; so do threads."""
+def _make_ready(path: Path, compile_all: Callable[[], Code], is_kept: list[bool]) -> dict[str, int]:
+    """Addresses of functions, loaded from their file, or compiled and, if all that `is_kept` holds
+    then is true, written there. The first process compiles, and others wait for its lock; so do
+    threads."""
     with THREADS, _one_at_a_time(path):
-        code = _read(path)
+        code = _read(path) if all(is_kept) else {}
         if not code:
             with _collect_seldom():
                 code = compile_all()
             COMPILED_NAMES.append(path.stem.split("-")[0])
-            with suppress(OSError):  # a full disk, say
-                _write(path, code)
+            if all(is_kept):  # no addresses of this process, say
+                with suppress(OSError):  # a full disk, say
+                    _write(path, code)
         return {function: _load(*entry) for function, entry in code.items()}
 
 
 def _read(path: Path) -> Code:
     """Code in a file; {}: there is none, or it is not as it was written."""
+    if not path.is_file():
+        return {}
     try:
         with np.load(path) as file:
             content = {tuple(key.split(" ")): file[key].tobytes() for key in file.files}
         if content.pop((SEAL,)) != _seal(path):
             raise ValueError(SEAL)  # the file of something else
         return {name: (symbol, code) for (name, symbol), code in content.items()}
-    except FileNotFoundError:
-        return {}
-    except (OSError, EOFError, ValueError, KeyError, BadZipFile):
+    except Exception:  # whatever a damaged file makes its readers raise
         logging.getLogger(__name__).warning(
             "%s: compiled code that is not as it was written; it is made again", path
         )
@@ -366,7 +390,7 @@ def _seal(path: Path) -> bytes:
 
 def _write(path: Path, code: Code) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
+    part = path.with_name(f".{path.stem}.{os.getpid()}.npz")
     arrays = {f"{n} {symbol}": np.frombuffer(c, np.uint8) for n, (symbol, c) in code.items()}
     arrays[SEAL] = np.frombuffer(_seal(path), np.uint8)
     try:

@@ -51,7 +51,9 @@ def hook(arrays: type, name: str | None = None) -> Callable:
                 raise ValueError(f"{arrays.__name__} has a kernel for {key} already")
             KERNELS[arrays, key] = entry
         with suppress(SceneError):  # typed in: refused when it is to be compiled
-            HASHES.setdefault(arrays, digests(file_of(getattr(routine, "py_func", routine))))
+            known = HASHES.setdefault(arrays, {})
+            for path, digest in digests(file_of(getattr(routine, "py_func", routine))).items():
+                known.setdefault(path, digest)
         return routine
 
     return register

@@ -111,6 +111,73 @@ def twice(x):
 }
 
 
+OWN_RUN = """
+import sys
+import numpy as np
+from fpm.kernels import compiled_loop
+from fpm.kernels.world import StepTime, World
+from own_kernels import make
+
+world = World(*[np.zeros((1, 1, 8))] * len(World._fields))._replace(givers=0)
+for rate in map(float, sys.argv[1:]):
+    own = make(rate)(np.ones(1))
+    compiled_loop.prepare_call("act", [own], world, StepTime(0.0, 1.0, 1.0))()
+    print(own.index[0])
+"""
+
+OWN_MADE = """
+import ctypes
+from typing import NamedTuple
+
+import numpy as np
+from fpm.kernels.hooks import hook
+from numba import njit
+
+TABLE = np.full(200_000, 3.0)
+labs = ctypes.CDLL(None).labs
+labs.argtypes, labs.restype = [ctypes.c_int64], ctypes.c_int64
+
+@njit
+def check(x):
+    assert x < 5.0
+    return x
+
+def make(rate):
+    class Own(NamedTuple):
+        index: np.ndarray
+
+    @hook(Own)
+    def forces(part, world, timing):
+        part.index[0] = RESULT
+
+    return Own
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("formula", "results"),
+    [
+        ("rate * part.index[0]", ["2.0", "4.0"]),  # one text, two kernels
+        ("TABLE[int(rate * part.index[0])]", ["3.0", "3.0"]),  # at an address of this process
+        ("labs(int(-rate * part.index[0]))", ["2.0", "4.0"]),
+        ("check(rate * part.index[0])", []),  # raises an error
+    ],
+)
+def test_code_that_is_of_one_process_only_is_not_kept(tmp_path, formula, results):
+    (tmp_path / "own_kernels.py").write_text(OWN_MADE.replace("RESULT", formula))
+    (tmp_path / "run.py").write_text(OWN_RUN)
+    paths = {"PYTHONPATH": str(Path(__file__).parents[2]), "NUMBA_CACHE_DIR": str(tmp_path)}
+    for rates in (["2", "4"], ["4"]):
+        done = subprocess.run(
+            [sys.executable, tmp_path / "run.py", *rates], env={**os.environ, **paths},
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.stdout.split() == results[-len(rates) :]
+        assert ("kernels that raise no error" in done.stderr) == (not results)
+    assert not list(tmp_path.rglob("Own-*.npz"))
+
+
 @pytest.fixture
 def own(tmp_path, monkeypatch):
     """The named tuple of a kind of four files in a folder."""
@@ -141,9 +208,9 @@ def make_ready(path: Path, compiled: list) -> float:
 
     def compile_half() -> compiled_loop.Code:
         compiled.append(path)
-        return {"half": compiled_loop._compile(lambda x: x[0] * 0.5, [ARRAY])}
+        return {"half": compiled_loop._compile(lambda x: x[0] * 0.5, [ARRAY])[1]}
 
-    address = compiled_loop._make_ready(path, compile_half)["half"]
+    address = compiled_loop._make_ready(path, compile_half, [])["half"]
     numbers, result = np.array([5.0]), ctypes.c_double()
     words = list(compiled_loop.words_of(numbers))
     kinds = [ctypes.c_void_p, ctypes.c_void_p, *[ctypes.c_int64] * len(words)]

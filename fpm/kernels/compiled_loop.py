@@ -307,7 +307,7 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
             return code
 
         user_sources = find_user_sources(arrays)
-        is_kept = [_is_told_by_its_file(KERNELS[arrays, hook]) for hook in _hooks(arrays)]
+        is_kept = [_is_defined_by_its_file(KERNELS[arrays, hook]) for hook in _hooks(arrays)]
         path = cache_file(arrays.__name__, form, arrays)
         ready = _make_ready(path, compile_kernels, is_kept) if is_kept else {}
         READY[arrays, form] = ready
@@ -331,11 +331,11 @@ def _loop(name: str, arguments: tuple) -> int:
     return READY[name, form][name]
 
 
-def _is_told_by_its_file(kernel: Callable) -> bool:
+def _is_defined_by_its_file(kernel: Callable) -> bool:
     """Whether a kernel is the same wherever its file is: it is not one of several that a function
     made of that text with values of its own."""
     cells = [cell.cell_contents for cell in kernel.py_func.__closure__ or ()]
-    return all(isinstance(c, InlinedKernel) and _is_told_by_its_file(c) for c in cells)
+    return all(isinstance(c, InlinedKernel) and _is_defined_by_its_file(c) for c in cells)
 
 
 def _compile(

@@ -51,9 +51,9 @@ def hook(arrays: type, name: str | None = None) -> Callable:
                 raise ValueError(f"{arrays.__name__} has a kernel for {key} already")
             KERNELS[arrays, key] = entry
         with suppress(SceneError):  # typed in: refused when it is to be compiled
-            known = HASHES.setdefault(arrays, {})
+            source_digests = HASHES.setdefault(arrays, {})
             for path, digest in digests(file_of(getattr(routine, "py_func", routine))).items():
-                known.setdefault(path, digest)
+                source_digests.setdefault(path, digest)
         return routine
 
     return register

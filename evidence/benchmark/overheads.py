@@ -22,10 +22,34 @@ start = time.perf_counter()
 import fpm
 imported = time.perf_counter()
 import numba
-numba_there = time.perf_counter()
-fpm.warm_up(scene_type("bennett").build())
-print(json.dumps([imported - start, numba_there - imported, time.perf_counter() - numba_there]))
+numba_time = time.perf_counter() - imported
+from deployable.campaign.config.sections import scene_type
+scene = scene_type("bennett").build()
+built = time.perf_counter()
+fpm.warm_up(scene)
+print(json.dumps([imported - start, numba_time, time.perf_counter() - built]))
 """
+
+SIX = """
+import json, time
+start = time.perf_counter()
+import numpy, numba, xarray, netCDF4, matplotlib, snakemake
+print(json.dumps(time.perf_counter() - start))
+"""
+
+COMPILE = """
+import json, sys, time
+import fpm
+from deployable.campaign.config.sections import scene_type
+scene = scene_type(sys.argv[1]).build()
+start = time.perf_counter()
+fpm.warm_up(scene)
+print(json.dumps(time.perf_counter() - start))
+"""
+
+ORDER = ("bennett", "boom", "telescope", "solar_array", "tensegrity")
+"""Structures whose kinds of element are compiled one after the other, into a cache that is empty
+at first; then a mix of them that was not there before."""
 
 
 def time_start(repeats: int) -> list[Row]:
@@ -40,6 +64,26 @@ def time_start(repeats: int) -> list[Row]:
         info("import numba, when first simulating", float(numba), "s"),
         info("loading the compiled kernels from the cache", float(kernels), "s"),
     ]
+
+
+def time_compiling() -> list[Row]:
+    """Compile structures, each in a process of its own; against one that imports six libraries."""
+    with tempfile.TemporaryDirectory() as folder:
+        empty = {}
+        for name in ORDER:
+            alone = Path(folder, name)
+            empty[name] = json.loads(python("-c", COMPILE, name, NUMBA_CACHE_DIR=str(alone)))
+        after = {
+            name: json.loads(python("-c", COMPILE, name, NUMBA_CACHE_DIR=folder)) for name in ORDER
+        }
+        mix = json.loads(python("-c", COMPILE, "latch", NUMBA_CACHE_DIR=folder))
+        unit = min(json.loads(python("-c", SIX)) for _ in range(3))
+    rows = [info("a process that imports six libraries", unit, "s")]
+    for name in ORDER:
+        note = f"{empty[name] / unit:.1f} times that process; {after[name]:.1f} s after those above"
+        rows.append(info(f"compiling {name} from an empty cache", empty[name], "s", note))
+    note = f"{mix / unit:.1f} times that process"
+    return [*rows, info("a new mix of kinds that are compiled: latch", mix, "s", note)]
 
 
 def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int = 10) -> list[Row]:

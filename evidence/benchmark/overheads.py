@@ -66,24 +66,25 @@ def time_start(repeats: int) -> list[Row]:
     ]
 
 
-def time_compiling() -> list[Row]:
+def time_compilation() -> list[Row]:
     """Compile structures, each in a process of its own; against one that imports six libraries."""
     with tempfile.TemporaryDirectory() as folder:
-        empty = {}
+        first_times = {}
         for name in ORDER:
-            alone = Path(folder, name)
-            empty[name] = json.loads(python("-c", COMPILE, name, NUMBA_CACHE_DIR=str(alone)))
-        after = {
+            cache = Path(folder, name)
+            first_times[name] = json.loads(python("-c", COMPILE, name, NUMBA_CACHE_DIR=str(cache)))
+        later_times = {
             name: json.loads(python("-c", COMPILE, name, NUMBA_CACHE_DIR=folder)) for name in ORDER
         }
-        mix = json.loads(python("-c", COMPILE, "latch", NUMBA_CACHE_DIR=folder))
+        mix_time = json.loads(python("-c", COMPILE, "latch", NUMBA_CACHE_DIR=folder))
         unit = min(json.loads(python("-c", SIX)) for _ in range(3))
     rows = [info("a process that imports six libraries", unit, "s")]
     for name in ORDER:
-        note = f"{empty[name] / unit:.1f} times that process; {after[name]:.1f} s after those above"
-        rows.append(info(f"compiling {name} from an empty cache", empty[name], "s", note))
-    note = f"{mix / unit:.1f} times that process"
-    return [*rows, info("a new mix of kinds that are compiled: latch", mix, "s", note)]
+        seconds = first_times[name]
+        note = f"{seconds / unit:.1f} times that process; {later_times[name]:.1f} s after those above"
+        rows.append(info(f"compiling {name} from an empty cache", seconds, "s", note))
+    note = f"{mix_time / unit:.1f} times that process"
+    return [*rows, info("a new mix of kinds that are compiled: latch", mix_time, "s", note)]
 
 
 def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int = 10) -> list[Row]:

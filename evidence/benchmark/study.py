@@ -19,7 +19,7 @@ _PARTS = {
     "kinds": (kinds.GROUP, lambda n: kinds.kinds(20_000 // n, 8)),
     "machine": (machine.GROUP, lambda n: machine.peak(20_000 // n, 8)),
     "starting": (overheads.GROUP, lambda n: overheads.time_start(3)),
-    "compiling": (overheads.GROUP, lambda n: overheads.time_compiling()),
+    "compiling": (overheads.GROUP, lambda n: overheads.time_compilation()),
     "surrogate": (overheads.GROUP, lambda n: overheads.surrogate(3)),
     "writing": (overheads.GROUP, lambda n: overheads.time_write(3)),
     "campaign": (campaigns.PAPER, lambda n: campaigns.paper()),

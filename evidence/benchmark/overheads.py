@@ -81,7 +81,7 @@ def time_compilation() -> list[Row]:
     rows = [info("a process that imports six libraries", unit, "s")]
     for name in ORDER:
         seconds = first_times[name]
-        note = f"{seconds / unit:.1f} times that process; {later_times[name]:.1f} s after those above"
+        note = f"{seconds / unit:.1f} times as long; after those above {later_times[name]:.1f} s"
         rows.append(info(f"compiling {name} from an empty cache", seconds, "s", note))
     note = f"{mix_time / unit:.1f} times that process"
     return [*rows, info("a new mix of kinds that are compiled: latch", mix_time, "s", note)]

@@ -149,9 +149,6 @@ COMPILED_NAMES: list[str] = []
 _ENGINES: list[llvm.ExecutionEngine] = []
 """What keeps machine code in memory."""
 
-_LOADED_TYPES: set[type] = set()
-"""Classes of arrays whose kernels are in memory, in one form at least."""
-
 THREADS = threading.Lock()
 """Lock held by the thread that makes code ready."""
 
@@ -220,7 +217,7 @@ def _start_helper(
     """A process that compiles the same from the end on, where there is a core for it, and more than
     one thing to compile; None: there is none. Locks see to it that nothing is compiled twice."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    if {type(part) for part in parts} <= _LOADED_TYPES or cores == 1:
+    if {type(part) for part in parts} <= {unit for unit, _ in READY} or cores == 1:
         return None
     missing = [part for part in parts if not is_compiled(part, world)]
     if len(missing) + (not is_loop_compiled()) < 2:
@@ -287,7 +284,7 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
     arrays, form = type(part), f"{form_of(part)} {world_form}"
     if (arrays, form) not in READY:
 
-        def compile_kernels() -> Code:
+        def compile_kernels() -> tuple[Code, bool]:
             lanes = types.Array(numba.from_dtype(world.state.dtype), 3, "C")
             argument_types = {
                 "world": Reference(numba_type(world)),
@@ -295,23 +292,20 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
                 **dict.fromkeys(("row", "column"), types.intp),
                 **dict.fromkeys(("energies", "points"), lanes),
             }
-            code = {}
-            for hook in _hooks(arrays):
+            code, is_portable, is_own = {}, True, bool(find_user_sources(arrays))
+            for hook in hooks:
                 function, arguments = entry_of(arrays, hook)
                 kinds = [Reference(numba_type(part)), *(argument_types[a] for a in arguments)]
                 library, code[hook] = _compile(function, kinds)
-                if user_sources and PYTHON.search(library.get_llvm_str()):
+                if is_own and PYTHON.search(library.get_llvm_str()):
                     allowed = "kernels that raise no error and use nothing of Python"
                     raise SceneError(f"kernel of {arrays.__name__}", hook, allowed)
-                is_kept.append(not library.has_dynamic_globals)
-            return code
+                is_portable &= not library.has_dynamic_globals
+            return code, is_portable
 
-        user_sources = find_user_sources(arrays)
-        is_kept = [_is_defined_by_its_file(KERNELS[arrays, hook]) for hook in _hooks(arrays)]
-        path = cache_file(arrays.__name__, form, arrays)
-        ready = _make_ready(path, compile_kernels, is_kept) if is_kept else {}
-        READY[arrays, form] = ready
-        _LOADED_TYPES.add(arrays)
+        hooks, path = _hooks(arrays), cache_file(arrays.__name__, form, arrays)
+        is_kept = all(_is_defined_by_its_file(KERNELS[arrays, hook]) for hook in hooks)
+        READY[arrays, form] = _make_ready(path, compile_kernels, is_kept) if hooks else {}
     return READY[arrays, form]
 
 
@@ -320,14 +314,14 @@ def _loop(name: str, arguments: tuple) -> int:
     form = form_of(arguments)
     if (name, form) not in READY:
 
-        def compile_loop() -> Code:
+        def compile_loop() -> tuple[Code, bool]:
             kinds = [
                 Reference(numba_type(a)) if _is_by_reference(a) else numba_type(a)
                 for a in arguments
             ]
-            return {name: _compile(FUNCTIONS[name].py_func, kinds)[1]}
+            return {name: _compile(FUNCTIONS[name].py_func, kinds)[1]}, True
 
-        READY[name, form] = _make_ready(cache_file(name, form), compile_loop, [])
+        READY[name, form] = _make_ready(cache_file(name, form), compile_loop)
     return READY[name, form][name]
 
 
@@ -350,17 +344,20 @@ def _compile(
     return result.library, (result.fndesc.llvm_func_name, code)
 
 
-def _make_ready(path: Path, compile_all: Callable[[], Code], is_kept: list[bool]) -> dict[str, int]:
-    """Addresses of functions, loaded from their file, or compiled and, if all that `is_kept` holds
-    then is true, written there. The first process compiles, and others wait for its lock; so do
-    threads."""
+def _make_ready(
+    path: Path, compile_all: Callable[[], tuple[Code, bool]], is_kept: bool = True
+) -> dict[str, int]:
+    """Addresses of functions, loaded from their file, or compiled and written there. compile_all:
+    returns code, and whether other processes may load it, as it has no addresses of this one;
+    is_kept: False: the file is neither read nor written. The first process compiles, and others
+    wait for its lock; so do threads."""
     with THREADS, _one_at_a_time(path):
-        code = _read(path) if all(is_kept) else {}
+        code = _read(path) if is_kept else {}
         if not code:
             with _collect_seldom():
-                code = compile_all()
+                code, is_portable = compile_all()
             COMPILED_NAMES.append(path.stem.split("-")[0])
-            if all(is_kept):  # no addresses of this process, say
+            if is_kept and is_portable:
                 with suppress(OSError):  # a full disk, say
                     _write(path, code)
         return {function: _load(*entry) for function, entry in code.items()}

@@ -206,11 +206,11 @@ def test_an_edit_of_what_a_kind_imports_is_refused_in_its_process(own, tmp_path,
 def make_ready(path: Path, compiled: list) -> float:
     """What a function gives that is compiled into a file, or loaded from it."""
 
-    def compile_half() -> compiled_loop.Code:
+    def compile_half() -> tuple[compiled_loop.Code, bool]:
         compiled.append(path)
-        return {"half": compiled_loop._compile(lambda x: x[0] * 0.5, [ARRAY])[1]}
+        return {"half": compiled_loop._compile(lambda x: x[0] * 0.5, [ARRAY])[1]}, True
 
-    address = compiled_loop._make_ready(path, compile_half, [])["half"]
+    address = compiled_loop._make_ready(path, compile_half)["half"]
     numbers, result = np.array([5.0]), ctypes.c_double()
     words = list(compiled_loop.words_of(numbers))
     kinds = [ctypes.c_void_p, ctypes.c_void_p, *[ctypes.c_int64] * len(words)]

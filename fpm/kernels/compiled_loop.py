@@ -93,7 +93,9 @@ def cache_file(name: str, form: str, arrays: type | None = None) -> Path:
     form: of the arguments (`form_of`); arrays: class of the named tuple of an element type, None:
     the loop's own. Raises ChangedError if a source of the type changed since it was imported."""
     user_digests = sorted(find_user_sources(arrays).items()) if arrays else []
-    digest = hashlib.sha256(repr([form, [d for _, d in user_digests]]).encode()).hexdigest()[:16]
+    constants = [_constants_of(KERNELS[arrays, hook]) for hook in _hooks(arrays)] if arrays else []
+    text = repr([form, [d for _, d in user_digests], constants])
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     return cache_folder() / f"{name}-{digest}.npz"
 
 
@@ -304,7 +306,7 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
             return code, is_portable
 
         hooks, path = _hooks(arrays), cache_file(arrays.__name__, form, arrays)
-        is_kept = all(_is_defined_by_its_file(KERNELS[arrays, hook]) for hook in hooks)
+        is_kept = all(_constants_of(KERNELS[arrays, hook]) is not None for hook in hooks)
         READY[arrays, form] = _make_ready(path, compile_kernels, is_kept) if hooks else {}
     return READY[arrays, form]
 
@@ -325,11 +327,17 @@ def _loop(name: str, arguments: tuple) -> int:
     return READY[name, form][name]
 
 
-def _is_defined_by_its_file(kernel: Callable) -> bool:
-    """Whether a kernel is the same wherever its file is: it is not one of several that a function
-    made of that text with values of its own."""
-    cells = [cell.cell_contents for cell in kernel.py_func.__closure__ or ()]
-    return all(isinstance(c, InlinedKernel) and _is_defined_by_its_file(c) for c in cells)
+def _constants_of(kernel: Callable) -> list | None:
+    """What a function that made a kernel gave it, and the kernels that it calls likewise: numbers
+    and texts, by which compiled code is known; None: also something else, which none is."""
+    constants: list = [kernel.py_func.__qualname__]
+    for cell in kernel.py_func.__closure__ or ():
+        value = cell.cell_contents
+        value = _constants_of(value) if isinstance(value, InlinedKernel) else value
+        if type(value) not in (list, bool, int, float, str):
+            return None
+        constants.append(value)
+    return constants
 
 
 def _compile(

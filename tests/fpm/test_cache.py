@@ -5,6 +5,7 @@ import errno
 import fcntl
 import importlib
 import os
+import pkgutil
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fpm import elements
 from fpm.errors import ChangedError
 from fpm.kernels import compiled_loop
 from fpm.kernels.hooks import KERNELS
@@ -143,6 +145,8 @@ def check(x):
     return x
 
 def make(rate):
+    LIST = (1.0,)
+
     class Own(NamedTuple):
         index: np.ndarray
 
@@ -156,15 +160,16 @@ def make(rate):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("formula", "results"),
+    ("formula", "results", "kept"),
     [
-        ("rate * part.index[0]", ["2.0", "4.0"]),  # one text, two kernels
-        ("TABLE[int(rate * part.index[0])]", ["3.0", "3.0"]),  # at an address of this process
-        ("labs(int(-rate * part.index[0]))", ["2.0", "4.0"]),
-        ("check(rate * part.index[0])", []),  # raises an error
+        ("rate * part.index[0]", ["2.0", "4.0"], 2),  # one text, two kernels
+        ("LIST[0] * rate * part.index[0]", ["2.0", "4.0"], 0),  # what no file tells
+        ("TABLE[int(rate * part.index[0])]", ["3.0", "3.0"], 0),  # at an address of this process
+        ("labs(int(-rate * part.index[0]))", ["2.0", "4.0"], 0),
+        ("check(rate * part.index[0])", [], 0),  # raises an error
     ],
 )
-def test_code_that_is_of_one_process_only_is_not_kept(tmp_path, formula, results):
+def test_code_that_is_of_one_process_only_is_not_kept(tmp_path, formula, results, kept):
     (tmp_path / "own_kernels.py").write_text(OWN_MADE.replace("RESULT", formula))
     (tmp_path / "run.py").write_text(OWN_RUN)
     paths = {"PYTHONPATH": str(Path(__file__).parents[2]), "NUMBA_CACHE_DIR": str(tmp_path)}
@@ -175,7 +180,15 @@ def test_code_that_is_of_one_process_only_is_not_kept(tmp_path, formula, results
         )  # fmt: skip
         assert done.stdout.split() == results[-len(rates) :]
         assert ("kernels that raise no error" in done.stderr) == (not results)
-    assert not list(tmp_path.rglob("Own-*.npz"))
+    assert len(list(tmp_path.rglob("Own-*.npz"))) == kept
+
+
+def test_compiled_kernels_of_all_kinds_are_kept():
+    for module in pkgutil.walk_packages(elements.__path__, f"{elements.__name__}."):
+        importlib.import_module(module.name)
+    hooks = [hook for hook in KERNELS if hook[0].__module__.startswith("fpm.")]
+    assert {"RigidLatches", "TurnedJoints"} <= {arrays.__name__ for arrays, _ in hooks}
+    assert [h for h in hooks if compiled_loop._constants_of(KERNELS[h]) is None] == []
 
 
 @pytest.fixture

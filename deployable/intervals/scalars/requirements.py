@@ -372,6 +372,16 @@ class ChoiceProblem:
 
     def judge(self, values: np.ndarray) -> Choice:
         """Evaluate goals and limits in the worst case for chosen values (c)."""
+        values = np.asarray(values, dtype=float)
+        if (key := values.tobytes()) not in self._judged:  # grids share points
+            self._judged[key] = self._judge(values)
+        return self._judged[key]
+
+    @cached_property
+    def _judged(self) -> dict[bytes, Choice]:
+        return {}
+
+    def _judge(self, values: np.ndarray) -> Choice:
         lower, upper = self.box(values)
         goal_values = [goal.value(lower, upper) for goal in self.goals]
         limit_values = [limit.worst(lower, upper) for limit in self.limits]
@@ -382,7 +392,7 @@ class ChoiceProblem:
         has_error = np.isfinite(margins) & ~np.isnan(errors)
         sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
         return Choice(
-            np.asarray(values, dtype=float),
+            values,
             np.array([value for value, _ in goal_values]),
             float(margins.min(initial=np.inf)),
             margins,
@@ -422,9 +432,11 @@ class ChoiceProblem:
         ends where one is not, or with the range that is allowed. A gap narrower than a 16th of the
         way to an end is not noticed."""
 
+        problem = replace(self, goals=())
+
         def is_safe(value: float) -> bool:
             values = np.where(np.arange(len(best.values)) == index, value, best.values)
-            return replace(self, goals=()).judge(values).is_safe
+            return problem.judge(values).is_safe
 
         ends = []
         for end in self.ranges[index]:

@@ -20,6 +20,7 @@ _CANDIDATES = 1024
 _CLIMBS = 3
 _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be relied on
 _STEP = 1e-7  # of half a side, for slopes
+_FLAT = 1e-5  # largest projected slope at which L-BFGS-B ends, its default
 
 Function = Callable[[np.ndarray], np.ndarray]
 
@@ -87,11 +88,15 @@ def extreme(
         return float(losses[0]), (losses[1:] - losses[0]) / steps
 
     for i in order:
-        start = ((trial[i] - middle)[rows] / half[rows]).clip(-1.0, 1.0)
-        bounds = [(-1.0, 1.0)] * len(rows)
-        optimum = scipy.optimize.minimize(loss, start, method="L-BFGS-B", jac=True, bounds=bounds)
+        place = ((trial[i] - middle)[rows] / half[rows]).clip(-1.0, 1.0)
+        slopes = loss(place)[1]
+        # In most corners all slopes point out of the part, and L-BFGS-B would stay there.
+        if np.abs(np.clip(place - slopes, -1.0, 1.0) - place).max() > _FLAT:
+            bounds = [(-1.0, 1.0)] * len(rows)
+            search = {"method": "L-BFGS-B", "jac": True, "bounds": bounds}
+            place = scipy.optimize.minimize(loss, place, **search).x
         x = middle.copy()
-        x[rows] += half[rows] * optimum.x
+        x[rows] += half[rows] * place
         x = np.clip(x, lower, upper)
         value = float(function(x[None])[0])
         if np.isfinite(value) and sign * (value - best) > 0:
@@ -201,7 +206,15 @@ class ScalarSurrogate:
         `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; both NaN
         without values. climbs: number of best points from which a search goes on."""
         part = self._part(lower, upper)
-        return extreme(self.evaluate, sign, *part, self._trial_points, climbs)
+        key = (sign, climbs, *(corner.tobytes() for corner in part))
+        if key not in self._ends:
+            self._ends[key] = extreme(self.evaluate, sign, *part, self._trial_points, climbs)
+        return self._ends[key]
+
+    @cached_property
+    def _ends(self) -> dict[tuple, tuple[float, np.ndarray]]:
+        """What `end` and `find_place` found: limits of the same quantity ask for the same."""
+        return {}
 
     @cached_property
     def _trial_points(self) -> np.ndarray | None:
@@ -227,8 +240,12 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        decision, points = self.occurrence.decision, self.occurrence.points
-        value, point = extreme(decision, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
+        key = (happens, lower.tobytes(), upper.tobytes())
+        if key not in self._ends:
+            decision, points = self.occurrence.decision, self.occurrence.points
+            sign = 1.0 if happens else -1.0
+            self._ends[key] = extreme(decision, sign, lower, upper, points, climbs=1)
+        value, point = self._ends[key]
         return point if (value >= 0) == happens else None
 
 

@@ -82,7 +82,7 @@ MAX_DEGREE = 12  # beyond, the change of basis loses too many digits
 MAX_TENSOR = 70_000  # coefficients of one patch
 _MEMORY = 1 << 22  # most numbers in the patches of one chunk of instants
 _CHUNK_SIZE = 256  # instants; more while their first patches stay in a processor's cache:
-_CACHED = 1 << 16  # numbers
+_CACHE_SIZE = 1 << 16  # numbers
 _WORK = 60_000  # numbers in all the patches that an instant may use on average
 
 
@@ -102,7 +102,7 @@ def tighten(
     if degrees.max() > MAX_DEGREE or size > MAX_TENSOR:
         return outer, value, argument
     todo = np.flatnonzero(outer - inner > tolerance)
-    step = min(max(_CACHED // (8 * size), _CHUNK_SIZE), max(_MEMORY // (8 * size), 1))
+    step = min(max(_CACHE_SIZE // (8 * size), _CHUNK_SIZE), max(_MEMORY // (8 * size), 1))
     for start in range(0, len(todo), step):
         part = todo[start : start + step]
         enclosure = _subdivide(dense[..., part], inner[part], tolerance[part], degrees)

@@ -373,12 +373,12 @@ class ChoiceProblem:
     def judge(self, values: np.ndarray) -> Choice:
         """Evaluate goals and limits in the worst case for chosen values (c)."""
         values = np.asarray(values, dtype=float)
-        if (key := values.tobytes()) not in self._judged:  # grids share points
-            self._judged[key] = self._judge(values)
-        return self._judged[key]
+        if (key := values.tobytes()) not in self._choices:  # grids share points
+            self._choices[key] = self._judge(values)
+        return self._choices[key]
 
     @cached_property
-    def _judged(self) -> dict[bytes, Choice]:
+    def _choices(self) -> dict[bytes, Choice]:
         return {}
 
     def _judge(self, values: np.ndarray) -> Choice:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deployable.campaign.config.loader import load, parse, restore_types
+from deployable.campaign.config.loader import load, parse, read, restore_types
 from deployable.campaign.errors import ConfigError
 
 
@@ -50,6 +50,22 @@ def test_a_file_without_keys_is_refused(text):
 def test_keys_must_be_text():
     with pytest.raises(ConfigError, match="line 2: the key 3 is not a name"):
         parse("a: 1\n3: x", "x")
+
+
+def test_anchors_stand_for_what_they_mark_and_are_merged():
+    text = "a: &x {k: 1, m: [2]}\nb: *x\nc: {<<: *x, k: 3}\nd: {<<: [{k: 4}, *x]}\n"
+    data, lines = read(text, "x")
+    one = {"k": 1, "m": [2]}
+    assert data == {"a": one, "b": one, "c": {**one, "k": 3}, "d": {**one, "k": 4}}
+    assert (lines["b.k"], lines["c.k"], lines["c.m"]) == (1, 3, 1)
+
+
+@pytest.mark.parametrize(
+    "text", ["!!int abc", "!!bool abc", "!!timestamp abc", "!!float a", "!a b"]
+)
+def test_what_a_tag_does_not_fit_is_told(text):
+    with pytest.raises(ConfigError, match=r"line 2: (a value cannot be read|this is not YAML)"):
+        parse(f"b: 1\na: {text}", "x")
 
 
 def test_an_absent_file_is_told(tmp_path):

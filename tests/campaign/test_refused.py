@@ -44,7 +44,11 @@ CASES = {
     "an integer of 5000 digits": (solver("duration: " + 5000 * "9"), ["digits"]),
     "deep nesting": (changed("mine", 3000 * "[" + 3000 * "]"), ["nested too deep", "20"]),
     "nesting just too deep": (changed("mine", 30 * "[" + 30 * "]"), ["nested too deep"]),
-    "recursive nesting": (changed("mine", "&a [*a]"), ["nested too deep"]),
+    "recursive nesting": (changed("mine", "&a [*a]"), ["line 1: *a stands for what &a marks"]),
+    "nesting by aliases": (
+        "a0: &a0 x\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 30)),
+        ["line 21: nested too deep"],
+    ),
     "an alias bomb": (BOMB + GOOD, ["20000 values", "fewer"]),
     "a list of 10 MB": (changed("mine", f"[{5_000_000 * 'x,'}]"), ["bytes", "at most"]),
     "a long list": (changed("mine", f"[{30_000 * 'x,'}]"), ["20000 values"]),

@@ -107,6 +107,15 @@ def test_what_is_wrong_is_said_with_its_line(old, new, said):
         assert key.split(".")[-1] in text.splitlines()[int(line) - 1] or ": missing" in problem
 
 
+@pytest.mark.parametrize(("value", "said"), [
+    ("&h L/2", "line 8: the anchor, alias or tag 'h' is not allowed"),
+    ("\x07", "line 8: the character '\\x07' is not text"),
+    (f"{30 * '['}{30 * ']'}", "line 8: nested too deep; allowed: 20 mappings"),
+])  # fmt: skip
+def test_what_no_key_may_hold_is_said_with_its_line(value, said):
+    refused(SMALL, "  half: L/2", f"  half: {value}", said)
+
+
 def test_all_that_is_wrong_is_said_at_once():
     text = SMALL.replace("210 GPa", "210 mm").replace("axis: y", "axis: q").replace("mesh", "mehs")
     found = problems_of(text)

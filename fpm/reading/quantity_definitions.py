@@ -5,9 +5,8 @@ from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from itertools import chain
 
-import numpy as np
-
 from fpm.arithmetic import expressions
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements.kind import Eventful
 from fpm.errors import SceneError, did_you_mean
 from fpm.reading.quantities import KINDS, Quantity
@@ -15,6 +14,7 @@ from fpm.reading.quantity_expressions import QuantityExpression, unit_of
 from fpm.reading.responses import Response
 
 DIRECTIONS = ("rising", "falling", "either")
+_COUNT = NumberLimits(least=1, is_whole=True)
 _FIELDS = {"at": "instant", "about": "target", "within": "tolerance", "way": "direction"}
 """Fields of `Quantity` that some keys of a definition are; the others have the key's name."""
 
@@ -73,7 +73,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
     kind = _kind_of(key, definition)
     target = definition[kind]
     if kind == "event":
-        number = _whole(f"{key}.number", definition.get("number", 1))
+        number = _COUNT.check(f"{key}.number", definition.get("number", 1))
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
         return _add_long_name(quantity, definition.get("of", ""))
@@ -84,9 +84,9 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         return _add_long_name(Quantity(name, kind, unit, "", instant=quantities[target]))
     response = responses[_one_of(f"{key}.{kind}", target, responses)]
     read = {
-        **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
-        "within": lambda key, value: _above_zero(key, value, response.unit),
-        "number": _whole,
+        **dict.fromkeys(("level", "about"), NumberLimits(unit=response.unit).check),
+        "within": NumberLimits(unit=response.unit, above=0).check,
+        "number": _COUNT.check,
         "way": lambda key, value: _one_of(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }
@@ -193,29 +193,11 @@ def _ordinal(number: int) -> str:
 def _moment(key: str, instant: object, quantities: Mapping[str, Quantity]) -> Quantity | float:
     times = [name for name, quantity in quantities.items() if quantity.is_time]
     if not isinstance(instant, str):
-        return _real(key, instant, "s")
+        return NumberLimits(unit="s").check(key, instant)
     if instant not in times:
         allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
         raise SceneError(key, instant, allowed)
     return quantities[instant]
-
-
-def _real(key: str, value: object, unit: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise SceneError(key, value, f"a number ({unit})")
-    return float(value)
-
-
-def _above_zero(key: str, value: object, unit: str) -> float:
-    if _real(key, value, unit) <= 0:
-        raise SceneError(key, value, "a number above 0")
-    return float(value)
-
-
-def _whole(key: str, value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise SceneError(key, value, "a whole number of at least 1")
-    return value
 
 
 def _one_of(key: str, value: object, allowed: Iterable[str], empty_text: str = "one of ") -> str:

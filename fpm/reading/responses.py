@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements import Journal, Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.elements.openings.opening import SLIDE_UNITS
@@ -175,12 +176,9 @@ def _bar(spec: Definition) -> Response:
 
 def _section(spec: Definition) -> Response:
     """A component of what a section of a bar bears, or the size of both of two axes."""
-    fraction, parts = spec.data["at"], spec.variable.parts
-    name = spec.one_of(spec.variable.names(spec.scene))
-    real = isinstance(fraction, int | float) and not isinstance(fraction, bool)
-    if not (real and 0 <= fraction <= 1):
-        allowed = "a share of the bar's length, from 0 to 1"
-        raise SceneError(f"responses.{spec.name}.at", fraction, allowed)
+    parts, name = spec.variable.parts, spec.one_of(spec.variable.names(spec.scene))
+    key, share = f"responses.{spec.name}.at", "a share of the bar's length,"
+    fraction = NumberLimits(least=0, most=1).check(key, spec.data["at"], share)
     bending = parts[1].removesuffix("_y")
     component = spec.one_of((*parts, bending), "component")
     labels = parts[1:] if component == bending else (component,)

@@ -96,7 +96,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
         elif kind == "missing" and names[-1] in path:
             reason = "missing"
         else:
-            unit = keys[-1].key.unit
+            unit = keys[-1].rule.unit
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
             if "number" not in allowed:
                 is_word = isinstance(value, str) and value[:1].isalpha()

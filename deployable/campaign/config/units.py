@@ -55,7 +55,7 @@ class StatedUnits:
         if name not in self._sections:
             value, key = self._source.get(name), whole().children.get(name)
             self._sections[name] = (
-                self._resolve(value, key, key.key.unit, (name,), "") if key else value
+                self._resolve(value, key, key.rule.unit, (name,), "") if key else value
             )
         return self._sections[name]
 
@@ -65,10 +65,10 @@ class StatedUnits:
         """A value at a path, whose numbers have the unit `symbol`, or that of the `owner`, a name;
         parent: the mapping that has it."""
         if isinstance(value, Mapping):
-            result, symbols = {}, dict(key.key.units)
+            result, symbols = {}, dict(key.rule.units)
             for name, item in value.items():
                 entry = key.child(name)
-                symbol = entry and (entry.key.unit or symbols.get(name, ""))
+                symbol = entry and (entry.rule.unit or symbols.get(name, ""))
                 label = owner if name in key.children else name
                 place = (*path, str(name))
                 result[name] = (

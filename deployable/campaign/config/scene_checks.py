@@ -20,6 +20,7 @@ from deployable.campaign.config.resolve import (
     allows,
     campaign_of,
     intervals_of,
+    parameter_problems,
     real_names,
     unknown,
 )
@@ -39,7 +40,7 @@ from deployable.campaign.config.sections import (
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import did_you_mean, number_hint
+from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
 from fpm.reading.margins import OPTIONAL, find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
@@ -61,7 +62,7 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
     except fpm.SceneError as error:
         return None, _scene_problems(error, "scene.file")
     intervals, trouble = intervals_of(config.intervals, section.parameters, structure)
-    problems = parameter_problems(section.parameters, structure) + trouble
+    problems = parameter_problems("scene.parameters", section.parameters, structure) + trouble
     campaign = campaign_of(config, user_config, structure, intervals)
     if not problems:
         problems += _build_problems(campaign.experiment)
@@ -279,22 +280,6 @@ def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
 def _sentence(key: str, error: Any) -> str:
     """An error of `fpm` or `intervals`, which know value and allowed, as a sentence."""
     return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
-
-
-def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
-    """Check the values, by name, that `scene.parameters` of a config sets: returns a sentence for
-    each unknown name or value that is not allowed. scene_type: the `fpm` structure."""
-    problems, parameters = [], scene_type.parameters
-    for name, value in values.items():
-        if name not in parameters:
-            text = unknown(name, f"parameter of {scene_type.name}", parameters)
-        elif not allows(parameters[name], value):
-            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"
-        else:
-            continue
-        problems.append(f"scene.parameters.{name}: {text}")
-    return problems
 
 
 def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:

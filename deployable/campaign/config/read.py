@@ -148,6 +148,12 @@ def show(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def sentence(key: str, error: Any) -> str:
+    """Write an error of `fpm` or `intervals`, which know value and allowed, as a message on a key
+    of the config."""
+    return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
+
+
 def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
     """A copy fit for arrays and JSON; `endless` gets keys and values of numbers not finite."""
     if isinstance(value, Mapping):

@@ -13,7 +13,7 @@ from deployable.campaign.config.models import (
     IntervalSpec,
     Limits,
 )
-from deployable.campaign.config.read import show
+from deployable.campaign.config.read import sentence, show
 from deployable.campaign.config.sections import (
     ADAPTIVE,
     BY_STANDARD,
@@ -27,6 +27,9 @@ from deployable.campaign.config.sections import (
 )
 from fpm import SceneError
 from fpm.errors import did_you_mean, number_hint
+from fpm.reading.definitions import kind_of
+from fpm.reading.margins import OPTIONAL
+from fpm.reading.responses import KINDS
 
 FACTOR_KEYS = ("uncertainty_factors", "actuation_factors", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
@@ -87,10 +90,6 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     standards = _by_standard(config)
     for name, definition in {**config.margins, **standards}.items():
         least, standard = f"{name}_least", name + BY_STANDARD
-        words = sorted({"margin", "with"} & definition.keys())  # `along` stands for both
-        problems += [f"margins.{name}.{w}: there is no such key; allowed: along" for w in words]
-        if words:
-            continue
         try:
             if standard in standards.keys() & config.margins.keys():
                 text = f"its margin by the standard's factors is to be called {standard}, which is "
@@ -106,7 +105,10 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
                     raise RefusedError("", f"{text}requirement of {least}")
                 requirements[label] = {least: Limits(at_least=0.0)}
         except RefusedError as error:
-            problems.append(f"margins.{name}{error.key}: {error.text}")
+            problems.append(f"margins.{name}: {error.text}")
+        except SceneError as error:
+            if name in config.margins:  # else it is told of the one that it stands beside
+                problems.append(sentence(error.key, error))
     config = replace(config, responses=responses, quantities=quantities, requirements=requirements)
     return config, problems
 
@@ -120,19 +122,22 @@ def _by_standard(config: Config) -> dict[str, dict]:
     }
 
 
+_MARGIN = KINDS["margin"]._replace(optional=tuple(k for k in OPTIONAL if k != "with"))
+"""Keys of a margin in a config, where `along` stands for the response's `margin` and `with`."""
+
+
 def _response_of_margin(name: str, definition: Mapping, config: Config) -> dict[str, Any]:
-    """The definition of the response that a margin is."""
-    openings, conflicts = (
-        definition.get("along"),
-        [f"responses.{name}"] * (name in config.responses),
-    )
+    """The definition of the response that a margin, whose keys are checked, is."""
+    conflicts = [f"responses.{name}"] * (name in config.responses)
     conflicts += [f"quantities.{name}_least"] * (f"{name}_least" in config.quantities)
     if conflicts:
         raise RefusedError("", f"there is {' and '.join(conflicts)}; allowed: another name")
+    openings = definition.get("along")
     first, *followers = openings if isinstance(openings, list) else [openings]
     if not all(isinstance(opening, str) for opening in (first, *followers)):
         allowed = "the opening that is moved, or a list of those that are moved together"
-        raise RefusedError(".along", f"{show(openings)} is not allowed; allowed: {allowed}")
+        raise SceneError(f"margins.{name}.along", openings, allowed)
+    kind_of(f"margins.{name}", definition, {"along": _MARGIN})
     rest = {key: value for key, value in definition.items() if key != "along"}
     return {"margin": first, **({"with": followers} if followers else {}), **rest}
 

@@ -39,12 +39,6 @@ def _lines(node: Node, path: str = "") -> Iterator[tuple[str, int]]:
         yield from _lines(node.entries[name], key)
 
 
-def parse(text: str, source: str) -> dict:
-    """Parse a YAML text: returns its mapping. Raises `ConfigError` with the line if it is not YAML,
-    repeats a key or is not a mapping; source: what messages call the text."""
-    return read(text, source).data
-
-
 def restore_types(value: Any) -> Any:
     """Copy a value in which each text, also in lists and mappings, is replaced by what it means as
     YAML, such as "1e9" by a number: Snakemake's `--config` leaves numbers as text. Raises
@@ -54,14 +48,8 @@ def restore_types(value: Any) -> Any:
     if isinstance(value, list):
         return [restore_types(item) for item in value]
     if isinstance(value, str):
-        return parse(f"value: {value}", "--config")["value"] if value else value
+        return read(f"value: {value}", "--config").data["value"] if value else value
     return value
-
-
-def load(path: str | Path) -> dict:
-    """Read the YAML file at `path`: returns its mapping. Raises `ConfigError` for no such file, and
-    if it is not YAML, repeats a key or is not a mapping."""
-    return read_file(path).data
 
 
 def read_file(path: str | Path) -> Text:
@@ -92,7 +80,7 @@ def check_snakemake_arguments(arguments: Sequence[str] | None = None) -> None:
                 "FOLDER`"
             ])  # fmt: skip
         for path in options.files:
-            if YTE_KEY in load(path):
+            if YTE_KEY in read_file(path).data:
                 raise ConfigError(path, [f"{YTE_KEY}: not allowed; nothing in a config is run"])
     except ConfigError as error:
         print(error, file=sys.stderr)

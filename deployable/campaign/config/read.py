@@ -109,16 +109,13 @@ def _fault(raw: Any, error: Mapping) -> Fault:
 
 def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
     """The config with sections under the names likely meant, and a sentence for each renamed."""
-    names, problems = Config.__dataclass_fields__, []
-    if not isinstance(raw, Mapping):
-        return raw, problems
-    sections = dict(raw)
+    names, fixes = Config.__dataclass_fields__, {}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
         likely_name = likely(name, names)
-        if likely_name and likely_name not in sections:
-            problems.append(_no_key([], name, whole()))
-            sections[likely_name] = sections.pop(name)
-    return sections, problems
+        if likely_name not in ("", *raw, *fixes.values()):
+            fixes[name] = likely_name
+    problems = [_no_key([], name, whole()) for name in fixes]
+    return {fixes.get(name, name): section for name, section in raw.items()}, problems
 
 
 def _no_key(path: list[str], name: str, section: ConfigKey) -> str:

@@ -232,9 +232,9 @@ def test_units_on_slides_are_lengths_and_forces(monkeypatch):
     assert units.raw["requirements"]["far"]["m_least"]["at_least"] == 0.1
 
 
-def test_a_config_without_units_is_itself():
+def test_a_config_without_units_stays_as_it_is():
     raw = read_file(ROOT / "config/review.yaml").data
-    assert StatedUnits(raw).raw is raw
+    assert StatedUnits(raw).raw == raw
 
 
 def test_files_and_overrides_may_state_units(tmp_path):

@@ -7,10 +7,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
+from math import inf
 from typing import Any
 
 import numpy as np
 
+from fpm.arithmetic.limits import NumberLimits
 from fpm.errors import SceneError
 
 _KEY = "fpm"
@@ -31,32 +33,24 @@ class FieldSpec:
 
 
 @dataclass(frozen=True)
-class Number(FieldSpec):
-    """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
-    allowed (least) or not (above), None: none; finite: whether infinity is refused; optional:
-    whether None is allowed; count: how many numbers; zero: whether descriptions say a 0."""
+class Number(FieldSpec, NumberLimits):
+    """Spec of a field of one or more numbers, with their limits. finite: whether infinity is
+    refused; optional: whether None is allowed; count: how many numbers; zero: whether descriptions
+    say a 0."""
 
-    unit: str = ""
-    least: float | None = None
-    above: float | None = None
     finite: bool = True
     optional: bool = False
     count: int = 1
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether a `value` is within the field's bounds, and finite if it must be."""
-        low = self.least is not None and not value >= self.least
-        low = low or (self.above is not None and not value > self.above)
-        return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
+        """Return whether a `value` is within the field's limits, and finite if it must be."""
+        return super().allows(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Return the allowed values in words, as "a finite number >= 0 (m)". unit: "" for none."""
-        plural = f"{self.count} {'finite ' * self.finite}numbers"
-        singular = f"a {'finite ' * self.finite}number"
-        end = f" >= {self.least:g}" if self.least is not None else ""
-        end = f" > {self.above:g}" if self.above is not None else end
-        return f"{singular if self.count == 1 else plural}{end}{f' ({unit})' if unit else ''}"
+        """Return in words what is allowed: "a finite number above 0 (m)". unit: "" for none."""
+        noun = f"{'finite ' * self.finite}number"
+        return self.describe(f"a {noun}" if self.count == 1 else f"{self.count} {noun}s", unit)
 
 
 @dataclass(frozen=True)
@@ -85,12 +79,12 @@ def _field(spec: FieldSpec, default: Any) -> Any:
 
 
 def number(
-    unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
+    unit: str = "", least=-inf, above=-inf, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
     """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
-    least, above: lower bound, itself allowed (least) or not (above), None: none; default: MISSING
-    where a value must be given; is_shown: whether descriptions of elements say it (a single
-    number); keys: more of its spec `Number` (count, finite, zero, is_topology, words, text)."""
+    least, above: lower bound, itself allowed (least) or not (above); default: MISSING where a value
+    must be given; is_shown: whether descriptions of elements say it (a single number); keys: more
+    of its spec `Number` (count, finite, zero, is_topology, words, text)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 

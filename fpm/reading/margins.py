@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements import Journal
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
@@ -332,10 +333,7 @@ def _numbers(spec, key: str) -> dict[str, float]:
 
 
 def _number(spec, key: str, value: object) -> float:
-    real = isinstance(value, int | float) and not isinstance(value, bool)
-    if not real or not np.isfinite(value) or value < 0:
-        raise _error(spec, key, value, "a number of at least 0")
-    return float(value)
+    return NumberLimits(least=0).check(f"responses.{spec.name}.{key}", value)
 
 
 def _opening(spec, key: str, hinge, unit: str) -> float | None:

@@ -240,11 +240,6 @@ class QuantityType(NamedTuple):
     positive: bool = False
     is_instantaneous: bool = False
 
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """Keys that a definition may have besides that of the type itself."""
-        return self.mandatory + self.optional
-
 
 KINDS = {
     "largest": QuantityType(

@@ -5,16 +5,17 @@ from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from itertools import chain
 
-import numpy as np
-
 from fpm.arithmetic import expressions
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements.kind import Eventful
-from fpm.errors import SceneError, did_you_mean
+from fpm.errors import SceneError
+from fpm.reading.definitions import check_choice, kind_of
 from fpm.reading.quantities import KINDS, Quantity
 from fpm.reading.quantity_expressions import QuantityExpression, unit_of
 from fpm.reading.responses import Response
 
 DIRECTIONS = ("rising", "falling", "either")
+_COUNT = NumberLimits(least=1, is_whole=True)
 _FIELDS = {"at": "instant", "about": "target", "within": "tolerance", "way": "direction"}
 """Fields of `Quantity` that some keys of a definition are; the others have the key's name."""
 
@@ -70,27 +71,29 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
     key = f"quantities.{name}"
     if isinstance(definition, str):
         return _expression(name, definition, quantities)
-    kind = _kind_of(key, definition)
+    kind = kind_of(key, definition, KINDS, ", or an expression such as t1 - t2")
     target = definition[kind]
     if kind == "event":
-        number = _whole(f"{key}.number", definition.get("number", 1))
+        number = _COUNT.check(f"{key}.number", definition.get("number", 1))
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
         return _add_long_name(quantity, definition.get("of", ""))
     if kind == "event_margin":
         times = {n: unit for n, q in quantities.items() if (unit := _unit_of_margin(q, elements))}
-        text = "a crossing, settling about a value, or the first time that a latch, stop or contact"
-        unit = times[_one_of(f"{key}.{kind}", target, times, text)]
+        text = (
+            ": a crossing, settling about a value, or the first time that a latch, stop or contact"
+        )
+        unit = times[check_choice(f"{key}.{kind}", target, times, text)]
         return _add_long_name(Quantity(name, kind, unit, "", instant=quantities[target]))
-    response = responses[_one_of(f"{key}.{kind}", target, responses)]
+    response = responses[check_choice(f"{key}.{kind}", target, responses)]
     read = {
-        **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
-        "within": lambda key, value: _above_zero(key, value, response.unit),
-        "number": _whole,
-        "way": lambda key, value: _one_of(key, value, DIRECTIONS),
+        **dict.fromkeys(("level", "about"), NumberLimits(unit=response.unit).check),
+        "within": NumberLimits(unit=response.unit, above=0).check,
+        "number": _COUNT.check,
+        "way": lambda key, value: check_choice(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }
-    names = [name for name in KINDS[kind].keys if name in definition]
+    names = [name for name in definition if name != kind]
     fields = {_FIELDS.get(n, n): read[n](f"{key}.{n}", definition[n]) for n in names}
     unit = KINDS[kind].unit or response.unit
     if kind == "smallest_at":
@@ -106,10 +109,7 @@ def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Qua
     key = f"quantities.{name}"
     try:
         names = sorted(expressions.parse(text).names)
-        parts = [
-            quantities[_one_of(key, n, quantities, "other quantities to compute with")]
-            for n in names
-        ]
+        parts = [quantities[check_choice(key, name, quantities)] for name in names]
         if not parts:
             raise expressions.ExpressionError("it names none")
         unit = unit_of(text, {part.name: part.unit for part in parts})
@@ -130,27 +130,10 @@ def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
     return "m2 s-2" if gates[0].slides else "rad2 s-2"
 
 
-def _kind_of(key: str, definition: object) -> str:
-    """The kind that a definition is of; SceneError if its keys are not those of one."""
-    if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
-        allowed = f"exactly one of {', '.join(KINDS)}, or an expression such as t1 - t2"
-        raise SceneError(key, definition, allowed)
-    kind = next(k for k in KINDS if k in definition)
-    keys = KINDS[kind].keys
-    for entry in definition:
-        if entry != kind and entry not in keys:
-            allowed = f"{kind} with {', '.join(keys)}" if keys else f"{kind} alone"
-            raise SceneError(f"{key}.{entry}", definition[entry], allowed)
-    for required_key in KINDS[kind].mandatory:
-        if required_key not in definition:
-            raise SceneError(key, definition, f"{kind} with {required_key}")
-    return kind
-
-
 def _places(key: str, event: object, target: object, elements: list[Eventful]) -> tuple[str, ...]:
     """Names of the elements whose events count: all that have it, or those that are stated."""
     events = [*dict.fromkeys(chain(*(element.events for element in elements)))]
-    _one_of(f"{key}.event", event, events, "none: this scene has no events")
+    check_choice(f"{key}.event", event, events)
     candidates = [element for element in elements if event in element.events]
     places = [element.name for element in candidates]
     if target is None:
@@ -161,7 +144,7 @@ def _places(key: str, event: object, target: object, elements: list[Eventful]) -
     joint_names = [element.name for element in candidates if element.joint == target]
     if not matches and len(joint_names) > 1:
         raise SceneError(f"{key}.of", target, f"one of those on it: {', '.join(joint_names)}")
-    return tuple(matches or joint_names or [_one_of(f"{key}.of", target, places)])
+    return tuple(matches or joint_names or [check_choice(f"{key}.of", target, places)])
 
 
 def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
@@ -187,41 +170,11 @@ def _ordinal(number: int) -> str:
     return f"{number}{'th' if number % 100 in (11, 12, 13) else suffix}"
 
 
-# -- values of keys -------------------------------------------------------------------------------
-
-
 def _moment(key: str, instant: object, quantities: Mapping[str, Quantity]) -> Quantity | float:
     times = [name for name, quantity in quantities.items() if quantity.is_time]
     if not isinstance(instant, str):
-        return _real(key, instant, "s")
+        return NumberLimits(unit="s").check(key, instant)
     if instant not in times:
         allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
         raise SceneError(key, instant, allowed)
     return quantities[instant]
-
-
-def _real(key: str, value: object, unit: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise SceneError(key, value, f"a number ({unit})")
-    return float(value)
-
-
-def _above_zero(key: str, value: object, unit: str) -> float:
-    if _real(key, value, unit) <= 0:
-        raise SceneError(key, value, "a number above 0")
-    return float(value)
-
-
-def _whole(key: str, value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise SceneError(key, value, "a whole number of at least 1")
-    return value
-
-
-def _one_of(key: str, value: object, allowed: Iterable[str], empty_text: str = "one of ") -> str:
-    """The value; SceneError unless it is known, and `empty_text` where nothing is."""
-    names = list(allowed)
-    if not isinstance(value, str) or value not in names:
-        hint = did_you_mean(value, names) if isinstance(value, str) else ""
-        raise SceneError(key, value, f"one of {', '.join(names)}{hint}" if names else empty_text)
-    return value

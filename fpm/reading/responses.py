@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements import Journal, Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.elements.openings.opening import SLIDE_UNITS
-from fpm.errors import SceneError, did_you_mean, hint_new
+from fpm.errors import SceneError
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
+from fpm.reading.definitions import check_choice, kind_of
 from fpm.reading.margins import Abscissa
 from fpm.reading.variables import VARIABLES, Variable
 from fpm.scenes.scene import Scene
@@ -79,19 +81,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
     name: its name.
     definition: mapping with one key that is a type (KINDS), and further ones (docs/responses.md).
     scene: the Scene whose points, hinges and bars the definition names."""
-    if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
-        raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
-    kind = next(k for k in KINDS if k in definition)
-    mandatory, optional = KINDS[kind].mandatory, KINDS[kind].optional
-    if not {kind, *mandatory} <= set(definition) <= {kind, *mandatory, *optional}:
-        keys = f" and {', '.join(mandatory)}" if mandatory else ""
-        options = f", perhaps with {', '.join(optional)}" if optional else ""
-        lone = "" if mandatory or optional else " alone"
-        hints = ((key, hint_new(key, optional)) for key in definition)
-        text = f"{kind}{keys}{options}{lone}{''.join(f'; {key}{h}' for key, h in hints if h)}"
-        unknown_keys = [key for key in definition if key not in {kind, *mandatory, *optional}]
-        value = ", ".join(map(str, unknown_keys)) or dict(definition)
-        raise SceneError(f"responses.{name}", value, text)
+    kind = kind_of(f"responses.{name}", definition, KINDS)
     return KINDS[kind].read(Definition(name, kind, definition, scene))
 
 
@@ -113,13 +103,10 @@ class Definition(NamedTuple):
         value: the one to check, None: that of the key."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
-        if not isinstance(value, str) or value not in names:
-            hint = did_you_mean(value, names) if isinstance(value, str) else ""
-            allowed = f"one of {', '.join(names) or '(this scene has none)'}{hint}"
-            if self.kind in ("distance", "position", "velocity") and names == [*self.scene.points]:
-                allowed += ", or a point that the structure has under `record`"
-            raise SceneError(f"responses.{self.name}.{key}", value, allowed)
-        return value
+        is_point = self.kind in ("distance", "position", "velocity")
+        is_point = is_point and names == [*self.scene.points]
+        addition = ", or a point that the structure has under `record`" if is_point else ""
+        return check_choice(f"responses.{self.name}.{key}", value, names, addition)
 
     def hinge(self) -> tuple[str, bool, str]:
         """The hinge or slide that the definition names: its name, whether it is a slide, and words
@@ -175,12 +162,9 @@ def _bar(spec: Definition) -> Response:
 
 def _section(spec: Definition) -> Response:
     """A component of what a section of a bar bears, or the size of both of two axes."""
-    fraction, parts = spec.data["at"], spec.variable.parts
-    name = spec.one_of(spec.variable.names(spec.scene))
-    real = isinstance(fraction, int | float) and not isinstance(fraction, bool)
-    if not (real and 0 <= fraction <= 1):
-        allowed = "a share of the bar's length, from 0 to 1"
-        raise SceneError(f"responses.{spec.name}.at", fraction, allowed)
+    parts, name = spec.variable.parts, spec.one_of(spec.variable.names(spec.scene))
+    key, share = f"responses.{spec.name}.at", "a share of the bar's length,"
+    fraction = NumberLimits(least=0, most=1).check(key, spec.data["at"], share)
     bending = parts[1].removesuffix("_y")
     component = spec.one_of((*parts, bending), "component")
     labels = parts[1:] if component == bending else (component,)

@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements import energies_of
 from fpm.errors import SceneError
 from fpm.kernels import sources
@@ -44,27 +45,21 @@ class Parameter:
         object.__setattr__(self, "description", join_lines(self.description))
 
     @property
+    def limits(self) -> NumberLimits:
+        """NumberLimits of the parameter's values."""
+        is_whole = self.kind == "integer"
+        return NumberLimits(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
+
+    @property
     def allowed(self) -> str:
         """Allowed values of the parameter, in words."""
-        noun = "a whole number" if self.kind == "integer" else "a number"
-        bounds = []
-        if self.lower > float("-inf"):
-            bounds.append(f">= {self.lower:g}")
-        if self.upper < float("inf"):
-            bounds.append(f"<= {self.upper:g}")
-        unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
-        return " ".join([noun, " and ".join(bounds)]).strip() + unit
+        return self.limits.describe(unit=self.unit)
 
     def check(self, name: str, value: object) -> None:
         """Check a value of the parameter, in its `unit`; raises SceneError if it is not allowed.
         name: the parameter's, for the message; value: None is allowed if the default is None."""
-        if value is None and self.default is None:
-            return
-        right = isinstance(value, int | float) and not isinstance(value, bool)
-        right = right and float("-inf") < value < float("inf")
-        right = right and (self.kind == "real" or int(value) == value)
-        if not (right and self.lower <= value <= self.upper):
-            raise SceneError(name, value, self.allowed)
+        if not (value is None and self.default is None):
+            self.limits.check(name, value)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.arithmetic.expressions import Expression
+from fpm.arithmetic.limits import NumberLimits
 from fpm.arithmetic.units import NUMBER, unit
 from fpm.elements.cross import length
 from fpm.elements.joints.joint_types import SUFFIXES, TYPES
@@ -63,22 +64,18 @@ class Key:
 
 
 @dataclass(frozen=True)
-class NumberKey(Key):
-    """Key of an entry in a structure file, whose value is a number. unit: as "N m", whose dimension
-    it must have; least: lower limit, itself allowed; above: limit that it must exceed (SI units,
-    None: none); joint: key of the entry that names the joint that the number may be about: if that
-    is a slide, the unit is what SLIDING has for it (m for rad, N for N m, N/m for N m/rad)."""
+class NumberKey(Key, NumberLimits):
+    """Key of an entry in a structure file, whose value is a number, with its limits (SI units), of
+    the dimension of `unit`. joint: key of the entry that names the joint that the number may be
+    about: if that is a slide, the unit is what SLIDING has for it (m for rad, N for N m, N/m for
+    N m/rad)."""
 
-    unit: str = ""
-    least: float | None = None
-    above: float | None = None
     joint: str = "joint"
 
     @property
     def allowed(self) -> str:
         noun = {"": "a number", "rad": "an angle"}.get(self.unit, f"a value in {self.unit}")
-        end = f" >= {self.least:g}" if self.least is not None else ""
-        return noun + (f" > {self.above:g}" if self.above is not None else end)
+        return self.describe(noun)
 
     def for_slides(self, joints):
         of_slide = SLIDE_UNITS.get(self.unit, self.unit)
@@ -87,11 +84,7 @@ class NumberKey(Key):
     def read(self, node, place):
         _refuse_angle_units(node, place, self.unit)
         bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
-        return _check(bound, place, self.allowed, self._allows)
-
-    def _allows(self, value: float) -> bool:
-        low = self.least is not None and value < self.least
-        return not low and (self.above is None or value > self.above)
+        return _check(bound, place, self.allowed, self.allows)
 
 
 @dataclass(frozen=True)
@@ -99,11 +92,12 @@ class WholeKey(Key):
     """Key whose value is a whole number, 1 to 1000, made of whole-number parameters, as it decides
     what there is: counts of units and elements."""
 
-    allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
+    limits = NumberLimits(least=1, most=MOST, is_whole=True)
+    allowed = f"{limits.describe()}, of parameters with `whole: true`"
 
     def read(self, node, place):
         value = place.whole(node, self.allowed)
-        number = _check(value, place, self.allowed, lambda x: x == round(x) and 1 <= x <= MOST)
+        number = _check(value, place, self.allowed, self.limits.allows)
         return lambda build: round(number(build))
 
 

@@ -1,14 +1,15 @@
 """A YAML file as nodes that know their lines, and all that is wrong with it, told at once.
 
-Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to. A
-key may be given once; anchors and tags are refused, because names and `let` do their work."""
+A key may be given once. Of structures nothing is converted: whether `1e9` is a number, or `on` a
+name, is up to the key it belongs to; and anchors and tags are refused, because names and `let` do
+their work."""
 
 import re
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import yaml
 
@@ -16,7 +17,7 @@ from fpm.errors import SceneError, did_you_mean, likely
 from fpm.files.seals import DamagedError, read_bytes
 
 DEEPEST, MOST = 20, 20_000
-"""Tables and lists of a file may be nested so deep, and hold so many values."""
+"""Mappings and lists of a file may be nested so deep, and hold so many values."""
 
 EMPTY = "the file is empty; allowed: a mapping of keys, as in a folder that `new` makes"
 
@@ -59,10 +60,6 @@ def read_text(path: str | Path) -> str:
         raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None
 
 
-class ExcessError(Exception):
-    """Raised for a file that holds too many values."""
-
-
 class SkippedError(Exception):
     """Raised to leave out an entry of a structure file, without a message: it refers to something
     that is wrong, which is noted already, or to the neighbour after a row's last unit."""
@@ -70,10 +67,11 @@ class SkippedError(Exception):
 
 @dataclass(frozen=True)
 class Node:
-    """Node of a YAML file. value: its text, list of Nodes, or table (dict of Nodes by key); line:
-    where it begins, from 1 (0: unknown); lines: of a table, line of each key."""
+    """Node of a YAML file. value: its text or what YAML means by it, list of Nodes, or table (dict
+    of Nodes by key); line: where it begins, from 1 (0: unknown); lines: of a table, line of each
+    key."""
 
-    value: "str | list[Node] | dict[str, Node]"
+    value: "str | list[Node] | dict[str, Node] | Any"
     line: int = 0
     lines: dict[str, int] = field(default_factory=dict)
 
@@ -99,7 +97,7 @@ class Node:
 
     @property
     def plain(self) -> object:
-        """The node as plain dicts, lists and text, without lines."""
+        """The node as plain dicts, lists and values, without lines."""
         if self.is_table:
             return {name: entry.plain for name, entry in self.entries.items()}
         return [item.plain for item in self.items] if isinstance(self.value, list) else self.value
@@ -157,25 +155,28 @@ def join_key(*parts: str) -> str:
     return ".".join(part for part in parts if part)
 
 
-def read(text: str, problems: Problems) -> Node:
-    """Return the top table of a YAML text as a Node, all values as text. problems: of the file;
-    what is wrong is noted there, and raised as StructureError, with what was noted before."""
-    try:
-        root = _compose(text)
-    except yaml.MarkedYAMLError as error:
-        line, reason = why_not_yaml(error, text)
-        problems.say(line, f"this is not YAML: {reason}")
-    except ExcessError as error:
-        problems.say(0, str(error))
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        problems.say(0, f"this is not YAML: {str(error).splitlines()[0]}")
-    else:
-        node = _convert(root, problems, 0) if root else Node("")
-        if not node.is_table:
-            text = "the file is no table; allowed: a mapping of keys"
-            problems.say(node.line, EMPTY if root is None else text)
+def read(text: str, problems: Problems, is_typed: bool = False) -> Node:
+    """Return the top table of a YAML text as a Node. problems: of the file; what is wrong is noted
+    there, and raised as StructureError, with what was noted before. is_typed: whether values are
+    what YAML means by their texts, such as numbers, and anchors and tags are allowed; else all
+    values are text."""
+    loaders = [yaml.BaseLoader]
+    if yaml.__with_libyaml__ and not {"\t", "?", "\ufeff"} & {*text}:  # which it reads otherwise
+        loaders.insert(0, yaml.CBaseLoader)  # ten times faster; its words are not those below
+    for loader in loaders:
+        try:
+            root = _Reader(yaml.parse(text, loader), problems, is_typed).document()
+            break
+        except (yaml.YAMLError, UnicodeError) as error:
+            if loader is loaders[-1]:
+                problems.say(*_why_not_yaml(error, text))
+                problems.stop()
+    if root.value in ("", None):
+        problems.say(0, EMPTY)
+    elif not root.is_table:
+        problems.say(root.line, "the file is no mapping; allowed: a mapping of keys")
     problems.stop()
-    return node
+    return root
 
 
 _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to do
@@ -192,9 +193,11 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 )  # fmt: skip
 
 
-def why_not_yaml(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
-    """Return the line (from 1; 0: unknown) where `text` is not YAML, and why, in words. error:
-    PyYAML's."""
+def _why_not_yaml(error: yaml.YAMLError, text: str) -> tuple[int, str]:
+    """The line (from 1; 0: unknown) where a text is not YAML, and why, by PyYAML's error."""
+    if isinstance(error, yaml.reader.ReaderError):
+        line = text.count("\n", 0, error.position) + 1
+        return line, f"the character {chr(error.character)!r} is not text"
     mark, words = _reason(error)
     lines = ["", *text.splitlines()]
     line = mark.line + 1 if mark else 0
@@ -205,8 +208,9 @@ def why_not_yaml(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])
             if key and (number < line or "too many" not in words):
                 value = key[2].strip()[:40] + "..." * (len(key[2].strip()) > 40)
-                return number, f"a colon is missing; allowed: `{f'{key[1]}: {value}'.strip()}`"
-    return line, words
+                words = f"a colon is missing; allowed: `{f'{key[1]}: {value}'.strip()}`"
+                return number, f"this is not YAML: {words}"
+    return line, f"this is not YAML: {words}"
 
 
 def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
@@ -218,70 +222,120 @@ def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
     return error.problem_mark or error.context_mark, problem
 
 
-def _compose(text: str) -> yaml.Node | None:
-    """The nodes of a YAML text, by libyaml, ten times faster, where that takes it as PyYAML does,
-    and nothing is wrong that only PyYAML's words tell."""
-    if yaml.__with_libyaml__ and not {"\t", "?", "\ufeff"} & {*text}:
-        with suppress(yaml.YAMLError):
-            return yaml.compose(text, _FastTextLoader)
-    return yaml.compose(text, _TextLoader)
+class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
+    """What YAML means by a text; but dates are text, and `1e9` is a number as in YAML 1.2."""
+
+    yaml_implicit_resolvers: ClassVar = {
+        first: [(tag, rule) for tag, rule in rules if not tag.endswith((":timestamp", ":merge"))]
+        for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+
+    def __init__(self):
+        yaml.constructor.SafeConstructor.__init__(self)
+        yaml.resolver.Resolver.__init__(self)
+
+    def value(self, event: yaml.ScalarEvent) -> Any:
+        """The value of a text, by its tag, if it has one."""
+        tag = {"!": None}.get(event.tag, event.tag)
+        tag = tag or self.resolve(yaml.ScalarNode, event.value, event.implicit)
+        node = yaml.ScalarNode(tag, event.value, event.start_mark)
+        return self.construct_object(node, deep=True)
 
 
-class _NoAnchors:
-    """Part of a YAML loader that refuses anchors, aliases, tags and too many values."""
+_FLOAT = r"[-+]?\d[\d_]*(\.[\d_]*)?[eE][-+]?\d+$|[-+]?\.\d[\d_]*([eE][-+]?\d+)?$"
+_Types.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(_FLOAT), [*"-+0123456789."])
 
-    count = 0
 
-    def compose_node(self, parent, index):
-        event = self.peek_event()
+class _Reader:
+    """Makes Nodes of the events of a YAML text, and stops at what is too large."""
+
+    def __init__(self, events: Iterator[yaml.Event], problems: Problems, is_typed: bool):
+        self.events, self.problems = events, problems
+        self.types = _Types() if is_typed else None
+        self.anchors: dict[str, Node] = {}
+        self.count = 0
+
+    def document(self) -> Node:
+        """The only document of the text."""
+        root = Node("")
+        for event in self.events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                if self.count:
+                    problem = "expected a single document in the stream, but found another document"
+                    raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+                root = self._node(next(self.events), 0)
+        return root
+
+    def _stop(self, line: int, sentence: str) -> None:
+        self.problems.say(line, sentence)
+        self.problems.stop()
+
+    def _count(self, node: Node, line: int, depth: int) -> None:
+        """Count a node, and what is in it already, against the limits."""
         self.count += 1
+        if depth > DEEPEST:
+            text = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
+            self._stop(line, text)
         if self.count > MOST:
-            raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
-        marks = [getattr(event, name, None) for name in ("anchor", "tag")]
-        if any(marks):
-            raise yaml.MarkedYAMLError(
-                problem=f"the anchor, alias or tag {marks[0] or marks[1]!r} is not allowed; "
-                "allowed: a name under `let`",
-                problem_mark=event.start_mark,
-            )
-        return super().compose_node(parent, index)
+            self._stop(0, f"the file holds more than {MOST} values; allowed: fewer")
+        for child in (*node.items, *node.entries.values()):
+            self._count(child, line, depth + 1)
 
+    def _node(self, event: yaml.Event, depth: int) -> Node:
+        line, anchor, tag = event.start_mark.line + 1, event.anchor, getattr(event, "tag", None)
+        if (anchor or tag) and not self.types:
+            text = f"the anchor, alias or tag {anchor or tag!r} is not allowed"
+            self._stop(line, f"{text}; allowed: a name under `let`")
+        is_alias = isinstance(event, yaml.AliasEvent)
+        if is_alias and anchor not in self.anchors:
+            text = f"*{anchor} stands for what &{anchor} marks, and nothing above is marked so"
+            self._stop(line, f"{text}; allowed: the value itself, or &{anchor} before one above")
+        node = self.anchors[anchor] if is_alias else Node("", line)
+        self._count(node, line, depth)
+        if isinstance(event, yaml.ScalarEvent):
+            node = Node(self._value(event, line), line)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            node = Node([self._node(item, depth + 1) for item in self._rest()], line)
+        elif isinstance(event, yaml.MappingStartEvent):
+            node = self._table(line, depth)
+        if anchor:
+            self.anchors[anchor] = node
+        return node
 
-class _TextLoader(_NoAnchors, yaml.BaseLoader):
-    """YAML loader that keeps values as text."""
+    def _rest(self) -> Iterator[yaml.Event]:
+        """What comes up to the end of a list or mapping."""
+        return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
+    def _value(self, event: yaml.ScalarEvent, line: int) -> Any:
+        try:
+            return self.types.value(event) if self.types else event.value.strip()
+        except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+            self.problems.say(line, f"a value cannot be read: {error}")
 
-if yaml.__with_libyaml__:
-
-    class _FastTextLoader(_NoAnchors, yaml.composer.Composer, yaml.CBaseLoader):
-        """The same with libyaml's parser, whose own nodes would know no anchors."""
-
-        def __init__(self, stream: str):
-            yaml.CBaseLoader.__init__(self, stream)
-            self.anchors: dict = {}
-
-
-def _convert(node: yaml.Node, problems: Problems, depth: int) -> Node:
-    line = node.start_mark.line + 1
-    if depth > DEEPEST:
-        problems.say(line, f"nested too deep; allowed: {DEEPEST} tables and lists in each other")
-        return Node("", line)
-    if isinstance(node, yaml.ScalarNode):
-        return Node(node.value.strip(), line)
-    if isinstance(node, yaml.SequenceNode):
-        return Node([_convert(item, problems, depth + 1) for item in node.value], line)
-    table = Node({}, line)
-    for key_node, value_node in node.value:
-        key_line, key = key_node.start_mark.line + 1, str(key_node.value).strip()
-        if not isinstance(key_node, yaml.ScalarNode):
-            problems.say(key_line, "a key is a table or a list; allowed: a name")
-        elif key in table.entries:
-            first = f"(first on line {table.lines[key]})"
-            problems.say(key_line, f"{key} is defined twice {first}; allowed: each name once")
-        else:
-            table.entries[key] = _convert(value_node, problems, depth + 1)
-            table.lines[key] = key_line
-    return table
+    def _table(self, line: int, depth: int) -> Node:
+        table, bases = Node({}, line), []
+        for event in self._rest():
+            key, key_line = self._node(event, depth + 1), event.start_mark.line + 1
+            value, name = self._node(next(self.events), depth + 1), key.value
+            if isinstance(name, list | dict):
+                self.problems.say(key_line, "a key is a mapping or a list; allowed: a name")
+            elif not isinstance(name, str):
+                hint = did_you_mean(str(name), [])
+                text = f"the key {name!r} is not a name{hint}; allowed: text"
+                self.problems.say(key_line, text)
+            elif name in table.entries:
+                first = f"(first on line {table.lines[name]})"
+                text = f"{name} is defined twice {first}; allowed: each key once"
+                self.problems.say(key_line, text)
+            elif name == "<<" and self.types and all(e.is_table for e in value.items or [value]):
+                bases += value.items or [value]
+            else:
+                table.entries[name], table.lines[name] = value, key_line
+        for base in bases:  # what YAML calls a merge
+            for name, line in base.lines.items():
+                table.lines.setdefault(name, line)
+                table.entries.setdefault(name, base.entries[name])
+        return table
 
 
 def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fpm.arithmetic.limits import NumberLimits
 from fpm.elements.fields import Index, Word, specs
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import ElementType
@@ -115,7 +116,8 @@ def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes
         key = ChoiceKey(default, field.text, options=tuple(field.values))
     else:
         default = None if default == np.inf else default
-        key = NumberKey(default, field.text, field.unit, field.least, field.above)
+        limits = {name: getattr(field, name) for name in NumberLimits.__dataclass_fields__}
+        key = NumberKey(default, field.text, **limits)
         if (count := field.count) > 1:
             item = replace(key, default=NO_VALUE, text="")
             key = ListKey(default, field.text, item, count, count)

@@ -126,7 +126,7 @@ def test_the_summary_tells_the_intervals(opened):
     ("definition", "words"),
     [
         ({"largest": "phi"}, "quantities.q.largest: 'phi' is not allowed; allowed: one of psi"),
-        ({"event": "closes"}, "none: this scene has no events"),
+        ({"event": "closes"}, "(there is none)"),
         ({"crossing": "psi"}, "quantities.q"),
         ({}, "quantities.q"),
         (3, "quantities.q"),

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from deployable import campaign
 from deployable.campaign.cli import main
-from deployable.campaign.config.loader import load
+from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.sections import plain_data
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
@@ -193,7 +193,7 @@ def wing_time(k, spring, c, g=0.0, springs=2, level=RELEASE, timer=1000.0, **_):
 
 @pytest.mark.slow
 def test_a_wing_in_four_cases_is_that_of_equations_by_hand(tmp_path):
-    raw = load(ROOT / "config/wing.yaml")
+    raw = read_file(ROOT / "config/wing.yaml").data
     raw |= {
         "design": {"method": "smolyak", "order": 1},
         "held_out": 1,

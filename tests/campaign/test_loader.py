@@ -4,57 +4,73 @@ from __future__ import annotations
 
 import pytest
 
-from deployable.campaign.config.loader import load, parse, restore_types
+from deployable.campaign.config.loader import read, read_file, restore_types
 from deployable.campaign.errors import ConfigError
 
 
 @pytest.mark.parametrize("text", ["1e9", "1.0e9", "1.e9", "1E9", "1e+9", "1000000000.0"])
 def test_numbers_with_exponents_are_numbers(text):
-    assert parse(f"E: {text}", "x") == {"E": 1e9}
+    assert read(f"E: {text}", "x").data == {"E": 1e9}
 
 
 @pytest.mark.parametrize("text", ["e9", "1e", "E1", "1e9m"])
 def test_text_stays_text(text):
-    assert parse(f"E: {text}", "x") == {"E": text}
+    assert read(f"E: {text}", "x").data == {"E": text}
 
 
 def test_a_key_given_twice_is_refused_with_both_lines():
     with pytest.raises(ConfigError) as error:
-        parse("a:\n  b: 1\n  c: 2\n  b: 3\n", "file.yaml")
+        read("a:\n  b: 1\n  c: 2\n  b: 3\n", "file.yaml")
     assert "file.yaml" in str(error.value)
     assert "line 4: b is defined twice (first on line 2)" in str(error.value)
 
 
 def test_the_same_key_in_two_mappings_is_fine():
-    assert parse("a: {x: 1}\nb: {x: 2}", "x") == {"a": {"x": 1}, "b": {"x": 2}}
+    assert read("a: {x: 1}\nb: {x: 2}", "x").data == {"a": {"x": 1}, "b": {"x": 2}}
 
 
 def test_every_repeated_key_is_told():
     with pytest.raises(ConfigError) as error:
-        parse("a: 1\na: 2\nb: {c: 1, c: 2}\n", "x")
+        read("a: 1\na: 2\nb: {c: 1, c: 2}\n", "x")
     assert len(error.value.problems) == 2
 
 
 @pytest.mark.parametrize("text", ["a: [1, 2", "a: 'b", "a: b: c", "\ta: 1", "a: &x\nb: *y"])
 def test_what_is_not_yaml_is_refused_with_its_line(text):
     with pytest.raises(ConfigError, match=r"line \d+: (this is not YAML|\*y stands)"):
-        parse(text, "x")
+        read(text, "x")
 
 
 @pytest.mark.parametrize("text", ["", "- a", "3", "text"])
 def test_a_file_without_keys_is_refused(text):
     with pytest.raises(ConfigError, match="allowed: a mapping"):
-        parse(text, "x")
+        read(text, "x")
 
 
 def test_keys_must_be_text():
     with pytest.raises(ConfigError, match="line 2: the key 3 is not a name"):
-        parse("a: 1\n3: x", "x")
+        read("a: 1\n3: x", "x")
+
+
+def test_anchors_stand_for_what_they_mark_and_are_merged():
+    text = "a: &x {k: 1, m: [2]}\nb: *x\nc: {<<: *x, k: 3}\nd: {<<: [{k: 4}, *x]}\n"
+    data, lines = read(text, "x")
+    one = {"k": 1, "m": [2]}
+    assert data == {"a": one, "b": one, "c": {**one, "k": 3}, "d": {**one, "k": 4}}
+    assert (lines["b.k"], lines["c.k"], lines["c.m"]) == (1, 3, 1)
+
+
+@pytest.mark.parametrize(
+    "text", ["!!int abc", "!!bool abc", "!!timestamp abc", "!!float a", "!a b"]
+)
+def test_what_a_tag_does_not_fit_is_told(text):
+    with pytest.raises(ConfigError, match=r"line 2: (a value cannot be read|this is not YAML)"):
+        read(f"b: 1\na: {text}", "x")
 
 
 def test_an_absent_file_is_told(tmp_path):
     with pytest.raises(ConfigError, match=r"absent\.yaml.*\n.*No such file"):
-        load(tmp_path / "absent.yaml")
+        read_file(tmp_path / "absent.yaml")
 
 
 def test_text_from_the_command_line_becomes_numbers_again():

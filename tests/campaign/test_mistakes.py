@@ -77,7 +77,7 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("value: 1.2,", "value: 1,2,", "line 4: parameters.L.2", "a point, not a comma"),
     ("rest: 120 deg", "rest: 120", "actions.push.rest: '120'", "such as 90 deg"),
     ("half: L/2", "half: L/2 + k", "let.half: L/2 + k: N m and m cannot be added"),
-    ("40 mm", "3 J", "sections.tube.diameter: '3 J' is N m; allowed: a value in m > 0"),
+    ("40 mm", "3 J", "sections.tube.diameter: '3 J' is N m; allowed: a value in m above 0"),
     ("[ground, arm]", "[ground, strut]", "there is no part 'strut'; allowed: ground, arm"),
     ("joint: pivot, stiff", "joint: push, stiff", "no joint 'push' (it is one of `actions`)"),
     ("[ground, arm]", "[arm, arm]", "a list of 2 to 1000", "each once"),

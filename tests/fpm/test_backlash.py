@@ -103,7 +103,7 @@ curves: {ramp: {times: [0, 1 s], values: [0, 1]}}
     ("text", "words"),
     [
         ("backlash: 2 deg", "none without a `stiffness`"),
-        ("backlash: -2 deg, stiffness: 1 N m/rad", "an angle >= 0"),
+        ("backlash: -2 deg, stiffness: 1 N m/rad", "an angle of at least 0"),
         ("backlash: 2 mm, stiffness: 1 N m/rad", "an angle"),
     ],
 )

@@ -96,7 +96,7 @@ def test_alone_and_in_a_batch_it_gives_the_same_bits(outcome):
 
 def test_what_it_refuses_and_its_topology():
     for wrong, message in (
-        ((0, (0, 0, 0), -1.0, 1.0), r"ground spring stiffness = -1.0 .* >= 0 \(N/m\)"),
+        ((0, (0, 0, 0), -1.0, 1.0), r"ground spring stiffness = -1.0 .* of at least 0 \(N/m\)"),
         ((0, (0, 0, 0), 1.0, np.nan), "length at rest of ground spring = nan"),
         ((0, (0, 0), 1.0, 1.0), "anchor of ground spring .*3 finite numbers"),
         ((1, (0, 0, 0), 1.0, 1.0), "particle of ground spring = 1 .*0 to 0"),

@@ -301,7 +301,7 @@ def test_what_does_not_happen_is_no_number():
         ({"largest": "y"}, "one of x"),
         ({"largest": ["x"]}, "one of x"),
         ({"largest": "x", "level": 1}, "largest alone"),
-        ({"crossing": "x"}, "crossing with level"),
+        ({"crossing": "x"}, "crossing and level"),
         ({"crossing": "x", "level": "a"}, r"a number \(m\)"),
         ({"crossing": "x", "level": 1, "way": "up"}, "one of rising"),
         ({"crossing": "x", "level": 1, "number": 0}, "at least 1"),

@@ -97,7 +97,7 @@ def test_velocity_is_the_rate_of_the_position():
         ({"section_force": "AB", "at": 0.5}, "section_force and at, component"),
         ({"section_moment": "AB", "at": 0, "component": "axial"}, "one of torsion, bending_y"),
         ({"joint_moment": "A", "part": "latch"}, "one of spring, contact, sum"),
-        ({"reaction_moment": "A", "component": "x"}, "this scene has none"),
+        ({"reaction_moment": "A", "component": "x"}, "(there is none)"),
         ({"reaction_force": "B", "component": "x"}, "one of A, C"),
         ({"loss": "friction"}, "one of all, damping, cables"),
         ({"acceleration": "B", "component": "w"}, "one of x, y, z, norm"),

@@ -17,7 +17,7 @@ import xarray
 
 from deployable import campaign
 from deployable.campaign.cli import main
-from deployable.campaign.config.loader import load
+from deployable.campaign.config.loader import read_file
 
 HERE = Path(__file__).parent
 GOLDEN = json.loads((HERE / "values.json").read_text(encoding="utf-8"))
@@ -36,7 +36,7 @@ OTHER_PROCESSORS = {
 )
 def test_bounds_are_those_of_before(name, tmp_path):
     if name == "scan64":
-        config = load(CONFIGS / "scan.yaml")
+        config = read_file(CONFIGS / "scan.yaml").data
         config["design"]["samples"] = 64
         bounds = campaign.run(config, tmp_path, figures=False, notify=lambda text: None)
     else:  # as the README says

@@ -211,7 +211,11 @@ def test_the_command_lists_what_acts_and_what_makes_the_step_longer():
 
 
 OF_HINGES = [
-    ("damping: 0.1 N m s/rad", "damping: 0.1 N m/rad", "allowed: a value in N m s/rad >= 0"),
+    (
+        "damping: 0.1 N m s/rad",
+        "damping: 0.1 N m/rad",
+        "allowed: a value in N m s/rad of at least 0",
+    ),
     ("damping: 0.1 N m s/rad", "damping: -1", "actions.oil.damping: -1"),
     ("moment: L*0.2 N", "moment: L", "actions.dry.moment"),
     ("moment: L*0.2 N", "moment: 1, bristle_deflection: 0", "actions.dry.bristle_deflection: 0"),
@@ -270,14 +274,14 @@ OF_SLIDES = [
     ("40 N/m", "0", "above 0, with a `preload`"),
     ("stiffness: 2 N m/rad", "stiffness: 2, preload: 1 N", "allowed: a value in N m"),
     ("rest: 90 deg", "rest: 90 mm", "'90 mm' is m; allowed: an angle"),
-    ("40 N/m", "40 N m/rad", "allowed: a value in N/m >= 0"),
+    ("40 N/m", "40 N m/rad", "allowed: a value in N/m of at least 0"),
     ("preload: 8 N", "preload: 8 N, rest: 1", "none, with a `preload`"),
     ("position: 0.3 m", "position: 20 deg", "allowed: a value in m"),
     ("position: 0.3 m", "angle: 0.3", "no such key on a slide, where it is position; allowed"),
     ("type: prismatic", "type: prismatik", "did you mean prismatic?"),
     ("type: prismatic", "type: sledge", "'sledge' is not allowed; allowed: revolute"),
     ("type: prismatic, ", "", "joints.boom.type: missing"),
-    ("force: 0.5 N", "force: 0.5 N m", "allowed: a value in N >= 0"),
+    ("force: 0.5 N", "force: 0.5 N m", "allowed: a value in N of at least 0"),
     ("force: 0.5 N", "force: 1, sticks: exactly", "bristle, on a slide"),
     ("lower: 0", "lower: 1 m", "an opening below `upper`, 0.4 m"),
     ("level: 0.1 m", "level: 0.1 rad", "allowed: a value in m"),

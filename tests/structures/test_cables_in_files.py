@@ -46,7 +46,7 @@ def test_cables_and_masses_are_in_the_scene():
         ("{part: ground, at: C}], EA", "C], EA", "that one part has, or {part: ..., at: C}"),
         ("at: C}], EA", "on: C}], EA", "cables.stay.through"),
         (", preload: L*30 N/m", "", "cables.stay.rest: missing; allowed: either"),
-        (", preload: L*30 N/m", ", preload: L*30", "allowed: a value in N >= 0"),
+        (", preload: L*30 N/m", ", preload: L*30", "allowed: a value in N of at least 0"),
         ("EA: 20 kN", "EA: -20 kN", "cables.stay.EA: -20000"),
         ("preload: L", "rest: 1, preload: L", "either `rest` or `preload`"),
         (", curve: winch,", ",", "a length with a `curve`"),

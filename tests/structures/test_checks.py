@@ -41,8 +41,8 @@ WRONG = [
     ("[L*cos(stow), 0, ", "[L*cos(stow), ", "allowed: three coordinates [x, y, z]"),
     ("[L*cos(stow), 0", "[atan2(L, L)*L, 0", "an expression with a comma stands in quotes"),
     ("A: [0, 0, 0]", "A: [L*cos(stow), 0, L*sin(stow)]", "allowed: a length above 0 m from A to B"),
-    ("210 GPa", "210 mm", "materials.steel.E: '210 mm' is m; allowed: a value in Pa > 0"),
-    ("210 GPa", "-1", "materials.steel.E: -1 is not allowed; allowed: a value in Pa > 0"),
+    ("210 GPa", "210 mm", "materials.steel.E: '210 mm' is m; allowed: a value in Pa above 0"),
+    ("210 GPa", "-1", "materials.steel.E: -1 is not allowed; allowed: a value in Pa above 0"),
     ("nu: 0.3", "nu: 0.7", "materials.steel, Poisson's ratio nu: 0.7 is not allowed"),
     ("type: tube", "type: tub", "'tub' is not allowed (did you mean tube?); allowed: square"),
     ("type: tube, ", "", "sections.tube.type: missing"),
@@ -62,7 +62,7 @@ WRONG = [
     ("axis: y", "axis: [0, 0, 0]", "joints.root.axis: [0.0, 0.0, 0.0] is not allowed; allowed: a"),
     ("axis: y", "axis: y, held: w", "joints.root.held: 'w' is not allowed; allowed: letters"),
     ("rest: 90 deg", "rest: 90", "whose unit must be said, such as 90 deg"),
-    ("3 N m/rad", "3 N", "actions.spring.stiffness: '3 N' is N; allowed: a value in N m/rad >= 0"),
+    ("3 N m/rad", "3 N", "actions.spring.stiffness: '3 N' is N; allowed: a value in N m/rad of at"),
     ("3 N m/rad", "-3", "actions.spring.stiffness: -3 is not allowed"),
     ("joint: root", "joint: rot", "there is no joint 'rot' (did you mean root?)"),
     ("record:", "bodies: {box: {mass: 1, centre: B}}\nrecord:", "bodies.box.box: missing"),
@@ -105,6 +105,15 @@ def test_what_is_wrong_is_said_with_its_line(old, new, said):
     for problem in refused(SMALL, old, new, said):
         line, key = re.match(r"line (\d+): ([\w.]+)", problem).groups()
         assert key.split(".")[-1] in text.splitlines()[int(line) - 1] or ": missing" in problem
+
+
+@pytest.mark.parametrize(("value", "said"), [
+    ("&h L/2", "line 8: the anchor, alias or tag 'h' is not allowed"),
+    ("\x07", "line 8: the character '\\x07' is not text"),
+    (f"{30 * '['}{30 * ']'}", "line 8: nested too deep; allowed: 20 mappings"),
+])  # fmt: skip
+def test_what_no_key_may_hold_is_said_with_its_line(value, said):
+    refused(SMALL, "  half: L/2", f"  half: {value}", said)
 
 
 def test_all_that_is_wrong_is_said_at_once():
@@ -159,7 +168,7 @@ def test_a_loop_that_does_not_close_is_told_with_its_gap_and_line():
 
 
 def test_values_outside_the_range_are_refused():
-    with pytest.raises(SceneError, match=r"L = 20.* >= 0.1 and <= 10 \(m\)"):
+    with pytest.raises(SceneError, match=r"L = 20.* from 0.1 to 10 \(m\)"):
         loads(SMALL).build(L=20.0)
 
 

@@ -92,10 +92,10 @@ def test_what_is_led_from_the_start_on_drags_from_the_start_on():
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
-    [("area: 0.5 m2", "area: -0.5 m2", "is not allowed; allowed: a value in m2 >= 0"),
+    [("area: 0.5 m2", "area: -0.5 m2", "is not allowed; allowed: a value in m2 of at least 0"),
      ("area: 0.5 m2, ", "", "drags.air.area: missing"),
-     ("coefficient: 1.2", "coefficient: -1", "allowed: a number >= 0"),
-     ("density: 1.2 kg/m3", "density: 1.2 kg", "allowed: a value in kg/m3 >= 0"),
+     ("coefficient: 1.2", "coefficient: -1", "allowed: a number of at least 0"),
+     ("density: 1.2 kg/m3", "density: 1.2 kg", "allowed: a value in kg/m3 of at least 0"),
      ("through: [a, b]", "through: [d]", "there is no point 'd'"),
      ("through: [a, b]", "through: [c, c]", "each once"),
      ("through: [a, b]", "through: [a, c, b]", "a list of 1 to 2"),

@@ -114,7 +114,7 @@ def test_heat_without_assembly_is_refused():
     loads(text).build()
     with pytest.raises(ValueError, match=r"strain: 0\.00046.*allowed: 0, or `assemble: true`"):
         loads(text).build(T=40.0)
-    refused(BAR, "alpha*(T - 20)", "alpha*(T - 20)*(1 m)", "allowed: a number > -0.5")
+    refused(BAR, "alpha*(T - 20)", "alpha*(T - 20)*(1 m)", "allowed: a number above -0.5")
 
 
 @pytest.mark.parametrize("curvature", ["alpha*across/(10 mm)", "0*across/(1 m)"])

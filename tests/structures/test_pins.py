@@ -96,10 +96,10 @@ joints: {hinge: {parts: [ground, rod], at: O, axis: z, KEYS}}
     ("pin", "words"),
     [
         (PIN.replace("0.5, fr", "1.5, fr"), "above 0 and at most 1"),
-        (PIN.replace("0.5, fr", "0, fr"), "> 0"),
+        (PIN.replace("0.5, fr", "0, fr"), "above 0"),
         (PIN.replace(", radius: 20 mm", ""), "above 0 m, with friction"),
-        (PIN.replace("0.5 mm", "-0.5 mm"), ">= 0"),
-        (PIN.replace("2 um", "0"), "> 0"),
+        (PIN.replace("0.5 mm", "-0.5 mm"), "of at least 0"),
+        (PIN.replace("2 um", "0"), "above 0"),
         (PIN + ", law: cubic", "hertz, linear"),
         (PIN + ", opening_x: 0.4 mm, opening_y: 0.4 mm", "at most 0.000502 m from the axis"),
     ],

@@ -8,7 +8,7 @@ from typing import Any
 
 import fpm
 from deployable.campaign import program_data
-from deployable.campaign.config.loader import load
+from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
@@ -40,7 +40,7 @@ GITIGNORE = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 def list_starts() -> list[str]:
     """List names that a new folder can start from: shipped campaigns, structures without one."""
     campaigns = program_data.list_campaigns()
-    scenes = [load(path)["scene"] for path in campaigns.values()]
+    scenes = [read_file(path).data["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
     return sorted({*campaigns, *(program_data.list_structures().keys() - scene_names)})
 
@@ -71,7 +71,7 @@ def make_folder(folder: str | Path, start: str) -> None:
 def _start_files(start: str) -> tuple[str, dict[str, Path]]:
     """The text of the campaign, and the files of its structures by their names in the folder."""
     if start in list_starts() and (path := program_data.list_campaigns().get(start)):
-        file = load(path)["scene"].get("file")
+        file = read_file(path).data["scene"].get("file")
         return path.read_text(encoding="utf-8"), {file: path.parent / file} if file else {}
     path = program_data.list_structures().get(start) if start in list_starts() else Path(start)
     if path is None or path.suffix != ".yaml" or not path.is_file():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import inspect
 import json
-import operator
 import re
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
@@ -14,6 +13,8 @@ from pathlib import Path
 from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+
+from fpm.arithmetic.limits import NumberLimits
 
 
 class RefusedError(ValueError):
@@ -26,41 +27,32 @@ class RefusedError(ValueError):
 
 
 @dataclass(frozen=True)
-class Rule:
+class Rule(NumberLimits):
     """Limits and wording of a config key, put beside its type by `Annotated`; pydantic checks by
-    them. allowed: what is allowed, in words, if the limits do not say it; text: what an entry of a
-    mapping is; unit: of the number, "1": none, or what has it: "parameter", "response", "quantity";
-    units: of the numbers of a definition, pairs of key and unit; pattern: regular expression for
-    the whole text; gt, ge, le: the number is above, at least, at most this; least, most: number of
-    entries of a mapping or list."""
+    them. The limits are of the number, or of how many entries a mapping or list has; `unit`: of the
+    number, "1": none, or what has it: "parameter", "response", "quantity". allowed: what is
+    allowed, in words, if the limits do not say it; text: what an entry of a mapping is; units: of
+    the numbers of a definition, pairs of key and unit; pattern: regular expression for the whole
+    text."""
 
     allowed: str = ""
     text: str = ""
-    unit: str = ""
     units: tuple[tuple[str, str], ...] = ()
     pattern: str = ""
-    gt: float | None = None
-    ge: float | None = None
-    le: float | None = None
-    least: int | None = None
-    most: int | None = None
 
     __is_annotated_types_grouped_metadata__: ClassVar = True
 
     def __iter__(self) -> Iterator[Any]:
         """The limits as pydantic knows them."""
-        import annotated_types as types
+        from annotated_types import Predicate
 
-        constraints = (types.Gt, types.Ge, types.Le, types.MinLen, types.MaxLen)
-        limits = (self.gt, self.ge, self.le, self.least, self.most)
-        yield from (hint(n) for hint, n in zip(constraints, limits, strict=True) if n is not None)
-        if self.pattern:
-            yield types.Predicate(re.compile(self.pattern).fullmatch)
+        yield Predicate(self.allows)
 
-    def allows(self, number: float) -> bool:
-        """Whether a number is within `gt`, `ge` and `le`."""
-        limits = ((self.gt, operator.gt), (self.ge, operator.ge), (self.le, operator.le))
-        return all(end is None or is_right(number, end) for end, is_right in limits)
+    def allows(self, value: Any) -> bool:
+        """Return whether a `value` is within the limits, or fits the pattern."""
+        is_fit = not self.pattern or re.fullmatch(self.pattern, value) is not None
+        number = len(value) if isinstance(value, str | dict | tuple) else value
+        return is_fit and (not isinstance(number, int | float) or super().allows(number))
 
     def words(self, hint: Any) -> str:
         """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
@@ -71,57 +63,51 @@ class Rule:
             return f"one of {', '.join(f'`{word}`' for word in get_args(hint))}"
         if hint is bool:
             return "`true` or `false`"
-        number = "a whole number" if hint is int else "a number"
-        if self.gt is not None:
-            return f"{number} above {_text(self.gt)}" + (f", up to {self.le}" if self.le else "")
-        if self.le is not None:
-            return f"{number} from {_text(self.ge)} to {_text(self.le)}"
-        return number if self.ge is None else f"{number} of at least {_text(self.ge)}"
-
-
-def _text(limit: float) -> str:
-    """A limit as people write it: 1e-9, 0.0001, 1000000."""
-    return str(limit) if isinstance(limit, int) else re.sub(r"e\+?(-?)0*", r"e\1", f"{limit:g}")
+        return self.describe("a whole number" if hint is int else "")
 
 
 @dataclass(frozen=True)
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
-    of any name (None: there are none). key: its `Rule`; allowed, text: what is allowed and what it
-    is, in words; default: value if left out, `MISSING` if required; names: allowed of entries."""
+    of any name (None: there are none). rule: its `Rule`; allowed: what is allowed, in words;
+    default: value if left out, `MISSING` if required; section: class of which the children are
+    fields, or None; names: allowed of entries."""
 
-    key: Rule
+    rule: Rule
     allowed: str
-    text: str
     default: Any
+    section: Any
     children: dict[str, ConfigKey]
     entry: ConfigKey | None
     names: str
+
+    @property
+    def text(self) -> str:
+        """What the key is, in words, but for those that its own section has of it."""
+        return " ".join(self.section.__doc__.split()) if self.section else self.rule.text
 
     def child(self, name: Any) -> ConfigKey | None:
         """Return the description of the key `name` below this one, else of any entry, else None."""
         return self.children.get(name, self.entry)
 
 
-def config_key_of(hint: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
+def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
     """Describe a config key of a type, with all keys below it. hint: a type with its `Rule` in
     `Annotated`, a dataclass, a dict or a union of these; default: value of the key if it is left
-    out; description: what the key is, in words."""
-    key = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
+    out."""
+    rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     hint = get_args(hint)[0] if get_origin(hint) is Annotated else hint
-    children, entry, names = {}, None, ""
+    section, children, entry, names = None, {}, None, ""
     for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
         if get_origin(option) is dict:
             name, entry = map(config_key_of, get_args(option))
-            names = name.key.allowed
+            names = name.rule.allowed
         elif is_dataclass(option):
-            description = description or " ".join(option.__doc__.split())
-            hints, docstrings = get_type_hints(option, include_extras=True), _docstrings(option)
+            section, hints = option, get_type_hints(option, include_extras=True)
             for f in fields(option):
                 value = f.default if f.default_factory is MISSING else f.default_factory()
-                key_text = docstrings.get(f.name, "")
-                children[f.name] = config_key_of(hints[f.name], value, key_text)
-    return ConfigKey(key, key.words(hint), description or key.text, default, children, entry, names)
+                children[f.name] = config_key_of(hints[f.name], value)
+    return ConfigKey(rule, rule.words(hint), default, section, children, entry, names)
 
 
 def _docstrings(hint: type) -> dict[str, str]:
@@ -144,11 +130,12 @@ _UNIT_TEXTS = {
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
     """Yield the rows of the table of all config keys below a section: full name, description, what
     is allowed and default, as texts. prefix: put before the names, such as `solver.`."""
+    texts = _docstrings(section.section) if section.section else {}
     entries = {"<name>": section.entry} if section.entry and section.entry.text else {}
     for name, child in (section.children | entries).items():
-        unit = f" ({_UNIT_TEXTS.get(child.key.unit, child.key.unit)})" if child.key.unit else ""
+        unit = child.rule.unit and f" ({_UNIT_TEXTS.get(child.rule.unit, child.rule.unit)})"
         default = "" if name == "<name>" else _default_text(child)
-        yield f"{prefix}{name}", child.text + unit, child.allowed, default
+        yield f"{prefix}{name}", texts.get(name, child.text) + unit, child.allowed, default
         yield from rows(child, f"{prefix}{name}.")
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deployable.campaign.config.models import MeasuredTest
-from deployable.campaign.config.resolve import allows, real_names, unknown
+from deployable.campaign.config.resolve import allows, parameter_problems, real_names, unknown
 from deployable.campaign.config.sections import Campaign, Experiment, ResolvedTest
 from deployable.intervals.box import MOST_FULL
 from fpm.arithmetic.units import unit
@@ -110,12 +110,7 @@ def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]
         elif not low < high or not all(allows(structure.parameters[name], v) for v in (low, high)):
             text = f"[{low:g}, {high:g}] is not allowed; allowed: a lower and a larger value, each "
             yield f"start.{name}: {text}{structure.parameters[name].allowed}"
-    for name, value in test.scene.items():
-        if name not in structure.parameters:
-            yield f"scene.{name}: {unknown(name, 'parameter', structure.parameters)}"
-        elif not allows(structure.parameters[name], value):
-            text = f"{value!r} is not allowed; allowed: {structure.parameters[name].allowed}"
-            yield f"scene.{name}: {text}"
+    yield from parameter_problems("scene", test.scene, structure)
     count = len({*experiment.intervals, *test.start} - set(test.scene))
     if count > MOST_FULL:
         yield f"start: {count} unknown values with the intervals; allowed: {MOST_FULL}"

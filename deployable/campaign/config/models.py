@@ -31,7 +31,7 @@ CaseName = _type_of(
     pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
     "$)[A-Za-z][A-Za-z0-9 _-]{0,63}",
 )  # fmt: skip
-Share = Annotated[float, Rule(ge=1e-4, le=1, unit="1")]
+Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
 OrAuto = Literal["auto"]
 StructureFile = _type_of(str, "the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
 SceneValues = Annotated[
@@ -65,16 +65,16 @@ class Aim(ConfigSection):
     name."""
     tolerance_by_name: Annotated[
         dict[str, Annotated[float, Rule(text="Share of the width of one response or quantity.",
-                                       ge=1e-4, le=1, unit="1")]],
+                                       least=1e-4, most=1, unit="1")]],
         Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
-    max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
+    max_runs: Annotated[int, Rule(least=1, most=4000)] = 1000
     """Most runs that may be spent, of all meshes, with those of checks, of the ends of quantities
     and of a choice, but not those for measured curves; in each case as many. It must allow two
     runs for each interval and two more, a check of step and mesh, and the grid of a choice (`check`
     says how many that is)."""
-    max_core_minutes: Annotated[float, Rule(gt=0, unit="min")] = 60.0
+    max_core_minutes: Annotated[float, Rule(above=0, unit="min")] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""
 
@@ -101,19 +101,17 @@ class SceneSection(ConfigSection):
 class Solver(ConfigSection):
     """How each run is integrated and recorded."""
 
-    duration: Annotated[float, Rule(ge=1e-9, le=1e6, unit="s")] = 1.0
+    duration: Annotated[float, Rule(least=1e-9, most=1e6, unit="s")] = 1.0
     """Simulated time."""
-    instants: Annotated[int, Rule(ge=2, le=1_000_000)] = 2001
+    instants: Annotated[int, Rule(least=2, most=1_000_000)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
-    step: Annotated[
-        Annotated[float, Rule(gt=0)] | OrAuto, Rule("`auto` or a number above 0", unit="s")
-    ] = "auto"
+    step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
     """Time step. `auto` takes the largest that is stable over the whole box, times `safety`; either
     way it is shortened until the recording interval is a whole number of steps. One step serves all
     runs of a campaign, so that a run does not depend on its neighbours."""
-    safety: Annotated[float, Rule(gt=0, le=1, unit="1")] = 0.9
+    safety: Annotated[float, Rule(above=0, most=1, unit="1")] = 0.9
     """Share of the stable step that `auto` uses."""
-    energy_tolerance: Annotated[float, Rule(gt=0, unit="1")] = 0.005
+    energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005
     """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
 
@@ -130,9 +128,9 @@ class IntervalSpec(ConfigSection):
     nominal: Annotated[float, Rule("a number inside the interval", unit="parameter")] = ABSENT
     """Value of the nominal run. Default: the scene's value with `relative` and `absolute`, the
     middle with `lower` and `upper`."""
-    relative: Annotated[float, Rule(ge=0, unit="1")] = ABSENT
+    relative: Annotated[float, Rule(least=0, unit="1")] = ABSENT
     """Half width as a share of the nominal value; 0.01 is ± 1 %."""
-    absolute: Annotated[float, Rule(ge=0, unit="parameter")] = ABSENT
+    absolute: Annotated[float, Rule(least=0, unit="parameter")] = ABSENT
     """Half width."""
     lower: Annotated[float, Rule("a number, at most `upper`", unit="parameter")] = ABSENT
     """Lower end; needs `upper`."""
@@ -173,15 +171,15 @@ class DesignSection(ConfigSection):
     of a shorter one. All of them for up to 8 intervals. `screening`, for up to 60: the centre, both
     ends of each interval alone, and a two-level design with its fold-over; for quantities a search
     by further runs goes on from there (docs/quantities.md)."""
-    order: Annotated[int, Rule(ge=1, le=64)] = 3
+    order: Annotated[int, Rule(least=1, most=64)] = 3
     """Order of the surrogate, in each direction or, for `smolyak`, in total. `sobol` has none
     unless it is given; then a surrogate of that total degree is fitted to its samples.
     `screening` has none."""
-    samples: Annotated[int, Rule(ge=2, le=10_000_000)] = 1024
+    samples: Annotated[int, Rule(least=2, most=10_000_000)] = 1024
     """Number of runs of `sobol`, corners of the box included; of `screening` the most in all, with
     further ones at the bounds of quantities. Beyond 100,000 they are allowed with
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
-    seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] = 0
+    seed: Annotated[int, Rule(least=0, most=2**32 - 1)] = 0
     """Seed of the Sobol sequence of `sobol`."""
 
 
@@ -202,7 +200,7 @@ class BoundsChoice(ConfigSection):
 class ErrorDisplay(ConfigSection):
     """How the error of the bounds is shown."""
 
-    shade_above: Annotated[float, Rule(gt=0, unit="1")] = 0.1
+    shade_above: Annotated[float, Rule(above=0, unit="1")] = 0.1
     """Figures shade the instants at which the error estimate exceeds this share of the largest
     width of the bounds."""
 
@@ -211,7 +209,7 @@ class ErrorDisplay(ConfigSection):
 class Verify(ConfigSection):
     """How the intervals of quantities are verified."""
 
-    max_iterations: Annotated[int, Rule(ge=0, le=50)] = 6
+    max_iterations: Annotated[int, Rule(least=0, most=50)] = 6
     """Most iterations of further runs: where the surrogate of a quantity has the ends of its
     interval, until it exceeds the runs by no more than 0.1 % of the width, where
     requirements are decided, and about where something ceases to happen, eight in each. 0 makes
@@ -280,7 +278,7 @@ class ChooseSection(ConfigSection):
     With a second goal, the trade-off of the two is drawn; the best choice is that of the first."""
     maximise: Goals = ()
     """What is to be large, in the same form."""
-    order: Annotated[int, Rule(ge=1, le=64)] = 8
+    order: Annotated[int, Rule(least=1, most=64)] = 8
     """Order of the sparse grid of runs along the chosen parameters; along others it is that of the
     design."""
 
@@ -289,7 +287,7 @@ class ChooseSection(ConfigSection):
 class CaseSolver(ConfigSection):
     """What of the solver differs in a case."""
 
-    duration: Annotated[float, Rule(ge=1e-9, le=1e6, unit="s")] = ABSENT
+    duration: Annotated[float, Rule(least=1e-9, most=1e6, unit="s")] = ABSENT
     """Simulated time."""
 
 
@@ -312,7 +310,7 @@ class CaseSection(ConfigSection):
 class FigureChoice(ConfigSection):
     """What the figures show."""
 
-    moments: Annotated[int, Rule(ge=2, le=12)] = 5
+    moments: Annotated[int, Rule(least=2, most=12)] = 5
     """Number of moments at which the structure is drawn, from its start to its first closure."""
 
 
@@ -321,14 +319,14 @@ class Jobs(ConfigSection):
     """How the runs are grouped. Only `keep: responses` changes numbers: to single precision."""
 
     runs_per_job: Annotated[
-        Annotated[int, Rule(ge=1)] | OrAuto, Rule("a whole number of at least 1, or `auto`")
+        int | OrAuto, Rule("a whole number of at least 1, or `auto`", least=1)
     ] = "auto"
     """Most runs in one job. A job is one process; it starts in about 1 s, the time of some 50 runs,
     so few jobs are best, but there should be one for each core. `auto`: 512, or more where that
     makes more than eight jobs, or one for each core of this machine; 4,096, or more where that
     makes more than 64; and more where there would be more jobs for some cores of this machine than
     for others."""
-    group: Annotated[int, Rule(ge=1)] = 32
+    group: Annotated[int, Rule(least=1)] = 32
     """Runs that are integrated side by side; they are written while the next ones are integrated,
     so this bounds memory and what a killed job loses."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"
@@ -339,21 +337,21 @@ class Jobs(ConfigSection):
     value of each response at each instant, with where they are attained, and of every run its
     parameters, quantities and events: a million runs take some 100 MB (docs/larger-campaigns.md).
     """
-    minutes: Annotated[float, Rule(ge=0, unit="min")] = 0.0
+    minutes: Annotated[float, Rule(least=0, unit="min")] = 0.0
     """How long a job shall take on its `processes`, in place of `runs_per_job`: clusters want jobs
     of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an
     estimate that is accurate to a factor of about two. 0: as many runs as `runs_per_job` says."""
-    run_seconds: Annotated[float, Rule(ge=0, unit="s")] = 0.0
+    run_seconds: Annotated[float, Rule(least=0, unit="s")] = 0.0
     """Seconds of one core that a run takes, where they were measured; the log of a job tells them
     if there are `minutes`. 0: estimated."""
-    processes: Annotated[int, Rule(ge=1, le=1024)] = 1
+    processes: Annotated[int, Rule(least=1, most=1024)] = 1
     """Processes of a job, one for each core that it shall have; they share one compiled time loop.
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
 Times = _type_of(*Pair, unit="s")
 _ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
-_Size = Annotated[float, Rule(gt=0, unit="response")]
+_Size = Annotated[float, Rule(above=0, unit="response")]
 
 
 @dataclass(frozen=True)
@@ -364,7 +362,7 @@ class UnknownSensor(ConfigSection):
     """How much later than the structure's the file's times are, at least and at most."""
     offset: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
     """Half width about 0 of what the sensor adds, in the response's unit, by response."""
-    gain: Annotated[dict[Name, Annotated[float, Rule(gt=0, unit="1")]], _ByResponse] = field(
+    gain: Annotated[dict[Name, Annotated[float, Rule(above=0, unit="1")]], _ByResponse] = field(
         default_factory=dict
     )
     """Half width about 1 of the factor on the response, by response."""
@@ -439,7 +437,7 @@ class Config(ConfigSection):
     """The uncertain parameters, by the scene's parameter names."""
     design: DesignSection = DesignSection()
     bounds: BoundsChoice = BoundsChoice()
-    held_out: Annotated[int, Rule(ge=0, le=10_000)] = 4
+    held_out: Annotated[int, Rule(least=0, most=10_000)] = 4
     """Extra runs that no surrogate is fitted to; the error estimate comes from them. Not used by
     `sobol`."""
     responses: Annotated[

@@ -96,7 +96,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
         elif kind == "missing" and names[-1] in path:
             reason = "missing"
         else:
-            unit = keys[-1].key.unit
+            unit = keys[-1].rule.unit
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
             if "number" not in allowed:
                 is_word = isinstance(value, str) and value[:1].isalpha()
@@ -109,16 +109,13 @@ def _fault(raw: Any, error: Mapping) -> Fault:
 
 def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
     """The config with sections under the names likely meant, and a sentence for each renamed."""
-    names, problems = Config.__dataclass_fields__, []
-    if not isinstance(raw, Mapping):
-        return raw, problems
-    sections = dict(raw)
+    names, fixes = Config.__dataclass_fields__, {}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
         likely_name = likely(name, names)
-        if likely_name and likely_name not in sections:
-            problems.append(_no_key([], name, whole()))
-            sections[likely_name] = sections.pop(name)
-    return sections, problems
+        if likely_name not in ("", *raw, *fixes.values()):
+            fixes[name] = likely_name
+    problems = [_no_key([], name, whole()) for name in fixes]
+    return {fixes.get(name, name): section for name, section in raw.items()}, problems
 
 
 def _no_key(path: list[str], name: str, section: ConfigKey) -> str:
@@ -146,6 +143,12 @@ def show(value: Any) -> str:
     """Write a value as text for a message, at most 60 characters of it."""
     text = json.dumps(value, default=str) if not isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def sentence(key: str, error: Any) -> str:
+    """Write an error of `fpm` or `intervals`, which know value and allowed, as a message on a key
+    of the config."""
+    return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
 
 
 def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:

@@ -13,7 +13,7 @@ from deployable.campaign.config.models import (
     IntervalSpec,
     Limits,
 )
-from deployable.campaign.config.read import show
+from deployable.campaign.config.read import sentence, show
 from deployable.campaign.config.sections import (
     ADAPTIVE,
     BY_STANDARD,
@@ -26,7 +26,10 @@ from deployable.campaign.config.sections import (
     SceneChoice,
 )
 from fpm import SceneError
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, number_hint
+from fpm.reading.definitions import kind_of
+from fpm.reading.margins import OPTIONAL
+from fpm.reading.responses import KINDS
 
 FACTOR_KEYS = ("uncertainty_factors", "actuation_factors", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
@@ -84,51 +87,59 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
         config = replace(config, solver=replace(config.solver, **brief))
     responses, quantities = dict(config.responses), dict(config.quantities)
     requirements, problems = dict(config.requirements), []
-    definitions = dict(config.margins)
-    if config.review:  # beside a margin by factors of its own, that by the standard's
-        for name, definition in config.margins.items():
-            if factors := set(FACTOR_KEYS) & set(definition):
-                rest = {key: value for key, value in definition.items() if key not in factors}
-                if name + BY_STANDARD in config.margins:
-                    problems.append(
-                        f"margins.{name}: its margin by the standard's factors is to be called "
-                        f"{name}{BY_STANDARD}, which is taken; allowed: another name"
-                    )
-                definitions[name + BY_STANDARD] = rest
-    for name, definition in definitions.items():
-        least, key = f"{name}_least", f"margins.{name}"
-        conflicts = [f"responses.{name}"] * (name in responses)
-        conflicts += [f"quantities.{least}"] * (least in quantities)
-        openings = definition.get("along")
-        first, *followers = openings if isinstance(openings, list) else [openings]
-        if conflicts:
-            problems.append(f"{key}: there is {' and '.join(conflicts)}; allowed: another name")
-        elif words := sorted({"margin", "with"} & set(definition)):  # `along` stands for both
-            problems += [f"{key}.{w}: there is no such key; allowed: along" for w in words]
-        elif not all(isinstance(opening, str) for opening in (first, *followers)):
-            problems.append(
-                f"{key}.along: {show(openings)} is not allowed; allowed: the opening that is "
-                "moved, or a list of those that are moved together"
-            )
-        else:
-            rest = {key: value for key, value in definition.items() if key != "along"}
-            followers_key = {"with": followers} if followers else {}
-            responses[name] = {"margin": first, **followers_key, **rest}
+    standards = _by_standard(config)
+    for name, definition in {**config.margins, **standards}.items():
+        least, standard = f"{name}_least", name + BY_STANDARD
+        try:
+            if standard in standards.keys() & config.margins.keys():
+                text = f"its margin by the standard's factors is to be called {standard}, which is "
+                raise RefusedError("", f"{text}taken; allowed: another name")
+            responses[name] = _response_of_margin(name, definition, config)
             quantities[least] = {"smallest": name}
-            if name not in config.margins:
-                continue
-            if not any(least in limits for limits in requirements.values()):
-                free = [label for label in (name, f"{name}_margin") if label not in requirements]
-                if free:
-                    requirements[free[0]] = {least: Limits(at_least=0.0)}
-                else:
-                    problems.append(
-                        f"{key}: there are requirements.{name} and requirements.{name}_margin, and "
-                        f"that of {least} needs one of these names; allowed: another name, or a "
-                        f"requirement of {least}"
-                    )
+            is_required = any(least in limits for limits in requirements.values())
+            if name in config.margins and not is_required:
+                label = f"{name}_margin" if name in requirements else name
+                if label in requirements:
+                    text = f"there are requirements.{name} and requirements.{label}, and that of "
+                    text += f"{least} needs one of these names; allowed: another name, or a "
+                    raise RefusedError("", f"{text}requirement of {least}")
+                requirements[label] = {least: Limits(at_least=0.0)}
+        except RefusedError as error:
+            problems.append(f"margins.{name}: {error.text}")
+        except SceneError as error:
+            if name in config.margins:  # else it is told of the one that it stands beside
+                problems.append(sentence(error.key, error))
     config = replace(config, responses=responses, quantities=quantities, requirements=requirements)
     return config, problems
+
+
+def _by_standard(config: Config) -> dict[str, dict]:
+    """Margins by the standard's factors, of which a review tells beside those by others."""
+    return {
+        name + BY_STANDARD: {k: v for k, v in definition.items() if k not in FACTOR_KEYS}
+        for name, definition in (config.margins if config.review else {}).items()
+        if {*FACTOR_KEYS} & definition.keys()
+    }
+
+
+_MARGIN = KINDS["margin"]._replace(optional=tuple(k for k in OPTIONAL if k != "with"))
+"""Keys of a margin in a config, where `along` stands for the response's `margin` and `with`."""
+
+
+def _response_of_margin(name: str, definition: Mapping, config: Config) -> dict[str, Any]:
+    """The definition of the response that a margin, whose keys are checked, is."""
+    conflicts = [f"responses.{name}"] * (name in config.responses)
+    conflicts += [f"quantities.{name}_least"] * (f"{name}_least" in config.quantities)
+    if conflicts:
+        raise RefusedError("", f"there is {' and '.join(conflicts)}; allowed: another name")
+    openings = definition.get("along")
+    first, *followers = openings if isinstance(openings, list) else [openings]
+    if not all(isinstance(opening, str) for opening in (first, *followers)):
+        allowed = "the opening that is moved, or a list of those that are moved together"
+        raise SceneError(f"margins.{name}.along", openings, allowed)
+    kind_of(f"margins.{name}", definition, {"along": _MARGIN})
+    rest = {key: value for key, value in definition.items() if key != "along"}
+    return {"margin": first, **({"with": followers} if followers else {}), **rest}
 
 
 def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
@@ -242,3 +253,20 @@ def allows(parameter: Any, value: Any) -> bool:
     except SceneError:
         return False
     return True
+
+
+def parameter_problems(key: str, values: Mapping, scene_type: Any) -> list[str]:
+    """Check values of a structure's parameters, by name, that a section of the config called `key`
+    sets: returns a sentence for each unknown name or value that is not allowed. scene_type: the
+    `fpm` structure."""
+    problems, parameters = [], scene_type.parameters
+    for name, value in values.items():
+        if name not in parameters:
+            text = unknown(name, f"parameter of {scene_type.name}", parameters)
+        elif not allows(parameters[name], value):
+            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
+            text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"
+        else:
+            continue
+        problems.append(f"{key}.{name}: {text}")
+    return problems

@@ -15,11 +15,12 @@ import fpm
 from deployable.campaign.config.disk import LARGE, room_problems
 from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
-from deployable.campaign.config.read import show
+from deployable.campaign.config.read import sentence, show
 from deployable.campaign.config.resolve import (
     allows,
     campaign_of,
     intervals_of,
+    parameter_problems,
     real_names,
     unknown,
 )
@@ -39,9 +40,9 @@ from deployable.campaign.config.sections import (
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import did_you_mean, number_hint
+from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
-from fpm.reading.margins import OPTIONAL, find_drives, read_label, travel_of
+from fpm.reading.margins import find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
@@ -61,7 +62,7 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
     except fpm.SceneError as error:
         return None, _scene_problems(error, "scene.file")
     intervals, trouble = intervals_of(config.intervals, section.parameters, structure)
-    problems = parameter_problems(section.parameters, structure) + trouble
+    problems = parameter_problems("scene.parameters", section.parameters, structure) + trouble
     campaign = campaign_of(config, user_config, structure, intervals)
     if not problems:
         problems += _build_problems(campaign.experiment)
@@ -155,16 +156,9 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
         except fpm.SceneError as error:
             key = error.key
             if name in margins:  # as its section has it
-                if key == f"responses.{name}":
-                    keys = error.allowed.removeprefix("margin").replace(" with,", "")
-                    if keys == error.allowed:  # a key of another kind of response
-                        optional_keys = [key for key in OPTIONAL if key != "with"]
-                        keys = f" and to, standard, perhaps with {', '.join(optional_keys)}"
-                    value = error.value if isinstance(error.value, str) else margins[name]
-                    error = fpm.SceneError(key, value, f"along{keys}")
                 key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")
-            problems.append(_sentence(key, error))
+            problems.append(sentence(key, error))
     unknown_names = [name for name in campaign.published if name not in responses]
     return problems + [
         f"published.{name}: {unknown(name, 'response', responses)}" for name in unknown_names
@@ -183,7 +177,7 @@ def _travel_problems(experiment: Experiment) -> list[str]:
             try:
                 travel = travel_of(experiment.nominal_scene, openings, positions=9)
             except fpm.SceneError as error:
-                problems.append(_sentence(f"margins.{curve.name}.along", error))
+                problems.append(sentence(f"margins.{curve.name}.along", error))
                 continue
             problems += _spring_out_problems(experiment, curve, travel.work)
     return problems
@@ -223,7 +217,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
         return []
     elements = eventful(experiment.nominal_scene)
     _, errors = parse(experiment.quantities, experiment.response_list, elements)
-    return [_sentence(error.key, error) for error in errors]
+    return [sentence(error.key, error) for error in errors]
 
 
 def _design_problems(campaign: Campaign) -> list[str]:
@@ -238,7 +232,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
             replace(design, samples=2) if has_none else design, experiment.box
         )
     except IntervalError as error:
-        return [_sentence(f"design.{error.key}", error)]
+        return [sentence(f"design.{error.key}", error)]
     if has_none:
         return []
     return _spline_problems(experiment, node_design) if campaign.bounds.model == "spline" else []
@@ -273,28 +267,7 @@ def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
             hint = did_you_mean(error.source, names)
             allowed = f"{hint}; allowed: a path from the folder of the campaign's file"
         return [f"{key}: {error.source}, {problem}{allowed}" for problem in problems]
-    return [f"{key}: {text}" if text else _sentence(error.key, error)]
-
-
-def _sentence(key: str, error: Any) -> str:
-    """An error of `fpm` or `intervals`, which know value and allowed, as a sentence."""
-    return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
-
-
-def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
-    """Check the values, by name, that `scene.parameters` of a config sets: returns a sentence for
-    each unknown name or value that is not allowed. scene_type: the `fpm` structure."""
-    problems, parameters = [], scene_type.parameters
-    for name, value in values.items():
-        if name not in parameters:
-            text = unknown(name, f"parameter of {scene_type.name}", parameters)
-        elif not allows(parameters[name], value):
-            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"
-        else:
-            continue
-        problems.append(f"scene.parameters.{name}: {text}")
-    return problems
+    return [f"{key}: {text}" if text else sentence(error.key, error)]
 
 
 def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:

@@ -47,15 +47,13 @@ class StatedUnits:
         self.misfits: dict[str, str] = {}
         self.unknowns: dict[str, str] = {}
         self._source, self._sections = raw, {}
-        openings = {"margins": ("from", "to")}  # which the mechanics read with their units
-        has_units = any(_has_units(x, openings.get(name, ())) for name, x in raw.items())
-        self.raw = {name: self._section(name) for name in raw} if has_units else raw
+        self.raw = {name: self._section(name) for name in raw}
 
     def _section(self, name: str) -> Any:
         if name not in self._sections:
             value, key = self._source.get(name), whole().children.get(name)
             self._sections[name] = (
-                self._resolve(value, key, key.key.unit, (name,), "") if key else value
+                self._resolve(value, key, key.rule.unit, (name,), "") if key else value
             )
         return self._sections[name]
 
@@ -65,10 +63,10 @@ class StatedUnits:
         """A value at a path, whose numbers have the unit `symbol`, or that of the `owner`, a name;
         parent: the mapping that has it."""
         if isinstance(value, Mapping):
-            result, symbols = {}, dict(key.key.units)
+            result, symbols = {}, dict(key.rule.units)
             for name, item in value.items():
                 entry = key.child(name)
-                symbol = entry and (entry.key.unit or symbols.get(name, ""))
+                symbol = entry and (entry.rule.unit or symbols.get(name, ""))
                 label = owner if name in key.children else name
                 place = (*path, str(name))
                 result[name] = (
@@ -163,19 +161,6 @@ class StatedUnits:
         definitions = dict(self._section("quantities") or {}) | self._with_margins.quantities
         quantities, _ = quantity_definitions.parse(definitions, self._responses.values(), elements)
         return {quantity.name: quantity for quantity in quantities}
-
-
-def _has_units(value: Any, exclusions: tuple = ()) -> bool:
-    """Whether a text may have a unit, those under the keys `exclusions` left out."""
-    if isinstance(value, Mapping):
-        return any(
-            _has_units(item, exclusions)
-            for key, item in value.items()
-            if key not in exclusions or isinstance(item, Mapping)
-        )
-    if isinstance(value, list | tuple):
-        return any(map(_has_units, value))
-    return isinstance(value, str) and _TEXT.fullmatch(value.strip()) is not None
 
 
 def _unit(text: str) -> Unit:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import fpm
-from deployable.campaign.config.loader import load, parse
+from deployable.campaign.config.loader import read, read_file
 from deployable.campaign.config.sections import Experiment, scene_type, trust
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.files import open_netcdf, refuse_links
@@ -220,12 +220,12 @@ def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
     """Parse values of parameters, texts by name, as in a YAML file: `"2.5"` as 2.5, `"true"` as
     True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
     pairs = settings.items()
-    return {n: parse(f"value: {text}", f"--set {n}")["value"] for n, text in pairs}
+    return {n: read(f"value: {text}", f"--set {n}").data["value"] for n, text in pairs}
 
 
 def _is_campaign(path: Path) -> bool:
     """Whether a YAML file is a campaign's, not a structure's, whose reader says what is wrong."""
     try:
-        return "campaign" in load(path)
+        return "campaign" in read_file(path).data
     except ConfigError:
         return False

@@ -355,7 +355,7 @@ def _cylinder(build, args, section: Section | None) -> Body:
     "bodies",
     "rod",
     **LINE,
-    diameter=NumberKey(None, ROD_DIAMETER, "m", above=0),
+    diameter=NumberKey(None, ROD_DIAMETER, unit="m", above=0),
     points=POINTS,
 )
 def rod(build, args):

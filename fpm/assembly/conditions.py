@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.assembly.matrices import Form, dofs_of, pair_matrix, sparse
 from fpm.elements.cross import cross
 from fpm.elements.joints import joint_arrays as bits
 from fpm.elements.joints.joint import Joint, as_joints
@@ -62,21 +63,6 @@ def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
     return np.moveaxis(values.imag / STEP, 0, -1)
 
 
-def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
-    """Return a sparse matrix (6 count, 6 count) by the motions of all particles, summed from blocks
-    (e, 12, 12), each of a pair. pairs (e, 2): particle indices; count: of all particles."""
-    from scipy.sparse import coo_array
-
-    dofs = dofs_of(pairs)
-    rows, columns = np.repeat(dofs, 12, axis=1).ravel(), np.tile(dofs, 12).ravel()
-    return coo_array((blocks.ravel(), (rows, columns)), shape=(6 * count, 6 * count)).tocsc()
-
-
-def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Return where in a motion (6n,) the entries (e, 12) of pairs of particles (e, 2) stand."""
-    return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
-
-
 SMALLEST = 1e-9
 """Share of the largest singular value of conditions below which they depend on each other."""
 
@@ -90,14 +76,6 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
     vectors, sizes, _ = np.linalg.svd(rows)
     rank = int((sizes > SMALLEST * sizes[0]).sum())
     return rank, np.linalg.norm(vectors[:, rank:], axis=1)
-
-
-def scale_matrix(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Return a copy of a sparse matrix (r, c) with each row times its factor in `rows` (r,), and
-    each column times that in `columns` (c,), to make its entries dimensionless."""
-    matrix = matrix.tocsc(copy=True)
-    matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
-    return matrix
 
 
 GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
@@ -148,34 +126,20 @@ class Conditions(NamedTuple):
         name = max(names, key=lambda n: max(gap.get(n, 0.0), tilt.get(n, 0.0)), default="none")
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
-    def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
-        """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of the particles
-        at poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
-        blocks = self.curvatures(poses, impulses)
-        return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
+    def derivatives(self, poses: ParticlePoses, impulses: np.ndarray, form: Form = sparse):
+        """Return derivatives (c, 6n) of all conditions by motions (m, rad) of the n particles at
+        poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,).
+        form: of both matrices (`sparse`, `full`)."""
+        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
+        curvature = pair_matrix(blocks, self.pairs, len(poses.position), form)
+        return self.jacobian(poses, form), curvature
 
-    def curvatures(self, poses: ParticlePoses, impulses: np.ndarray) -> np.ndarray:
-        """Return the second derivatives (c, 12, 12) of each condition, times its factor in
-        `impulses` (c,), by the motions (m, rad) of its two particles at poses."""
-        return impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
-
-    def dense_jacobian(self, poses: ParticlePoses) -> np.ndarray:
-        """Return derivatives (c, 6n) of conditions by motions (m, rad) of n particles at poses."""
-        rows, dofs = self._rows(*self._ends(poses)), dofs_of(self.pairs)
-        matrix = np.zeros((len(rows), 6 * len(poses.position)))
-        number = np.arange(len(rows))[:, None]
-        for half in (slice(0, 6), slice(6, 12)):  # both are of one particle where it is held
-            matrix[number, dofs[:, half]] += rows[:, half]
-        return matrix
-
-    def jacobian(self, poses: ParticlePoses):
-        """Sparse derivatives (c, 6n) of conditions by motions (m, rad) of particles, at poses."""
-        from scipy.sparse import coo_array
-
+    def jacobian(self, poses: ParticlePoses, form: Form = sparse):
+        """Return derivatives (c, 6n) of the conditions by motions (m, rad) of the n particles at
+        poses. form: of the matrix (`sparse`, `full`)."""
         rows = self._rows(*self._ends(poses))
-        number = np.repeat(np.arange(len(rows)), 12)
-        entries = (rows.ravel(), (number, dofs_of(self.pairs).ravel()))
-        return coo_array(entries, shape=(len(rows), 6 * len(poses.position))).tocsc()
+        shape = len(rows), 6 * len(poses.position)
+        return form(rows, np.arange(len(rows))[:, None], dofs_of(self.pairs), shape)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
         """Poses (c,) of the first and of the second particle of each condition."""

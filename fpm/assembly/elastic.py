@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import ParticlePoses, dofs_of, slopes, sparse_matrix
+from fpm.assembly.conditions import ParticlePoses, slopes
+from fpm.assembly.matrices import Form, dofs_of, pair_matrix, sparse
 from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 
@@ -33,6 +34,8 @@ class Elastic(NamedTuple):
 
     def energy(self, poses: ParticlePoses) -> float:
         """Return the strain energy (J) of all elements together, at poses of all particles."""
+        if not len(self.nodes):
+            return 0.0
         shape = self._shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.sines + shape.sines**3 / 6
@@ -57,13 +60,15 @@ class Elastic(NamedTuple):
         bend = np.abs(np.column_stack([shape.sines, shape.twist]))
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
-    def derivatives(self, poses: ParticlePoses):
-        """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
-        energy, by the motions (m, rad) of all n particles at poses."""
+    def derivatives(self, poses: ParticlePoses, form: Form = sparse):
+        """Return the gradient (6n,), N and N m, and the Hessian (6n, 6n) of the strain energy, by
+        motions (m, rad) of all n particles at poses. form: of the Hessian (`sparse`, `full`)."""
         count, ends = len(poses.position), self._ends(poses)
-        gradient = np.zeros(6 * count)
-        np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
-        return gradient, sparse_matrix(slopes(self._gradient, *ends), self.nodes, count)
+        gradient, blocks = np.zeros(6 * count), np.zeros((0, 12, 12))
+        if len(self.nodes):
+            np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
+            blocks = slopes(self._gradient, *ends)
+        return gradient, pair_matrix(blocks, self.nodes, count, form)
 
     @property
     def unstressed(self) -> "UnstressedBeams":
@@ -124,14 +129,15 @@ class UnstressedBeams(NamedTuple):
 
     bars: Elastic
 
-    def derivatives(self, poses: ParticlePoses):
-        """Return the gradient (6n,), N and N m, and the sparse Gauss-Newton Hessian (6n, 6n) of the
-        strain energy by motions (m, rad) of all n particles at poses: without stress terms."""
+    def derivatives(self, poses: ParticlePoses, form: Form = sparse):
+        """Return the gradient (6n,), N and N m, and the Gauss-Newton Hessian (6n, 6n) of the strain
+        energy by motions (m, rad) of all n particles at poses: without stress terms. form: of the
+        Hessian (`sparse`, `full`)."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)
         blocks = rows.swapaxes(1, 2) @ rows
-        return gradient, sparse_matrix(blocks, self.bars.nodes, len(poses.position))
+        return gradient, pair_matrix(blocks, self.bars.nodes, len(poses.position), form)
 
 
 def elastic_of(scene) -> Elastic:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from fpm.assembly.conditions import CROSS_PRODUCTS, ParticlePoses
+from fpm.assembly.elastic import elastic_of
+from fpm.assembly.matrices import Form, largest_entry, scale_matrix, sparse
 from fpm.elements import Gravity, Hinge, SyncLoop, TorsionSpring, energies_of
 from fpm.elements.batch import Batch
 from fpm.kernels import layout
@@ -71,20 +73,11 @@ class ElementForces:
         for values, array in zip(history, self._history, strict=True):
             array[:] = values
 
-    def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
+    def linearise(self, poses: ParticlePoses, form: Form = sparse) -> tuple[np.ndarray, Any]:
         """Return forces (6n,) of the elements at `poses` (positions and frames of n particles),
-        force (N), then moment (N m) on each, and their stiffness, sparse (6n, 6n): minus the
-        derivatives by all motions (m, rad). The elements' memory (bristle deflections) is kept."""
-        from scipy.sparse import csc_array
-
-        forces, values = self.differentiate(poses)
-        rows, columns = np.nonzero(values)
-        entries = values[rows, columns], (rows, self.stiff[columns])
-        return forces, csc_array(entries, shape=(len(forces), len(forces)))
-
-    def differentiate(self, poses: ParticlePoses) -> tuple[np.ndarray, np.ndarray]:
-        """Return what `linearise` does, but of the stiffness its columns (6n, k) for the degrees of
-        freedom `stiff` (k,); all others are zero."""
+        force (N), then moment (N m) on each, and their stiffness (6n, 6n): minus the derivatives by
+        all motions (m, rad). The elements' memory (bristle deflections) is kept. form: of the
+        stiffness (`sparse`, `full`)."""
         history = self.copy_history()
         self._put(poses)
         forces, slopes = self._act_there()[:, 0].copy(), []
@@ -97,7 +90,10 @@ class ElementForces:
                 pair.append(self._act_there()[:, : len(dofs)] / (2.0 * steps))
             slopes.append(pair[1] - pair[0])
         self.restore(history)
-        return forces, np.hstack([np.zeros((len(forces), 0)), *slopes])
+        values = np.hstack([np.zeros((len(forces), 0)), *slopes])
+        rows, columns = np.nonzero(values)
+        entries = values[rows, columns], rows, self.stiff[columns]
+        return forces, form(*entries, (len(forces), len(forces)))
 
     def _put(self, poses: ParticlePoses) -> None:
         state = self.world.state
@@ -127,6 +123,38 @@ class ElementForces:
         state[:, layout.F : layout.M + 3] = 0.0
         self._call()
         return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
+
+
+class BalanceForces:
+    """Forces that are in static balance in a scene: those of its elastic bars, and of elements.
+    scene: theirs; sources: ElementForces, of each element type. The methods take `poses`, positions
+    and frames of all n particles; bars and sources are attributes."""
+
+    def __init__(self, scene, sources: Sequence[ElementForces]):
+        self.bars, self.sources = elastic_of(scene), sources
+
+    def derivatives(self, poses: ParticlePoses, form: Form = sparse):
+        """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of all
+        particles, and the stiffness (6n, 6n), its derivatives. form: of that (`sparse`, `full`)."""
+        gradient, stiffness = self.bars.derivatives(poses, form)
+        for source in self.sources:
+            forces, slopes = source.linearise(poses, form)
+            gradient, stiffness = gradient - forces, stiffness + slopes
+        return gradient, stiffness
+
+    def sizes(self, poses: ParticlePoses, scales: np.ndarray) -> tuple[float, float, np.ndarray]:
+        """Return the largest stiffness (N m) of bars and of elements, and the largest force (N m)
+        that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
+        (m) or angle (rad) that is the unit of each."""
+        pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self.sources)]
+        bars, *sizes = (largest_entry(scale_matrix(k, scales, scales)) for _, k in pairs)
+        return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
+
+    def follow(self, poses: ParticlePoses) -> None:
+        """Move the elements on to `poses`, where those with memory, as bristles with a deflection
+        or full turns, start next time."""
+        for source in self.sources:
+            source.forces(poses)
 
 
 def lanes_of_register() -> int:

@@ -24,9 +24,8 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 
 from fpm import assembly
-from fpm.assembly.conditions import ParticlePoses, conditions_of, scale_matrix
-from fpm.assembly.elastic import elastic_of
-from fpm.assembly.element_forces import ElementForces, acts
+from fpm.assembly.conditions import ParticlePoses, conditions_of
+from fpm.assembly.element_forces import BalanceForces, ElementForces, acts
 from fpm.elements import Drag, Journal, Load, Motor, Release, Stop, TorsionSpring, kinds_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
@@ -100,16 +99,13 @@ def balance(scene, hold: Mapping[str, float]) -> None:
     ]
 
 
-class Potential:
+class Potential(BalanceForces):
     """What enters the static equilibrium at the start of a scene: bars, and all elements that store
     energy or load it, but friction and latches; pins with play neither rub nor damp. Its methods
     take `poses`, positions and frames of all n particles; elements with memory, as of full turns,
     go on from the poses followed last."""
 
     def __init__(self, scene):
-        self.bars, self._hinges = elastic_of(scene), list(scene.hinges)
-        self.nodes, self.unstressed = self.bars.nodes, self.bars.unstressed
-        self.energy = self.bars.energy
         elements = {
             kind: kind.sweep_elements(scene)
             for kind in kinds_of([scene])
@@ -119,20 +115,14 @@ class Potential:
             elements[kind] = [*kind.find(scene), *springs]
         elements[Journal] = [replace(p, friction=0.0, restitution=1.0) for p in Journal.find(scene)]
         elements[Drag] = [drag for drag in Drag.find(scene) if np.any(drag.wind)]
-        self._sources = [
+        sources = [
             ElementForces(scene, group, _turns(group) if kind in (Load, Drag) else ())
             for kind, group in elements.items()
             if group
         ]
-
-    def derivatives(self, poses: ParticlePoses):
-        """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of all
-        particles, and the stiffness, its derivatives, sparse (6n, 6n)."""
-        gradient, stiffness = self.bars.derivatives(poses)
-        for source in self._sources:
-            forces, slopes = source.linearise(poses)
-            gradient, stiffness = gradient - forces, stiffness + slopes
-        return gradient, stiffness
+        super().__init__(scene, sources)
+        self._hinges, self.energy = list(scene.hinges), self.bars.energy
+        self.nodes, self.unstressed = self.bars.nodes, self.bars.unstressed
 
     def change(self, first: ParticlePoses, last: ParticlePoses) -> float:
         """Return by how much (J) the potential energy is more at the last poses than at the first:
@@ -145,7 +135,7 @@ class Potential:
         for panel in range(panels):
             for place, weight in zip(PLACES, WEIGHTS, strict=True):
                 poses = first.displace((panel + place) / panels * motion)
-                forces = sum((source.forces(poses) for source in self._sources), 0.0 * motion)
+                forces = sum((source.forces(poses) for source in self.sources), 0.0 * motion)
                 work += weight / panels * float(forces @ motion)
         self.restore(memory)
         return self.bars.change(first, last) - work
@@ -157,29 +147,19 @@ class Potential:
     def follow(self, poses: ParticlePoses) -> None:
         """Move hinges and elements on to `poses`, from which full turns are counted next time."""
         self._hinges = self.reopen(poses)
-        for source in self._sources:
-            source.forces(poses)
+        super().follow(poses)
 
     def memory(self) -> tuple:
         """Return the state from which hinges and elements go on, for `restore`."""
-        return self._hinges, [source.copy_history() for source in self._sources]
+        return self._hinges, [source.copy_history() for source in self.sources]
 
     def restore(self, memory: tuple) -> None:
         """Set hinges and elements back to the state that `memory` returned, as after a trial
         motion: the openings from which full turns are counted, and what elements remember of their
         motion. memory: that tuple."""
         self._hinges = memory[0]
-        for source, history in zip(self._sources, memory[1], strict=True):
+        for source, history in zip(self.sources, memory[1], strict=True):
             source.restore(history)
-
-    def sizes(self, poses: ParticlePoses, scales: np.ndarray) -> tuple[float, float, np.ndarray]:
-        """Return the largest stiffness (N m) of bars and of elements, and the largest force (N m)
-        that bars or elements of one type give by each degree of freedom (6n,). scales (6n,): length
-        (m) or angle (rad) that is the unit of each."""
-        pairs = [self.bars.derivatives(poses), *(s.linearise(poses) for s in self._sources)]
-        matrices = (scale_matrix(k, scales, scales) for _, k in pairs)
-        bars, *sizes = (float(abs(k).max()) if k.nnz else 0.0 for k in matrices)
-        return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
 
 
 def _springs_at_start(scene) -> dict[type, list]:

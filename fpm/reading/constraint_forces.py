@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence, scale_matrix
+from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
+from fpm.assembly.matrices import scale_matrix
 from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge

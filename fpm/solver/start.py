@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, dofs_of
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of
+from fpm.assembly.matrices import dofs_of, saddle_solver
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.rotation_axes import turns_of
@@ -174,18 +175,16 @@ def _least_change(scene: Scene, rows, residual: np.ndarray, most: float) -> np.n
     """Change (n, 6) of velocities (m/s) and spins (rad/s), the least by masses, that changes rates
     of conditions by -residual. Where masses lie far apart, what joins light bodies says little
     about heavy ones: the unknowns are d times the root of M, and residuals are solved for again."""
-    from scipy.sparse import bmat, identity
-    from scipy.sparse.linalg import splu
+    from scipy.sparse import identity
 
     rows, root, scale = _scale_rows(scene, rows)
-    count, residual = len(residual), scale * residual
-    matrix = bmat([[identity(root.shape[0]), rows.T], [rows, -EASE * identity(count)]])
-    solver = splu(matrix.tocsc())
-    change, impulses = np.zeros(root.shape[0]), np.zeros(count)
+    residual = scale * residual
+    solve = saddle_solver(identity(root.shape[0]), rows, EASE)
+    change, impulses = np.zeros(root.shape[0]), np.zeros(len(residual))
     for _ in range(ROUNDS):
         remainder = -residual - rows @ change
         if np.all(np.abs(remainder) <= most * scale):
             break
-        correction = solver.solve(np.concatenate([-change - rows.T @ impulses, remainder]))
+        correction = solve(np.concatenate([-change - rows.T @ impulses, remainder]))
         change, impulses = change + correction[: len(change)], impulses + correction[len(change) :]
     return (root @ change).reshape(-1, 6)

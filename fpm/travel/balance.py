@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fpm.assembly.conditions import ParticlePoses
-from fpm.assembly.elastic import elastic_of
-from fpm.assembly.element_forces import ElementForces
+from fpm.assembly.element_forces import BalanceForces, ElementForces
 from fpm.travel.components import components_of
 
 FRICTION_STEPS, LOCKING_DETERMINANT = 8, 1e-3
@@ -24,69 +22,14 @@ TINY = 1e-300
 """Least force or moment (N, N m) by which is divided, so that nothing is divided by zero."""
 
 
-class Balance:
-    """What enters the static equilibrium of a scene: its elastic bars and all elements that store
-    energy or load it, not those that only resist, as friction. The solver of equilibria calls its
-    methods with `poses`, positions and frames of all n particles."""
-
-    def __init__(self, scene):
-        self._bars = elastic_of(scene)
-        by_kind: dict[type, list] = {}
-        for part in components_of(scene):
-            if not part.drags:
-                by_kind.setdefault(type(part.element), []).append(part.element)
-        self.sources = [ElementForces(scene, elements) for elements in by_kind.values()]
-
-    def strain(self, poses: ParticlePoses) -> float:
-        """Return strain energy (J) of all bars at `poses` (particles' positions and frames)."""
-        return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
-
-    def derivatives(self, poses: ParticlePoses):
-        """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of n
-        particles at `poses`, and the stiffness, its derivatives, sparse (6n, 6n)."""
-        gradient, stiffness = self._of_bars(poses)
-        for source in self.sources:
-            forces, slopes = source.linearise(poses)
-            gradient, stiffness = gradient - forces, stiffness + slopes
-        return gradient, stiffness
-
-    def dense_derivatives(self, poses: ParticlePoses) -> tuple[np.ndarray, np.ndarray]:
-        """Return what `derivatives` does, with the stiffness as an array (6n, 6n)."""
-        count = 2 * poses.position.size
-        gradient, stiffness = np.zeros(count), np.zeros((count, count))
-        if len(self._bars.nodes):
-            gradient, bars = self._bars.derivatives(poses)
-            stiffness += bars
-        for source in self.sources:
-            forces, columns = source.differentiate(poses)
-            gradient = gradient - forces
-            stiffness[:, source.stiff] += columns
-        return gradient, stiffness
-
-    def ease(self, poses: ParticlePoses, scales: np.ndarray) -> float:
-        """Return an artificial stiffness (N m), small beside that of springs and bars at `poses`,
-        by which the solver decides motions that no element stiffens. scales (6n,): length (m) or
-        angle (rad) that is the unit of each degree of freedom of the n particles."""
-        from scipy.sparse import diags
-
-        units = diags(scales)
-        soft = [source.linearise(poses)[1] for source in self.sources]
-        bars, *springs = (abs(units @ k @ units).max() for k in (self._of_bars(poses)[1], *soft))
-        return max(STIFF * bars, SOFT * max(springs, default=0.0)) or 1.0
-
-    def _of_bars(self, poses: ParticlePoses):
-        from scipy.sparse import csc_array
-
-        if len(self._bars.nodes):
-            return self._bars.derivatives(poses)
-        count = 2 * poses.position.size
-        return np.zeros(count), csc_array((count, count))
-
-    def follow(self, poses: ParticlePoses) -> None:
-        """Move the elements on to `poses` (positions and frames of all particles), where those with
-        memory, as bristles with a deflection, start next time."""
-        for source in self.sources:
-            source.forces(poses)
+def balance_of(scene) -> BalanceForces:
+    """Return the forces in static equilibrium of a scene: those of its elastic bars and of all
+    elements that store energy or load it, not of those that only resist, as friction."""
+    by_kind: dict[type, list] = {}
+    for part in components_of(scene):
+        if not part.drags:
+            by_kind.setdefault(type(part.element), []).append(part.element)
+    return BalanceForces(scene, [ElementForces(scene, elements) for elements in by_kind.values()])
 
 
 def forces_with_friction(

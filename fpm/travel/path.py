@@ -8,11 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from fpm.assembly import EASE, FARTHEST, MisfitError, linearise, mass_blocks
-from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, dofs_of
+from fpm.assembly import FARTHEST, MisfitError, linearise
+from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of
+from fpm.assembly.matrices import full, scale_matrix, sparse
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
-from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_friction
+from fpm.travel.balance import (
+    MAX_ITERATIONS,
+    SOFT,
+    STIFF,
+    TINY,
+    balance_of,
+    forces_with_friction,
+)
 
 MOTION_TOLERANCE = 1e-8
 """Largest motion of the last round at a position, as a share of the size, or turn (rad). The way on
@@ -68,12 +76,13 @@ class Path:
     def __init__(self, scene, openings: Sequence[str], locked: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
         by_name = {hinge.name: hinge for hinge in scene.hinges}
-        self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
+        self._hinges, self.balance = [by_name[name] for name in openings], balance_of(scene)
         self.opening = self._start = float(self._hinges[0].opening)
         self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
         self._conditions = conditions_of(scene, [*locked, *openings])
         self._path_rows = len(locked) + len(openings)
         self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
+        self._form = full if len(scene.mass) <= MAX_DENSE else sparse
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._weight = self._conditions.weight(self._size)
@@ -84,7 +93,8 @@ class Path:
         self._halvings = 0
         self._jumps: list[float] = []  # openings at which it left its way
         self._openings = [float(hinge.opening) for hinge in scene.hinges]
-        self._ease = self.balance.ease(self.poses, self._scales)
+        bars, elements, _ = self.balance.sizes(self.poses, self._scales)
+        self._ease = max(STIFF * bars, SOFT * elements) or 1.0
 
     def move_to(self, value: float, depth: int = 0) -> None:
         """Move the opening (joint coordinate) to `value` (rad, m) in static equilibrium, in smaller
@@ -131,8 +141,8 @@ class Path:
 
     def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = self._weight[:, None] * self._conditions.dense_jacobian(poses) * self._scales
-        return rows[:, self._free]
+        rows = self._conditions.jacobian(poses, full)
+        return scale_matrix(rows, self._weight, self._scales)[:, self._free]
 
     def _step(self, value: float) -> None:
         """Lead the opening to a value (rad, m) in one step; MisfitError where that fails."""
@@ -258,7 +268,7 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = self._weight[:, None] * self._conditions.dense_jacobian(poses) * self._scales
+        rows = scale_matrix(self._conditions.jacobian(poses, full), self._weight, self._scales)
         constraints = np.vstack([rows @ drift, drift[is_held]])
         _, sizes, directions = np.linalg.svd(constraints)
         free = directions[np.sum(sizes > DRIFT_TOLERANCE * sizes.max(initial=1.0)) :]
@@ -269,37 +279,10 @@ class Path:
         return np.flatnonzero(~is_held)
 
     def _equations(self, poses, conditions, ease):
-        """What `linearise` returns; of few particles by full matrices, several times as fast."""
-        if len(self.scene.mass) > MAX_DENSE:
-            rules = self._scales, self._free, self._weight, ease
-            return linearise(self.scene, poses, conditions, self.balance, self._impulses, *rules)
-        scales, free, weight, impulses = self._scales, self._free, self._weight, self._impulses
-        gradient, stiffness = self.balance.dense_derivatives(poses)
-        rows, dofs = conditions.dense_jacobian(poses), dofs_of(conditions.pairs)
-        blocks = conditions.curvatures(poses, weight * impulses)
-        entry = (len(scales) * dofs[:, :, None] + dofs[:, None]).ravel()
-        stiffness += np.bincount(entry, blocks.ravel(), stiffness.size).reshape(stiffness.shape)
-        stiffness *= scales[:, None] * scales
-        mass = np.zeros((len(scales), len(scales)))
-        numbers = np.arange(len(scales)).reshape(-1, 2, 3)
-        mass[numbers[..., None], numbers[:, :, None]] = mass_blocks(self.scene, poses)
-        mass *= scales[:, None] * scales
-        unit = max(np.abs(stiffness).max(), ease)
-        inner = (stiffness / unit + mass * (ease / unit / mass.max()))[np.ix_(free, free)]
-        scaled_rows = (weight[:, None] * rows * scales)[:, free]
-        matrix = np.block([[inner, scaled_rows.T], [scaled_rows, -EASE * np.eye(len(rows))]])
-
-        def solve(forces, gap_changes):
-            right = np.concatenate([(scales * forces)[free] / unit, gap_changes])
-            try:
-                solution = np.linalg.solve(matrix, right)
-            except np.linalg.LinAlgError:  # exactly singular
-                solution = np.full(len(right), np.nan)
-            step = np.zeros(len(scales))
-            step[free] = solution[: len(free)]
-            return step, unit * solution[len(free) :]
-
-        return solve, gradient + rows.T @ (weight * impulses)
+        """What `linearise` returns."""
+        rules = self._scales, self._free, self._weight, ease
+        fields = self.scene, poses, conditions, self.balance, self._impulses
+        return linearise(*fields, *rules, form=self._form)
 
     def _motion(self, solve) -> np.ndarray:
         """The motion (6n,) per unit of the opening."""

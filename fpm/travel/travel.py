@@ -124,7 +124,7 @@ class _Sweep:
         row = [part.compute_work(path.poses, tangent) for part in self._parts]
         friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
         row += path.compute_bearing_work(friction)
-        row.append(path.balance.strain(path.poses))
+        row.append(path.balance.bars.energy(path.poses))
         motion = tangent.reshape(-1, 2, 3)
         blocks = mass_blocks(self._scene, path.poses)
         row.append(np.einsum("nki,nkij,nkj->", motion, blocks, motion))

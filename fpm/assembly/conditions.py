@@ -5,7 +5,7 @@ Each is one of three: two points agree along a direction, global or carried by t
 (axes, and openings that are held)."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,10 @@ STEP = 1e-30
 
 CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
 """Matrices (3, 3, 3) of the vector products with the three global axes."""
+
+
+ALL, TURNS = slice(None), [3, 4, 5, 9, 10, 11]
+"""Motions of a pair of particles, and those of them that are rotations."""
 
 
 class ParticlePoses(NamedTuple):
@@ -53,14 +57,16 @@ class ParticlePoses(NamedTuple):
         return ParticlePoses(position, frame)
 
 
-def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
+def slopes(function, first: ParticlePoses, second: ParticlePoses, dofs: Any = ALL) -> np.ndarray:
     """Return exact derivatives (e, k, 12) of a function by the motions of e pairs of particles, by
     complex steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in
     global axes. function(first, second): returns values (..., e, k); it takes complex poses and
     must be analytic: no abs (whose derivative would come out as 0), conj or casts to real numbers.
-    first, second: poses of the e first and second particles."""
-    values = function(first.perturb(0), second.perturb(6))
-    return np.moveaxis(values.imag / STEP, 0, -1)
+    first, second: poses of the e first and second particles; dofs: index of columns not 0."""
+    values = function(first.perturb(0).select(dofs), second.perturb(6).select(dofs))
+    derivatives = np.zeros((12, *values.shape[1:]))
+    derivatives[dofs] = values.imag / STEP
+    return np.moveaxis(derivatives, 0, -1)
 
 
 SMALLEST = 1e-9
@@ -130,7 +136,8 @@ class Conditions(NamedTuple):
         """Return derivatives (c, 6n) of all conditions by motions (m, rad) of the n particles at
         poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,).
         form: of both matrices (`sparse`, `full`)."""
-        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
+        dofs = ALL if np.any(self.axis_types == BODY_FIXED) else TURNS  # else shifts change nothing
+        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses), dofs)
         curvature = pair_matrix(blocks, self.pairs, len(poses.position), form)
         return self.jacobian(poses, form), curvature
 

@@ -20,6 +20,9 @@ LONG_STEP = 1e300
 TIME_AFTER_START = 5e-324
 """Time (s) of all forces: that of the start, but above 0, where kernels initialise elements."""
 
+POSE = slice(layout.X, layout.D3 + 3)
+"""Fields of a particle's state by which forces are found: its position, and two of its axes."""
+
 NUDGE = 1e-6
 """Shift (of the size) and turn (rad) by which forces are differentiated, on either side."""
 
@@ -56,12 +59,16 @@ class ElementForces:
             stiff = [*stiff, *deformations.dofs[np.repeat(is_strained, 3, axis=1)]]
         self.stiff = np.unique(stiff).astype(int)
         self._is_passing = kind not in MEMORYLESS
-        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+        size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+        self._particles, self._axes = np.divmod(self.stiff, 6)
+        self._turns = np.flatnonzero(self._axes >= 3)
+        self._steps = np.where(self._axes < 3, NUDGE * size, NUDGE)
+        self._straight = NUDGE * size * np.eye(6, 9)[self._axes] * (self._axes < 3)[:, None]
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
         """Move the elements from their last poses to `poses` (positions and frames of all
         particles); returns force (N), then moment (N m), global, on each particle in turn (6n,)."""
-        self._put(poses)
+        self._put(_fields_of(poses))
         return self._act_there()[:, 0]
 
     def copy_history(self) -> list[np.ndarray]:
@@ -78,16 +85,18 @@ class ElementForces:
         force (N), then moment (N m) on each, and their stiffness (6n, 6n): minus the derivatives by
         all motions (m, rad). The elements' memory (bristle deflections) is kept. form: of the
         stiffness (`sparse`, `full`)."""
-        history = self.copy_history()
-        self._put(poses)
+        history, fields = self.copy_history(), _fields_of(poses)
+        self._put(fields)
         forces, slopes = self._act_there()[:, 0].copy(), []
-        lanes = self.world.state.shape[2]
-        for first in range(0, len(self.stiff), lanes):
-            dofs, pair = self.stiff[first : first + lanes], []
+        state, shifts = self.world.state, self._shifts(poses.frame)
+        for first in range(0, len(self.stiff), state.shape[2]):
+            lanes, pair = slice(first, first + state.shape[2]), []
+            particles, steps = self._particles[lanes], self._steps[lanes]
             for sign in (1.0, -1.0):
-                self._put(poses)
-                steps = self._nudge(poses, dofs, sign)
-                pair.append(self._act_there()[:, : len(dofs)] / (2.0 * steps))
+                self._put(fields)
+                nudged = fields[particles] + sign * shifts[lanes]
+                state[particles, POSE, np.arange(len(particles))] = nudged
+                pair.append(self._act_there()[:, : len(particles)] / (2.0 * steps))
             slopes.append(pair[1] - pair[0])
         self.restore(history)
         values = np.hstack([np.zeros((len(forces), 0)), *slopes])
@@ -95,22 +104,16 @@ class ElementForces:
         entries = values[rows, columns], rows, self.stiff[columns]
         return forces, form(*entries, (len(forces), len(forces)))
 
-    def _put(self, poses: ParticlePoses) -> None:
-        state = self.world.state
-        state[:, layout.X : layout.X + 3] = poses.position[:, :, None]
-        state[:, layout.D2 : layout.D2 + 3] = poses.frame[:, :, 1, None]
-        state[:, layout.D3 : layout.D3 + 3] = poses.frame[:, :, 2, None]
+    def _put(self, fields: np.ndarray) -> None:
+        self.world.state[:, POSE] = fields[:, :, None]
 
-    def _nudge(self, poses: ParticlePoses, dofs: np.ndarray, sign: float) -> np.ndarray:
-        """Move each lane along a degree of freedom, and return the sizes of steps (m or rad)."""
-        (particle, axis), lane, state = np.divmod(dofs, 6), np.arange(len(dofs)), self.world.state
-        k, turn = lane[axis < 3], lane[axis >= 3]
-        state[particle[k], layout.X + axis[k], k] += sign * NUDGE * self._size
-        frame = poses.frame[particle[turn]]
-        frame = frame + sign * NUDGE * (CROSS_PRODUCTS[axis[turn] - 3] @ frame)
-        for column, first in ((1, layout.D2), (2, layout.D3)):
-            state[particle[turn, None], first + np.arange(3), turn[:, None]] = frame[:, :, column]
-        return np.where(axis < 3, NUDGE * self._size, NUDGE)
+    def _shifts(self, frame: np.ndarray) -> np.ndarray:
+        """By what fields (k, 9) of particles change by each degree of freedom in `stiff`."""
+        shifts = self._straight.copy()
+        particles = self._particles[self._turns]
+        turned = NUDGE * (CROSS_PRODUCTS[self._axes[self._turns] - 3] @ frame[particles])
+        shifts[self._turns, 3:] = turned[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
+        return shifts
 
     def _act_there(self) -> np.ndarray:
         """What the elements do where they have come to, not what they did on the way there."""
@@ -171,6 +174,11 @@ def acts(kind: type) -> bool:
     kernels = kind.kernels()
     array_types = [array_type for array_type, name in KERNELS if name == "forces"]
     return any(array_type.__module__ == kernels.__name__ for array_type in array_types)
+
+
+def _fields_of(poses: ParticlePoses) -> np.ndarray:
+    """Fields (n, 9) of particles' states at their poses."""
+    return np.concatenate([poses.position, poses.frame[:, :, 1], poses.frame[:, :, 2]], axis=1)
 
 
 def _numbers(parts) -> list[np.ndarray]:

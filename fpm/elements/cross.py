@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
 
 def cross(a, b) -> np.ndarray:
     """Return vector products (..., 3) of a and b, both (..., 3), real or complex, as numpy.cross,
@@ -13,11 +15,8 @@ def cross(a, b) -> np.ndarray:
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
         return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], float)
-    product = np.empty(a.shape, np.result_type(a, b, float))
-    for i in range(3):
-        j, k = i - 2, i - 1
-        np.multiply(a[..., j], b[..., k], out=product[..., i])
-        product[..., i] -= a[..., k] * b[..., j]
+    product = a.take(_NEXT, -1) * b.take(_LAST, -1)
+    product -= a.take(_LAST, -1) * b.take(_NEXT, -1)
     return product
 
 

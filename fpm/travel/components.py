@@ -1,6 +1,7 @@
 """Components of the virtual work over a travel, by name and class: what drives, what resists."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -96,12 +97,12 @@ class VirtualWork:
         elements = [*part.elements, *([part.baseline] if self.is_difference else [])]
         self.sources = [ElementForces(scene, [element]) for element in elements]
 
-    def approach(self, poses: ParticlePoses, motion: np.ndarray) -> None:
+    def approach(self, way: Sequence[ParticlePoses]) -> None:
         """Bring friction to steady slip before `compute_work`: move a component that only resists
-        along the straight motion (6n,), m, rad, that ends at `poses`; other components stay."""
-        for factor in (1.0, 0.5) if self.drags else ():
+        along a `way` to there, poses of all n particles; other components stay."""
+        for poses in way if self.drags else ():
             for source in self.sources:
-                source.forces(poses.displace(-factor * motion))
+                source.forces(poses)
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
         """Return the virtual work (N m, on slides N) of the component at `poses`, per unit of the

@@ -90,7 +90,7 @@ class Path:
         self._free = self._free_rows(self.poses)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
-        self._halvings = 0
+        self._halvings, self._rows = 0, None
         self._jumps: list[float] = []  # openings at which it left its way
         self._openings = [float(hinge.opening) for hinge in scene.hinges]
         bars, elements, _ = self.balance.sizes(self.poses, self._scales)
@@ -133,7 +133,8 @@ class Path:
         size = max(np.abs(motion).max(), np.abs(rates).max())
         if np.abs(motion - rates).max() > RATE_TOLERANCE * size + MOTION_TOLERANCE:
             return False
-        first, last = (self._derivatives(poses) for poses in (state[0], self.poses))
+        first = self._derivatives(state[0]) if state[-1] is None else state[-1]
+        last = self._rows = self._derivatives(self.poses)
         if first.shape[0] >= first.shape[1]:
             first, last = first.T, last.T
         sign = np.linalg.slogdet(first @ last.T)[0]
@@ -166,7 +167,7 @@ class Path:
             is_converged = largest <= MOTION_TOLERANCE and gap <= MOTION_TOLERANCE
             if is_there and is_converged:
                 self.poses, self.opening, self.tangent = poses, value, self._motion(solve)
-                self._solve = solve
+                self._solve, self._rows = solve, None
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
                 self.balance.follow(poses)
                 return
@@ -176,13 +177,14 @@ class Path:
 
     def state(self) -> tuple:
         """Return the state of the path, a tuple for `restore`: poses, opening, tangent, impulses in
-        the joints, and openings of all hinges."""
-        return self.poses, self.opening, self.tangent, self._impulses, self._openings
+        the joints, openings of all hinges, and derivatives of the conditions, None: not known."""
+        place = self.poses, self.opening, self.tangent
+        return *place, self._impulses, self._openings, self._rows
 
     def restore(self, state: tuple) -> None:
         """Go back to a `state` of the path; the next step is predicted along its tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
-        self.poses, self.opening, self.tangent, self._impulses, self._openings = state
+        self.poses, self.opening, self.tangent, self._impulses, self._openings, self._rows = state
 
     def update_openings(self) -> list[float]:
         """Return the joint coordinates (rad, of slides m) of all hinges at the current poses, in

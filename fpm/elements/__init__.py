@@ -30,7 +30,7 @@ from fpm.elements.particles.gravity import Gravity
 from fpm.elements.particles.load import Load
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.support import Support
-from fpm.elements.reads import map_scenes
+from fpm.elements.reads import SceneList
 
 KINDS: tuple[type[ElementType], ...] = (
     Gravity,
@@ -74,6 +74,7 @@ joints and the probe come last)."""
 def kinds_of(scenes) -> list[type[ElementType]]:
     """Return the element types (subclasses of ElementType) of which at least one of the scenes has
     elements: those in the registry KINDS in its order, then others by module and name."""
+    scenes = SceneList(scenes)
     types = {kind for scene in scenes for kind, elements in scene.kinds.items() if elements}
     own_kinds = {kind for scene in scenes for kind in scene.kinds}.difference(KINDS)
     extras = sorted(own_kinds, key=lambda kind: (kind.__module__, kind.__qualname__))
@@ -81,7 +82,7 @@ def kinds_of(scenes) -> list[type[ElementType]]:
     return [
         kind
         for kind in (*KINDS, *extras)
-        if (kind in types if kind.find.__func__ is plain else any(map_scenes(kind.find, scenes)))
+        if (kind in types if kind.find.__func__ is plain else any(scenes.map(kind.find)))
     ]
 
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from fpm.elements.particles.rotation_axes import turns_of
-from fpm.elements.reads import map_scenes
+from fpm.elements.reads import SceneList
 from fpm.kernels import layout
 from fpm.kernels.world import Log, Record, World
 
@@ -92,7 +92,8 @@ class Batch:
         instants: int,
         room: int,
     ):
-        self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
+        self.scenes, self.width, self.dtype = SceneList(scenes), width, dtype
+        self.instants = instants
         self.scene = scenes[0]
         self.kinds, self.energies = kinds, energies
         self.moved_particles = {p for kind in self.kinds for p in kind.moved_particles(self.scene)}
@@ -127,8 +128,10 @@ class Batch:
         function(scene): returns those of one, (rows, columns); further lanes repeat the last."""
         array, last = self.blank(rows, columns), len(self.scenes) - 1
         if rows:
-            for s, numbers in enumerate(map_scenes(function, self.scenes)):
-                array[:, :, s] = numbers
+            numbers, count = self.scenes.share(function)
+            array[:, :, :count] = np.asarray(numbers)[:, :, None]
+            for s in range(count, last + 1):
+                array[:, :, s] = function(self.scenes[s])
             array[:, :, last + 1 :] = array[:, :, last, None]
         return array
 
@@ -260,8 +263,8 @@ class Batch:
         Where all particles are held or driven no motion can grow: the balance proves nothing."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
-        scales = map_scenes(lambda scene: self._least_scale_in(scene, step, gap), self.scenes)
-        scale[: len(self.scenes)] = [*scales]
+        scales = self.scenes.map(lambda scene: self._least_scale_in(scene, step, gap))
+        scale[: len(self.scenes)] = scales
         return scale
 
     def _least_scale_in(self, scene: SceneData, step: float, gap: float) -> float:

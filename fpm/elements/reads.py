@@ -1,6 +1,6 @@
 """Functions of several scenes, called again only where scenes differ in what the function reads."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from operator import is_
 from typing import Any
 
@@ -10,24 +10,47 @@ TYPES = "types of elements"
 """What is read by asking for which element types a scene has a list."""
 
 
-def map_scenes(function: Callable[[Any], Any], scenes: Sequence[Any]) -> Iterator[Any]:
-    """Yield function(scene) for each of `scenes`, and the first value again for those that follow
-    and have the same in all that it read of the first, which is found out by giving it a Reader in
-    the place of that scene. Once a scene differs it is called for every further one. function: one
-    that depends on what it reads of the scene only, and does not keep it."""
-    reads: dict[Any, Any] = {}
-    is_shared = len(scenes) > 1
-    value = function(Reader(scenes[0], reads) if is_shared else scenes[0])
-    yield value
-    for scene in scenes[1:]:
-        is_shared = is_shared and all(_is_same(x, _read(scene, key)) for key, x in reads.items())
-        yield value if is_shared else function(scene)
+class SceneList(list):
+    """Scenes in a list, of which functions are found; scenes that are not changed meanwhile. That
+    two of them are the same in something is found out once."""
+
+    def __init__(self, scenes):
+        super().__init__(scenes)
+        self._counts: dict[Any, int] = {}
+
+    def share(self, function: Callable[[Any], Any]) -> tuple[Any, int]:
+        """Return function(scene) of the first scene, and of how many scenes, from the first on, it
+        is the value too, as they have the same in all that it read of the first, which is found out
+        by giving it a Reader in the place of that scene. function: one that depends on what it
+        reads of the scene only, and does not keep it."""
+        if len(self) == 1:
+            return function(self[0]), 1
+        reads: set[Any] = set()
+        value = function(Reader(self[0], reads))
+        return value, min(map(self._count, reads), default=len(self))
+
+    def map(self, function: Callable[[Any], Any]) -> list:
+        """Return function(scene) for each of the scenes, of which those that `share` counts have
+        one value. function: as there."""
+        if not self:
+            return []
+        value, count = self.share(function)
+        return [value] * count + [function(scene) for scene in self[count:]]
+
+    def _count(self, key: Any) -> int:
+        """How many scenes, from the first on, have the same under a key of what is read."""
+        if key not in self._counts:
+            first = _read(self[0], key)
+            others = enumerate(self[1:], start=1)
+            changes = (i for i, scene in others if not _is_same(first, _read(scene, key)))
+            self._counts[key] = next(changes, len(self))
+        return self._counts[key]
 
 
 class Reader:
     """A scene that notes what is read of it in `reads`, by attribute or element type."""
 
-    def __init__(self, scene: Any, reads: dict[Any, Any]):
+    def __init__(self, scene: Any, reads: set[Any]):
         self._scene, self._reads, self.kinds = scene, reads, Kinds(scene.kinds, reads)
 
     def __getattr__(self, name: str) -> Any:
@@ -36,22 +59,22 @@ class Reader:
             return code.fget(self)
         if callable(code):
             return code.__get__(self)
-        value = self._reads[name] = getattr(self._scene, name)
-        return value
+        self._reads.add(name)
+        return getattr(self._scene, name)
 
 
 class Kinds(Mapping):
     """Elements by type, which notes in `reads` of which types it was asked for."""
 
-    def __init__(self, kinds: dict, reads: dict[Any, Any]):
+    def __init__(self, kinds: dict, reads: set[Any]):
         self._kinds, self._reads = kinds, reads
 
     def __getitem__(self, kind: type) -> list:
-        self._reads[kind] = self._kinds.get(kind)
+        self._reads.add(kind)
         return self._kinds[kind]
 
     def __iter__(self) -> Iterator[type]:
-        self._reads[TYPES] = list(self._kinds)
+        self._reads.add(TYPES)
         return iter(self._kinds)
 
     def __len__(self) -> int:

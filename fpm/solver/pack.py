@@ -5,7 +5,7 @@ from functools import partial
 
 from fpm.elements import energies_of, kinds_of
 from fpm.elements.batch import Batch
-from fpm.elements.reads import map_scenes
+from fpm.elements.reads import SceneList
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 
@@ -49,10 +49,11 @@ def curve_bytes(scene: Scene) -> tuple:
 
 def check_topology(scenes: Sequence[Scene]) -> None:
     """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
+    scenes = SceneList(scenes)
     functions = [_layout, *(partial(_of_kind, kind) for kind in kinds_of(scenes))]
     mismatches = []
     for function in functions:
-        first, *values = map_scenes(function, scenes)
+        first, *values = scenes.map(function)
         mismatches += [i for i, value in enumerate(values, start=1) if value != first]
     if mismatches:
         allowed = "the same particles, connections and supports as scene 0, and beams along "

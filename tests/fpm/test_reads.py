@@ -5,7 +5,7 @@ import pytest
 
 from fpm import Scene
 from fpm.elements import Hinge, TorsionSpring
-from fpm.elements.reads import map_scenes
+from fpm.elements.reads import SceneList
 
 
 def scene_of(stiffness=(1.0, 2.0), mass=1.0):
@@ -23,7 +23,7 @@ def calls_of(function, scenes):
         calls.append(scene)
         return function(scene)
 
-    return list(map_scenes(counted, scenes)), len(calls)
+    return SceneList(scenes).map(counted), len(calls)
 
 
 FUNCTIONS = {
@@ -68,4 +68,4 @@ def test_values_are_those_of_each_scene(name, change):
 
 def test_one_scene_is_given_as_it_is():
     scene = scene_of()
-    assert list(map_scenes(lambda s: s, [scene])) == [scene]
+    assert SceneList([scene]).map(lambda s: s) == [scene]

@@ -1,13 +1,19 @@
-"""Samples of a structure file whose values differ in what acts only: springs, cables, motions.
+"""Samples of a structure file that differ in some parameters: what they have in common, once.
 
-All else is built once, for a first sample, and the others share it."""
+Where values differ in what acts only (springs, cables, motions), all else is built once, for a
+first sample, and the others share it. Else numbers and keys that no such parameter changes are the
+first sample's."""
 
+from collections import UserDict
 from collections.abc import Collection, Mapping
 from copy import copy
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from fpm.scenes.scene import Scene
+from fpm.structures.builder import Body, Builder
 from fpm.structures.model import FileStatements
 from fpm.structures.reading import Problems
 from fpm.structures.sample import (
@@ -20,12 +26,15 @@ from fpm.structures.sample import (
 )
 from fpm.structures.statement import Entry
 
+BUILT = "what was built"
+"""What a key's value depends on, where that is not numbers."""
+
 
 class SampleGroup:
     """Builds samples of a structure file whose values differ from those of a first in some
     parameters only, to the bits of one by one. model: the file's statements; values: those of the
     first (SI units); parameters: their names. Attribute `entries`: what depends on these; None:
-    more than what acts does, or the first sample is refused, and `build` returns None."""
+    more than what acts does, or the first sample is refused."""
 
     def __init__(
         self, model: FileStatements, values: Mapping[str, float], parameters: Collection[str]
@@ -36,20 +45,32 @@ class SampleGroup:
             if bound and not numbers.isdisjoint(bound.full.values()):
                 numbers.add(name)
         self._model, self._numbers = model, [name for name in names.order if name in numbers]
-        self.entries, problems = _dependents(model, numbers), Problems("")
-        self._first = None if self.entries is None else build_sample(model, values, problems)
+        self._first = build_sample(model, values, problems := Problems(""))
+        self._is_sound = not problems
+        self.entries = None if problems else _dependents(model, numbers)
         if problems:
-            self.entries = None
+            return
+        if self.entries is None:
+            self._model = _read_once(model, self._first, numbers)
         for array in vars(self._first.scene).values() if self.entries is not None else ():
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
 
     def build(self, values: Mapping[str, float]) -> Scene | None:
         """Return the scene at values of the file's parameters by name (SI units), of which those
-        that are not varied are the first sample's. Its arrays are those of all samples. None where
-        it is to be built on its own, as one that is refused, or has other elements."""
-        if self.entries is None:
+        that are not varied are the first sample's. Where `entries` are all that differs, its arrays
+        are those of all samples. None where it is to be built on its own, as one that is refused,
+        or has other elements."""
+        if self.entries is not None:
+            return self._build_entries(values)
+        if not self._is_sound:
             return None
+        numbers = self._first.numbers
+        known = {name: numbers[name] for name in numbers.keys() - {*self._numbers}}
+        build = build_sample(self._model, values, problems := Problems(""), known)
+        return None if problems else build.scene
+
+    def _build_entries(self, values: Mapping[str, float]) -> Scene | None:
         build, problems, first_scene = copy(self._first), Problems(""), self._first.scene
         build.problems, build.additions = problems, {}
         build.numbers, scene = dict(build.numbers), copy(first_scene)
@@ -76,6 +97,54 @@ class SampleGroup:
             if is_moved:
                 finish(build, self._model)
         return None if problems or scene.doubts != first_scene.doubts else scene
+
+
+class _Reads(Builder):
+    """A sample that is built, which notes in `names` of what is read of it: full names of numbers,
+    and BUILT where it is something that was built."""
+
+    def __init__(self, build: Builder):
+        vars(self).update(vars(build))
+        self.names: set[str] = set()
+        self.numbers = _Numbers(build.numbers, self.names)
+
+    def find(self, group: str, name: str) -> Any:
+        self.names.add(BUILT)
+        return super().find(group, name)
+
+    def find_part(self, point: str, key: str) -> Body:
+        self.names.add(BUILT)
+        return super().find_part(point, key)
+
+
+class _Numbers(UserDict):
+    """Numbers by name, which notes in `names` which were asked for."""
+
+    def __init__(self, numbers: Mapping, names: set[str]):
+        super().__init__(numbers)
+        self._names = names
+
+    def __getitem__(self, name: str) -> Any:
+        self._names.add(name)
+        return super().__getitem__(name)
+
+
+def _read_once(model: FileStatements, first: Builder, numbers: set[str]) -> FileStatements:
+    """The statements of a file, of which keys that depend on no `numbers`, nor on what is built,
+    have the values that they have in a first sample."""
+    reads, varied = _Reads(first), {*numbers, BUILT}
+
+    def once(read):
+        reads.names.clear()
+        value = read(reads)
+        return read if reads.names & varied else lambda build: value
+
+    def read_once(entry: Entry) -> Entry:
+        return replace(entry, read={name: once(read) for name, read in entry.read.items()})
+
+    result = copy(model)
+    result.overall, result.entries = read_once(model.overall), [*map(read_once, model.entries)]
+    return result
 
 
 def _dependents(model: FileStatements, numbers: set[str]) -> list[Entry] | None:

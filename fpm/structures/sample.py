@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from fpm.structures.statement import PARTS, Entry
 RATE_TOL = 1e-6
 """Share of the fastest opening by which a stated rate may be missed at the start."""
 
+EMPTY: Mapping = MappingProxyType({})
+
 FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "drives")
 """Groups that are built before parts are forced together, which drives hold as supports do."""
 
@@ -32,13 +35,17 @@ MOTIONS = "initial_velocities"
 """Group that is built last: as rigid bodies, from where the parts are."""
 
 
-def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
+def build_sample(
+    model: FileStatements, values: Mapping[str, float], problems: Problems, known: Mapping = EMPTY
+) -> Builder:
     """Build the scene of one sample of a structure file, at one set of parameter values; returns
     its Builder, whose `scene` is complete if `problems` is empty. model: the file's statements;
-    values: of its parameters by name (SI units); problems: where errors are noted."""
+    values: of its parameters by name (SI units); problems: where errors are noted; known: values of
+    named numbers by full name that are known already."""
     build = Builder(problems)
+    build.numbers |= known
     with np.errstate(all="ignore"):
-        find_numbers(build, model, values, model.names.order)
+        find_numbers(build, model, values, (n for n in model.names.order if n not in known))
         points = _place(build, model)
         build.scene = _scene(build, model)
         build.scene.doubts += find_far_point(points)

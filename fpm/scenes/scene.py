@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,6 @@ from fpm.elements import (
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.cross import cross
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.scenes.curve import CONSTANT, Curve
@@ -54,10 +54,10 @@ def _rows(values, *shape: int) -> np.ndarray:
     return array
 
 
-def _is_left_handed(frame: np.ndarray) -> bool:
-    """Whether any of orthonormal frames (..., 3, 3) is left-handed."""
-    x, y, z = (frame[..., i] for i in range(3))
-    return bool(np.any(np.sum(cross(x, y) * z, axis=-1) < 0))
+@cache
+def _fractions(elements: int) -> np.ndarray:
+    """Where particles of a bar lie, as fractions of it."""
+    return np.linspace(0.0, 1.0, elements + 1)
 
 
 def _elements(kind: type[ElementType]) -> property:
@@ -174,12 +174,13 @@ class Scene:
             value, allowed = (mass.min(), inertia.min()), "positive values for every particle"
             raise SceneError("mass, inertia", value, allowed)
         frame = np.asarray(_EYE if frame is None else frame, float)
-        deviation = np.swapaxes(frame, -1, -2) @ frame - _EYE
-        if abs(deviation).max() > 1e-9 or _is_left_handed(frame):
+        deviation = frame.swapaxes(-1, -2) @ frame - _EYE
+        if abs(deviation).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
             raise SceneError("frame", "(not a rotation)", "right-handed orthonormal axes")
         self.position = np.concatenate([self.position, position])
         self.mass = np.concatenate([self.mass, mass])
         self.inertia = np.concatenate([self.inertia, inertia])
+        # No copy for each: by it numpy lays frames out, and by that their products round.
         frames = frame[None] if frame.ndim == 2 and n == 1 else np.broadcast_to(frame, (n, 3, 3))
         self.frame = np.concatenate([self.frame, frames])
         self.velocity = np.concatenate([self.velocity, _rows(velocity, n, 3)])
@@ -230,9 +231,9 @@ class Scene:
             raise SceneError(f"length of {name}", length, "a positive, finite length (m)")
         mass, inertia = lump(length, elements, section, material, inertia_scale)
         axes = triad(chord, normal)
-        steps = np.linspace(0.0, 1.0, elements + 1)[:, None]
-        particles = self.add_particles(start + steps * chord, mass, inertia, axes)
-        nodes = np.column_stack([particles[:-1], particles[1:]])
+        position = start + _fractions(elements)[:, None] * chord
+        particles = self.add_particles(position, mass, inertia, axes)
+        nodes = particles[:-1, None] + np.arange(2)
         m = len(nodes)
         lengths, triads = _rows(length / elements, m), _rows(axes, m, 3, 3)
         self.add(Beams(nodes, lengths, triads, section, material, name))

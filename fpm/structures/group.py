@@ -7,7 +7,8 @@ first sample's."""
 from collections import UserDict
 from collections.abc import Collection, Mapping
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,8 @@ class SampleGroup:
             return
         if self.entries is None:
             self._model = _read_once(model, self._first, numbers)
+            first = self._first.numbers
+            self._known = {name: first[name] for name in first.keys() - numbers}
         for array in vars(self._first.scene).values() if self.entries is not None else ():
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
@@ -65,9 +68,7 @@ class SampleGroup:
             return self._build_entries(values)
         if not self._is_sound:
             return None
-        numbers = self._first.numbers
-        known = {name: numbers[name] for name in numbers.keys() - {*self._numbers}}
-        build = build_sample(self._model, values, problems := Problems(""), known)
+        build = build_sample(self._model, values, problems := Problems(""), self._known)
         return None if problems else build.scene
 
     def _build_entries(self, values: Mapping[str, float]) -> Scene | None:
@@ -134,17 +135,29 @@ def _read_once(model: FileStatements, first: Builder, numbers: set[str]) -> File
     have the values that they have in a first sample."""
     reads, varied = _Reads(first), {*numbers, BUILT}
 
-    def once(read):
-        reads.names.clear()
-        value = read(reads)
-        return read if reads.names & varied else lambda build: value
-
     def read_once(entry: Entry) -> Entry:
-        return replace(entry, read={name: once(read) for name, read in entry.read.items()})
+        fixed = {"name": entry.name, "key": entry.key}
+        for name, key in entry.statement.keys.items():
+            reads.names.clear()
+            value = entry.read[name](reads) if name in entry.read else key.default
+            if reads.names.isdisjoint(varied):
+                fixed[name] = value
+        return _ReadEntry(**vars(entry), fixed=fixed)
 
     result = copy(model)
     result.overall, result.entries = read_once(model.overall), [*map(read_once, model.entries)]
     return result
+
+
+@dataclass(frozen=True)
+class _ReadEntry(Entry):
+    """An entry of a structure file, of which values of keys are known. fixed: these, by name."""
+
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+
+    def values(self, build: Builder) -> SimpleNamespace:
+        args = {name: read(build) for name, read in self.read.items() if name not in self.fixed}
+        return SimpleNamespace(**self.fixed, **args)
 
 
 def _dependents(model: FileStatements, numbers: set[str]) -> list[Entry] | None:

@@ -1,6 +1,5 @@
 """One sample of a structure: the values of its parameters become a scene."""
 
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
@@ -119,8 +118,7 @@ def build_entry(build: Builder, entry: Entry) -> None:
     the sample's Builder; entry: the Entry."""
     count0 = len(build.scene.position)
     is_counted = entry.statement.group in LATE_GROUPS
-    kinds = build.scene.kinds.items() if is_counted else ()
-    count = Counter({kind: len(elements) for kind, elements in kinds})
+    counts = {k: len(elements) for k, elements in build.scene.kinds.items()} if is_counted else {}
     try:
         values = entry.values(build)
         value = entry.statement.build(build, values)
@@ -134,7 +132,7 @@ def build_entry(build: Builder, entry: Entry) -> None:
         return
     build.scene.doubts += find_doubts(entry.statement.group, values, build.size)
     kinds = build.scene.kinds.items() if is_counted else ()
-    new = [(kind, i) for kind, elements in kinds for i in range(count[kind], len(elements))]
+    new = [(k, i) for k, elements in kinds for i in range(counts.get(k, 0), len(elements))]
     build.additions[entry.statement.group, entry.name] = new
     if entry.statement.group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)

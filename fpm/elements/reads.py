@@ -37,6 +37,12 @@ class SceneList(list):
         value, count = self.share(function)
         return [value] * count + [function(scene) for scene in self[count:]]
 
+    def any(self, function: Callable[[Any], Any]) -> bool:
+        """Return whether function(scene) of any of the scenes is true, and not empty; of further
+        scenes it is found only if need be. function: as in `share`."""
+        value, count = self.share(function)
+        return bool(value) or any(map(function, self[count:]))
+
     def _count(self, key: Any) -> int:
         """How many scenes, from the first on, have the same under a key of what is read."""
         if key not in self._counts:

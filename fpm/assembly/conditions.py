@@ -5,7 +5,7 @@ Each is one of three: two points agree along a direction, global or carried by t
 (axes, and openings that are held)."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +24,8 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
 """Matrices (3, 3, 3) of the vector products with the three global axes."""
 
 
-ALL, TURNS = slice(None), [3, 4, 5, 9, 10, 11]
-"""Motions of a pair of particles, and those of them that are rotations."""
+TURNS = [3, 4, 5, 9, 10, 11]
+"""Rotations, among the motions of a pair of particles."""
 
 
 class ParticlePoses(NamedTuple):
@@ -47,25 +47,33 @@ class ParticlePoses(NamedTuple):
         """Return the poses of some particles, in the order of their indices `particles` (k,)."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
-    def perturb(self, first: int) -> "ParticlePoses":
-        """Return 12 complex copies (12, n, ...) of these poses for `slopes`: copies first to first
-        + 5 shifted by i 1e-30 along, then turned about, each global axis, the others unchanged."""
-        position = np.tile(self.position.astype(complex), (12, 1, 1))
-        frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
-        position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
-        frame[first + 3 : first + 6] += 1j * STEP * (CROSS_PRODUCTS[:, None] @ self.frame)
+    def perturb(self, end: int, shifts: bool) -> "ParticlePoses":
+        """Return 12 complex copies (12, n, ...) of these poses for `slopes`: shifted by i 1e-30
+        along, then turned about each global axis, in the first six copies (end 0) or the last (end
+        1), the others unchanged. shifts: False: without those that are shifted, 6 copies."""
+        count = 6 if shifts else 3
+        position, frame = self.position, np.empty((2 * count, *self.frame.shape), complex)
+        frame[:] = self.frame
+        frame[(end + 1) * count - 3 :][:3] += 1j * STEP * (CROSS_PRODUCTS[:, None] @ self.frame)
+        if shifts:
+            position = np.empty((12, *self.position.shape), complex)
+            position[:] = self.position
+            position[6 * end :][:3] += 1j * STEP * np.eye(3)[:, None]
         return ParticlePoses(position, frame)
 
 
-def slopes(function, first: ParticlePoses, second: ParticlePoses, dofs: Any = ALL) -> np.ndarray:
+def slopes(
+    function, first: ParticlePoses, second: ParticlePoses, shifts: bool = True
+) -> np.ndarray:
     """Return exact derivatives (e, k, 12) of a function by the motions of e pairs of particles, by
     complex steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in
     global axes. function(first, second): returns values (..., e, k); it takes complex poses and
     must be analytic: no abs (whose derivative would come out as 0), conj or casts to real numbers.
-    first, second: poses of the e first and second particles; dofs: index of columns not 0."""
-    values = function(first.perturb(0).select(dofs), second.perturb(6).select(dofs))
+    first, second: poses of the e first and second particles; shifts: False: those by shifts are 0.
+    """
+    values = function(first.perturb(0, shifts), second.perturb(1, shifts))
     derivatives = np.zeros((12, *values.shape[1:]))
-    derivatives[dofs] = values.imag / STEP
+    derivatives[slice(None) if shifts else TURNS] = values.imag / STEP
     return np.moveaxis(derivatives, 0, -1)
 
 
@@ -136,8 +144,8 @@ class Conditions(NamedTuple):
         """Return derivatives (c, 6n) of all conditions by motions (m, rad) of the n particles at
         poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,).
         form: of both matrices (`sparse`, `full`)."""
-        dofs = ALL if np.any(self.axis_types == BODY_FIXED) else TURNS  # else shifts change nothing
-        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses), dofs)
+        shifts = bool(np.any(self.axis_types == BODY_FIXED))
+        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses), shifts)
         curvature = pair_matrix(blocks, self.pairs, len(poses.position), form)
         return self.jacobian(poses, form), curvature
 
@@ -184,20 +192,20 @@ class Conditions(NamedTuple):
         """Derivatives (..., c, 12) by the motions of both particles."""
         axis1, axis2, arms, offset = self._parts(first, second)
         types = self.axis_types[:, None]
-        normal, is_body_fixed = types == NORMAL, types == BODY_FIXED
         factor, turn = self.is_on_second[:, None], cross(axis1, axis2)
-        thread = self.lead[:, None] * axis1
-        shift = np.where(normal, 0.0, axis1)
-        lever = cross(arms[0], axis1) + np.where(is_body_fixed, cross(axis1, offset), 0.0)
-        return np.concatenate(
-            [
-                shift,
-                np.where(normal, turn, lever) - thread,
-                -factor * shift,
-                np.where(normal, -turn, -factor * cross(arms[1], axis1)) + thread,
-            ],
-            axis=-1,
-        )
+        shift, lever = np.where(types == NORMAL, 0.0, axis1), cross(arms[0], axis1)
+        if BODY_FIXED in self.axis_types:
+            lever = lever + np.where(types == BODY_FIXED, cross(axis1, offset), 0.0)
+        ends = [
+            shift,
+            np.where(types == NORMAL, turn, lever),
+            -factor * shift,
+            np.where(types == NORMAL, -turn, -factor * cross(arms[1], axis1)),
+        ]
+        if self.lead.any():
+            thread = self.lead[:, None] * axis1
+            ends[1], ends[3] = ends[1] - thread, ends[3] + thread
+        return np.concatenate(ends, axis=-1)
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:

@@ -60,7 +60,10 @@ def saddle_solver(inner, rows, ease: float) -> Callable[[np.ndarray], np.ndarray
     -ease]] for a right-hand side (f + c,), NaN where it is exactly singular. inner (f, f), rows (c,
     f): sparse, or arrays; ease: by which the c conditions give, so that they may be redundant."""
     if isinstance(inner, np.ndarray):
-        matrix = np.block([[inner, rows.T], [rows, -ease * np.eye(len(rows))]])
+        count = len(inner)
+        matrix = -ease * np.eye(count + len(rows))
+        matrix[:count, :count] = inner
+        matrix[count:, :count], matrix[:count, count:] = rows, rows.T
 
         def solve(right: np.ndarray) -> np.ndarray:
             try:

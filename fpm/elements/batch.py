@@ -19,6 +19,9 @@ ROUNDINGS = 64.0
 """Error of a place (of the scene's size) and of an angle (rad) in a step, in last bits; 16
 where no conditions of joints repeat each other, which the solution of a locked loop amplifies."""
 
+BLOCK = 1 << 13
+"""Number of numbers for which memory is taken at once: that of the arrays of a small scene."""
+
 WORK = 1000.0
 """Factor by which the work of loads on such ways is scaled where nothing else has energy: the error
 of that on a driven body, which the drive takes back, is ten times as large, and the balance allows
@@ -98,6 +101,7 @@ class Batch:
         self.kinds, self.energies = kinds, energies
         self.moved_particles = {p for kind in self.kinds for p in kind.moved_particles(self.scene)}
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
+        self._blocks, self._used = [blank(BLOCK, dtype)], 0
         self._parts: dict[type, NamedTuple] = {}
         self.accounts = self._accounts()
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
@@ -121,7 +125,19 @@ class Batch:
 
     def blank(self, rows: int, columns: int) -> np.ndarray:
         """Return zeros (rows, columns, lanes), the last axis for samples side by side."""
-        return blank(rows, columns, self.width, self.dtype)
+        count = rows * columns * self.width
+        if self._used + count > len(self._blocks[-1]):
+            self._blocks.append(blank(max(BLOCK, count), self.dtype))
+            self._used = 0
+        array = self._blocks[-1][self._used : self._used + count]
+        line = 64 // array.itemsize
+        self._used += -(-count // line) * line
+        return array.reshape(rows, columns, self.width)
+
+    def filled_blocks(self) -> list[np.ndarray]:
+        """Return the memory of all arrays that `blank` and `stack` have returned so far, as few
+        arrays without further axes."""
+        return [*self._blocks[:-1], self._blocks[-1][: self._used]]
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
         """Return an array (rows, columns, lanes) of numbers that differ from scene to scene.

@@ -7,6 +7,7 @@ import numpy as np
 from fpm.assembly.conditions import ParticlePoses, slopes
 from fpm.assembly.matrices import Form, dofs_of, pair_matrix, sparse
 from fpm.elements.bars.beam import Beams, elements_of, end_axes
+from fpm.elements.cross import cross
 
 
 class Shape(NamedTuple):
@@ -119,8 +120,8 @@ class Elastic(NamedTuple):
         axial_force = axial * (length - rest) - np.sum(by_sine * sines, axis=-1) / length
         force = (ga + gb) / length[..., None] + axial_force[..., None] * n  # on the first
         a2, a3, b2, b3 = np.moveaxis(axes, -2, 0)
-        twist = (0.5 * torsion * t)[..., None] * (np.cross(a3, b2) - np.cross(a2, b3))
-        ends = [-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)]
+        twist = (0.5 * torsion * t)[..., None] * (cross(a3, b2) - cross(a2, b3))
+        ends = [-force, twist - cross(n, ga), force, -twist - cross(n, gb)]
         return np.concatenate(ends, axis=-1)
 
 

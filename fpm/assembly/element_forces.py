@@ -60,10 +60,12 @@ class ElementForces:
         self.stiff = np.unique(stiff).astype(int)
         self._is_passing = kind not in MEMORYLESS
         size = float(np.ptp(scene.position, axis=0).max()) or 1.0
-        self._particles, self._axes = np.divmod(self.stiff, 6)
-        self._turns = np.flatnonzero(self._axes >= 3)
-        self._steps = np.where(self._axes < 3, NUDGE * size, NUDGE)
-        self._straight = NUDGE * size * np.eye(6, 9)[self._axes] * (self._axes < 3)[:, None]
+        particles, axes = np.divmod(self.stiff, 6)
+        is_turn = axes >= 3
+        self._nudged, steps = np.tile(particles, 2), np.where(is_turn, NUDGE, NUDGE * size)
+        self._widths = np.tile(2.0 * steps, 2)
+        self._shifts = NUDGE * size * np.eye(6, 9)[axes] * ~is_turn[:, None]
+        self._turns = np.flatnonzero(is_turn), particles[is_turn], CROSS_PRODUCTS[axes[is_turn] - 3]
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
         """Move the elements from their last poses to `poses` (positions and frames of all
@@ -87,34 +89,26 @@ class ElementForces:
         stiffness (`sparse`, `full`)."""
         history, fields = self.copy_history(), _fields_of(poses)
         self._put(fields)
-        forces = self._act_there()[:, 0].copy()
-        pushed = [np.zeros((len(forces), 0))]
-        state, shifts = self.world.state, self._shifts(poses.frame)
-        particles = np.tile(self._particles, 2)
-        nudged = fields[particles] + np.concatenate([shifts, -shifts])
-        for first in range(0, len(nudged), state.shape[2]):
-            lanes = slice(first, first + state.shape[2])
-            count = len(nudged[lanes])
+        forces, state, count = self._act_there()[:, 0].copy(), self.world.state, len(self.stiff)
+        slopes, lanes = np.empty((len(forces), 2 * count)), state.shape[2]
+        shifts, (turns, particles, products) = self._shifts.copy(), self._turns
+        turned = NUDGE * (products @ poses.frame[particles])
+        shifts[turns, 3:] = turned[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
+        nudged = fields[self._nudged] + np.concatenate([shifts, -shifts])
+        for first in range(0, 2 * count, lanes):
+            chunk = slice(first, first + lanes)
+            size = len(nudged[chunk])
             self._put(fields)
-            state[particles[lanes], POSE, np.arange(count)] = nudged[lanes]
-            pushed.append(self._act_there()[:, :count].copy())
+            state[self._nudged[chunk], POSE, np.arange(size)] = nudged[chunk]
+            slopes[:, chunk] = self._act_there()[:, :size] / self._widths[chunk]
         self.restore(history)
-        ahead, behind = np.hsplit(np.hstack(pushed) / np.tile(2.0 * self._steps, 2), 2)
-        values = behind - ahead
+        values = slopes[:, count:] - slopes[:, :count]
         rows, columns = np.nonzero(values)
         entries = values[rows, columns], rows, self.stiff[columns]
         return forces, form(*entries, (len(forces), len(forces)))
 
     def _put(self, fields: np.ndarray) -> None:
         self.world.state[:, POSE] = fields[:, :, None]
-
-    def _shifts(self, frame: np.ndarray) -> np.ndarray:
-        """By what fields (k, 9) of particles change by each degree of freedom in `stiff`."""
-        shifts = self._straight.copy()
-        particles = self._particles[self._turns]
-        turned = NUDGE * (CROSS_PRODUCTS[self._axes[self._turns] - 3] @ frame[particles])
-        shifts[self._turns, 3:] = turned[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
-        return shifts
 
     def _act_there(self) -> np.ndarray:
         """What the elements do where they have come to, not what they did on the way there."""

@@ -11,6 +11,7 @@ import numpy as np
 from fpm.assembly import FARTHEST, MisfitError, linearise
 from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of
 from fpm.assembly.matrices import full, scale_matrix, sparse
+from fpm.elements.cross import cross
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
 from fpm.travel.balance import (
@@ -302,5 +303,5 @@ class Path:
                 arms[row, 0] += (shift - zero) * axis
                 continue
             angle = hinge.opening + shift
-            normals[row] = np.cos(angle) * np.cross(axis, zero_axis) - np.sin(angle) * zero_axis
+            normals[row] = np.cos(angle) * cross(axis, zero_axis) - np.sin(angle) * zero_axis
         return conditions._replace(axis1=normals, arms=arms)

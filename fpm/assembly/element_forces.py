@@ -9,7 +9,7 @@ import numpy as np
 from fpm.assembly.conditions import CROSS_PRODUCTS, ParticlePoses
 from fpm.assembly.elastic import elastic_of
 from fpm.assembly.matrices import Form, largest_entry, scale_matrix, sparse
-from fpm.elements import Gravity, Hinge, SyncLoop, TorsionSpring, energies_of
+from fpm.elements import Hinge, energies_of
 from fpm.elements.batch import Batch
 from fpm.kernels import layout
 from fpm.kernels.world import StepTime
@@ -25,10 +25,6 @@ POSE = slice(layout.X, layout.D3 + 3)
 
 NUDGE = 1e-6
 """Shift (of the size) and turn (rad) by which forces are differentiated, on either side."""
-
-
-MEMORYLESS = (TorsionSpring, SyncLoop, Gravity)
-"""Element types whose forces do not depend on the way to where they act."""
 
 
 class ElementForces:
@@ -58,7 +54,7 @@ class ElementForces:
             is_strained[:, [1, 3]] = True
             stiff = [*stiff, *deformations.dofs[np.repeat(is_strained, 3, axis=1)]]
         self.stiff = np.unique(stiff).astype(int)
-        self._is_passing = kind not in MEMORYLESS
+        self._is_passing = kind.has_memory
         size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         particles, axes = np.divmod(self.stiff, 6)
         is_turn = axes >= 3

@@ -131,8 +131,8 @@ class ElementType:
     acts_as: component ("spring", ...) to which its moments on joints are recorded; joins: whether
     each element joins its `particles`; moves_free: whether it moves all particles that no other
     type moves; resists_as: class of resistance ("FR", "S", ...: ECSS) in slow motions (fpm/travel),
-    "": none; noun: its word in messages; cost: core time (ns) of an element in
-    a step of eight runs side by side."""
+    "": none; has_memory: whether forces depend on the way to where they act; noun: its word in
+    messages; cost: core time (ns) of an element in a step of eight runs side by side."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `sum_energies`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -145,6 +145,7 @@ class ElementType:
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
 
     resists_as: ClassVar[str] = "HA"  # class of its part in slow travel (fpm/travel); "": none
+    has_memory: ClassVar[bool] = True  # whether forces depend on the way to where they act
 
     noun: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
     cost: ClassVar[float] = 100.0  # ns, of one element in a step of eight runs (effort.py)

@@ -54,6 +54,7 @@ class SyncLoop(ConnectorElement):
     acts_as = "loop"
     noun = "loop"
     resists_as = "S"
+    has_memory = False
 
     def check(self, scene):
         """Check that the loop has a name of its own, two different hinges, and radii other than 0,

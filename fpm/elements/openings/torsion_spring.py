@@ -20,6 +20,7 @@ class TorsionSpring(Connector):
     acts_as = "spring"
     noun = "torsion spring"
     resists_as = "S"
+    has_memory = False
     cost = 70.0
 
     def title(self, scene):

@@ -22,6 +22,7 @@ class Gravity(ElementType):
 
     gives = LOAD_WORK
     resists_as = "I"
+    has_memory = False
     noun = "weight"
     cost = 5.0  # of each particle
 

@@ -58,7 +58,7 @@ class ElementForces:
         size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         particles, axes = np.divmod(self.stiff, 6)
         is_turn = axes >= 3
-        self._nudged, steps = np.tile(particles, 2), np.where(is_turn, NUDGE, NUDGE * size)
+        self._lane_particles, steps = np.tile(particles, 2), np.where(is_turn, NUDGE, NUDGE * size)
         self._widths = np.tile(2.0 * steps, 2)
         self._shifts = NUDGE * size * np.eye(6, 9)[axes] * ~is_turn[:, None]
         self._turns = np.flatnonzero(is_turn), particles[is_turn], CROSS_PRODUCTS[axes[is_turn] - 3]
@@ -88,14 +88,14 @@ class ElementForces:
         forces, state, count = self._act_there()[:, 0].copy(), self.world.state, len(self.stiff)
         slopes, lanes = np.empty((len(forces), 2 * count)), state.shape[2]
         shifts, (turns, particles, products) = self._shifts.copy(), self._turns
-        turned = NUDGE * (products @ poses.frame[particles])
-        shifts[turns, 3:] = turned[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
-        nudged = fields[self._nudged] + np.concatenate([shifts, -shifts])
+        turns_of_frames = NUDGE * (products @ poses.frame[particles])
+        shifts[turns, 3:] = turns_of_frames[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
+        lane_fields = fields[self._lane_particles] + np.concatenate([shifts, -shifts])
         for first in range(0, 2 * count, lanes):
             chunk = slice(first, first + lanes)
-            size = len(nudged[chunk])
+            size = len(lane_fields[chunk])
             self._put(fields)
-            state[self._nudged[chunk], POSE, np.arange(size)] = nudged[chunk]
+            state[self._lane_particles[chunk], POSE, np.arange(size)] = lane_fields[chunk]
             slopes[:, chunk] = self._act_there()[:, :size] / self._widths[chunk]
         self.restore(history)
         values = slopes[:, count:] - slopes[:, :count]

@@ -101,7 +101,7 @@ class Batch:
         self.kinds, self.energies = kinds, energies
         self.moved_particles = {p for kind in self.kinds for p in kind.moved_particles(self.scene)}
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
-        self._blocks, self._used = [blank(BLOCK, dtype)], 0
+        self._blocks, self._end = [blank(BLOCK, dtype)], 0
         self._parts: dict[type, NamedTuple] = {}
         self.accounts = self._accounts()
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
@@ -126,18 +126,18 @@ class Batch:
     def blank(self, rows: int, columns: int) -> np.ndarray:
         """Return zeros (rows, columns, lanes), the last axis for samples side by side."""
         count = rows * columns * self.width
-        if self._used + count > len(self._blocks[-1]):
+        if self._end + count > len(self._blocks[-1]):
             self._blocks.append(blank(max(BLOCK, count), self.dtype))
-            self._used = 0
-        array = self._blocks[-1][self._used : self._used + count]
+            self._end = 0
+        array = self._blocks[-1][self._end : self._end + count]
         line = 64 // array.itemsize
-        self._used += -(-count // line) * line
+        self._end += -(-count // line) * line
         return array.reshape(rows, columns, self.width)
 
     def filled_blocks(self) -> list[np.ndarray]:
         """Return the memory of all arrays that `blank` and `stack` have returned so far, as few
         arrays without further axes."""
-        return [*self._blocks[:-1], self._blocks[-1][: self._used]]
+        return [*self._blocks[:-1], self._blocks[-1][: self._end]]
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
         """Return an array (rows, columns, lanes) of numbers that differ from scene to scene.

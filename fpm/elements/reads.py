@@ -37,7 +37,7 @@ class SceneList(list):
         value, count = self.share(function)
         return [value] * count + [function(scene) for scene in self[count:]]
 
-    def any(self, function: Callable[[Any], Any]) -> bool:
+    def has_any(self, function: Callable[[Any], Any]) -> bool:
         """Return whether function(scene) of any of the scenes is true, and not empty; of further
         scenes it is found only if need be. function: as in `share`."""
         value, count = self.share(function)
@@ -47,8 +47,8 @@ class SceneList(list):
         """How many scenes, from the first on, have the same under a key of what is read."""
         if key not in self._counts:
             first = _read(self[0], key)
-            others = enumerate(self[1:], start=1)
-            changes = (i for i, scene in others if not _is_same(first, _read(scene, key)))
+            rest = enumerate(self[1:], start=1)
+            changes = (i for i, scene in rest if not _is_same(first, _read(scene, key)))
             self._counts[key] = next(changes, len(self))
         return self._counts[key]
 

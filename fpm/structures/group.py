@@ -27,7 +27,7 @@ from fpm.structures.sample import (
 )
 from fpm.structures.statement import Entry
 
-BUILT = "what was built"
+OBJECTS = "what was built"
 """What a key's value depends on, where that is not numbers."""
 
 
@@ -54,7 +54,7 @@ class SampleGroup:
         if self.entries is None:
             self._model = _read_once(model, self._first, numbers)
             first = self._first.numbers
-            self._known = {name: first[name] for name in first.keys() - numbers}
+            self._fixed_numbers = {name: first[name] for name in first.keys() - numbers}
         for array in vars(self._first.scene).values() if self.entries is not None else ():
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
@@ -68,7 +68,7 @@ class SampleGroup:
             return self._build_entries(values)
         if not self._is_sound:
             return None
-        build = build_sample(self._model, values, problems := Problems(""), self._known)
+        build = build_sample(self._model, values, problems := Problems(""), self._fixed_numbers)
         return None if problems else build.scene
 
     def _build_entries(self, values: Mapping[str, float]) -> Scene | None:
@@ -102,7 +102,7 @@ class SampleGroup:
 
 class _Reads(Builder):
     """A sample that is built, which notes in `names` of what is read of it: full names of numbers,
-    and BUILT where it is something that was built."""
+    and OBJECTS where it is something that was built."""
 
     def __init__(self, build: Builder):
         vars(self).update(vars(build))
@@ -110,11 +110,11 @@ class _Reads(Builder):
         self.numbers = _Numbers(build.numbers, self.names)
 
     def find(self, group: str, name: str) -> Any:
-        self.names.add(BUILT)
+        self.names.add(OBJECTS)
         return super().find(group, name)
 
     def find_part(self, point: str, key: str) -> Body:
-        self.names.add(BUILT)
+        self.names.add(OBJECTS)
         return super().find_part(point, key)
 
 
@@ -133,14 +133,14 @@ class _Numbers(UserDict):
 def _read_once(model: FileStatements, first: Builder, numbers: set[str]) -> FileStatements:
     """The statements of a file, of which keys that depend on no `numbers`, nor on what is built,
     have the values that they have in a first sample."""
-    reads, varied = _Reads(first), {*numbers, BUILT}
+    reads, changes = _Reads(first), {*numbers, OBJECTS}
 
     def read_once(entry: Entry) -> Entry:
         fixed = {"name": entry.name, "key": entry.key}
         for name, key in entry.statement.keys.items():
             reads.names.clear()
             value = entry.read[name](reads) if name in entry.read else key.default
-            if reads.names.isdisjoint(varied):
+            if reads.names.isdisjoint(changes):
                 fixed[name] = value
         return _ReadEntry(**vars(entry), fixed=fixed)
 

@@ -35,16 +35,19 @@ MOTIONS = "initial_velocities"
 
 
 def build_sample(
-    model: FileStatements, values: Mapping[str, float], problems: Problems, known: Mapping = EMPTY
+    model: FileStatements,
+    values: Mapping[str, float],
+    problems: Problems,
+    fixed_numbers: Mapping = EMPTY,
 ) -> Builder:
     """Build the scene of one sample of a structure file, at one set of parameter values; returns
     its Builder, whose `scene` is complete if `problems` is empty. model: the file's statements;
-    values: of its parameters by name (SI units); problems: where errors are noted; known: values of
-    named numbers by full name that are known already."""
+    values: of its parameters by name (SI units); problems: where errors are noted; fixed_numbers:
+    values of named numbers by full name that are known already."""
     build = Builder(problems)
-    build.numbers |= known
+    build.numbers |= fixed_numbers
     with np.errstate(all="ignore"):
-        find_numbers(build, model, values, (n for n in model.names.order if n not in known))
+        find_numbers(build, model, values, (n for n in model.names.order if n not in fixed_numbers))
         points = _place(build, model)
         build.scene = _scene(build, model)
         build.scene.doubts += find_far_point(points)

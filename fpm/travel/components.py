@@ -97,10 +97,10 @@ class VirtualWork:
         elements = [*part.elements, *([part.baseline] if self.is_difference else [])]
         self.sources = [ElementForces(scene, [element]) for element in elements]
 
-    def approach(self, way: Sequence[ParticlePoses]) -> None:
+    def approach(self, poses_before: Sequence[ParticlePoses]) -> None:
         """Bring friction to steady slip before `compute_work`: move a component that only resists
-        along a `way` to there, poses of all n particles; other components stay."""
-        for poses in way if self.drags else ():
+        along `poses_before`, of all n particles; other components stay."""
+        for poses in poses_before if self.drags else ():
             for source in self.sources:
                 source.forces(poses)
 

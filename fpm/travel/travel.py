@@ -119,9 +119,9 @@ class _Sweep:
         path.move_to(float(self._first + position * self._travel))
         tangent = np.sign(self._travel) * path.tangent
         motion = APPROACH * abs(self._travel) * tangent
-        way = [path.poses.displace(-factor * motion) for factor in (1.0, 0.5)]
+        poses_before = [path.poses.displace(-factor * motion) for factor in (1.0, 0.5)]
         for part in self._parts:
-            part.approach(way)
+            part.approach(poses_before)
         row = [part.compute_work(path.poses, tangent) for part in self._parts]
         friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
         row += path.compute_bearing_work(friction)

@@ -6,6 +6,7 @@ left over; their results are dropped."""
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from types import SimpleNamespace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -30,6 +31,10 @@ a hundredth of the scale."""
 GAP_TOL = 1e-11
 """Largest gap, as a share of the scene's size, or angle (rad) of joints that is left at the start
 where parts were forced together or brought into equilibrium; the first steps close it."""
+
+
+PARTICLE_FIELDS = ("position", "frame", "velocity", "spin", "mass", "inertia", "fixed")
+"""Arrays of a scene with a row for each particle."""
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
@@ -103,6 +108,7 @@ class Batch:
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
         self._blocks, self._end = [blank(BLOCK, dtype)], 0
         self._parts: dict[type, NamedTuple] = {}
+        self._stacks: dict[Callable, np.ndarray] = {}
         self.accounts = self._accounts()
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
         of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]
@@ -150,6 +156,15 @@ class Batch:
                 array[:, :, s] = function(self.scenes[s])
             array[:, :, last + 1 :] = array[:, :, last, None]
         return array
+
+    def stack_once(
+        self, rows: int, columns: int, function: Callable[[SceneData], object]
+    ) -> np.ndarray:
+        """Return what `stack` does; for the same function later the same array, not to be written
+        to."""
+        if function not in self._stacks:
+            self._stacks[function] = self.stack(rows, columns, function)
+        return self._stacks[function]
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
         """Return an array (elements, columns, lanes) with some numbers of every element of a type.
@@ -221,15 +236,16 @@ class Batch:
         """Return the state that the time loop starts with: arrays of the particles, curves of time,
         named points, and what element types share (accounts of energy, watched quantities)."""
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
+        state, particles = self._particle_arrays()
         lengths = [len(curve.times) for curve in scene.curves]
         count = max((curve.powers.shape[1] for curve in scene.curves), default=0)
         powers = [np.pad(c.powers, ((0, 0), (0, count - c.powers.shape[1]))) for c in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
         rows, unity = [self.rows.slices[kind] for kind, _ in watches], np.ones(self.width)
         return World(
-            state=self.stack(n, layout.STATE, _state),
+            state=state,
             start_state=self.blank(n, layout.STATE),
-            particles=self.stack(n, layout.PARTICLE, _particles),
+            particles=particles,
             free=self.integers([] if any(kind.moves_free for kind in self.kinds) else self.free),
             curve_start=self.integers(np.cumsum([0, *lengths])),
             curve_time=np.concatenate([np.zeros(0), *(curve.times for curve in scene.curves)]),
@@ -253,6 +269,24 @@ class Batch:
             rows=self._rows,
             undecided=self.integers([0]),
         )
+
+    def _particle_arrays(self) -> tuple[np.ndarray, np.ndarray]:
+        """State (n, STATE, lanes) and constants (n, PARTICLE, lanes) of all particles at their
+        start: of all scenes as if they were one, with their particles one after the other."""
+        is_shared = self.scenes.count_same(PARTICLE_FIELDS) == len(self.scenes)
+        scenes = self.scenes[:1] if is_shared else self.scenes
+        fields = {k: np.concatenate([getattr(s, k) for s in scenes]) for k in PARTICLE_FIELDS}
+        whole = SimpleNamespace(**fields, kinds={})
+        inertia = turns_of(whole).inertia
+
+        def in_lanes(rows: np.ndarray) -> np.ndarray:
+            values = rows.reshape(len(scenes), -1, rows.shape[1])
+            array = self.blank(*values.shape[1:])
+            array[:, :, : len(scenes)] = values.transpose(1, 2, 0)
+            array[:, :, len(scenes) :] = values[-1][:, :, None]
+            return array
+
+        return in_lanes(_state(whole, inertia)), in_lanes(_particles(whole, inertia))
 
     def record(self, step: float, steps: int) -> Record:
         """Return the empty arrays (Record) into which the time loop records. step: time step (s);
@@ -295,8 +329,8 @@ class Batch:
         return WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
 
 
-def _state(scene: SceneData) -> np.ndarray:
-    """State (n, STATE) of one scene at its start."""
+def _state(scene: SceneData, inertia: np.ndarray) -> np.ndarray:
+    """State (n, STATE) of one scene at its start. inertia (n, 3) kg m²: by which it turns."""
     state = np.zeros((len(scene.position), layout.STATE))
     state[:, layout.X : layout.X + 3] = scene.position
     state[:, layout.D2 : layout.D2 + 3] = scene.frame[:, :, 1]
@@ -304,7 +338,6 @@ def _state(scene: SceneData) -> np.ndarray:
     free = ~scene.fixed
     state[:, layout.V : layout.V + 3] = scene.velocity * free[:, :3]
     local = np.einsum("nji,nj->ni", scene.frame, scene.spin * free[:, 3:])
-    inertia = turns_of(scene).inertia
     state[:, layout.P : layout.P + 3] = np.einsum("nij,nj->ni", scene.frame, inertia * local)
     return state
 
@@ -317,16 +350,17 @@ def size_of(scene: SceneData) -> float:
     joints = (e for kind in scene.kinds if kind.joins for e in scene.kinds[kind])
     beams = [beam for element in joints for beam in element.beams]
     ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
-    extent = np.ptp(np.vstack([scene.position[free], *ends]), axis=0) if free.any() or ends else 0.0
+    places = np.concatenate([np.array(ends).reshape(-1, 3), scene.position[free]])
+    extent = places.max(axis=0) - places.min(axis=0) if len(places) else 0.0
     gyration = np.sqrt(scene.inertia[free].max(axis=1) / scene.mass[free])
     return float(max(np.max(extent), gyration.max(initial=0.0))) or 1.0
 
 
-def _particles(scene: SceneData) -> np.ndarray:
-    """Constants (n, PARTICLE) of the particles of one scene."""
+def _particles(scene: SceneData, inertia: np.ndarray) -> np.ndarray:
+    """Constants (n, PARTICLE) of the particles of one scene. inertia: as of `_state`."""
     rows = np.zeros((len(scene.position), layout.PARTICLE))
     rows[:, layout.MASS] = scene.mass
     rows[:, layout.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)
     no_turn = scene.fixed[:, 3:].all(axis=1)[:, None]
-    rows[:, layout.IJ : layout.IJ + 3] = np.where(no_turn, 0.0, 1.0 / turns_of(scene).inertia)
+    rows[:, layout.IJ : layout.IJ + 3] = np.where(no_turn, 0.0, 1.0 / inertia)
     return rows

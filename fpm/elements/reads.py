@@ -1,6 +1,6 @@
 """Functions of several scenes, called again only where scenes differ in what the function reads."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import is_
 from typing import Any
 
@@ -27,7 +27,7 @@ class SceneList(list):
             return function(self[0]), 1
         reads: set[Any] = set()
         value = function(Reader(self[0], reads))
-        return value, min(map(self._count, reads), default=len(self))
+        return value, self.count_same(reads)
 
     def map(self, function: Callable[[Any], Any]) -> list:
         """Return function(scene) for each of the scenes, of which those that `share` counts have
@@ -42,6 +42,11 @@ class SceneList(list):
         scenes it is found only if need be. function: as in `share`."""
         value, count = self.share(function)
         return bool(value) or any(map(function, self[count:]))
+
+    def count_same(self, keys: Iterable) -> int:
+        """Return how many scenes, from the first on, have the same in all `keys`: attributes, or
+        element types."""
+        return min(map(self._count, keys), default=len(self))
 
     def _count(self, key: Any) -> int:
         """How many scenes, from the first on, have the same under a key of what is read."""

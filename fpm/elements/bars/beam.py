@@ -163,7 +163,7 @@ class Beams(ElementType):
     def end_axes(self) -> np.ndarray:
         """Return the local axes 2 and 3 at both ends of these elements without stress, (2, m, 3,
         2): end, element, global component, axis. Normal to the chord, axis 3 turned by `bow`."""
-        axes = np.stack([self.triad[:, :, 1:]] * 2)
+        axes = self.triad[None, :, :, 1:].repeat(2, axis=0)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
             axes[..., 1] = np.cos(turn) * axes[..., 1] + np.sin(turn) * self.triad[:, :, 0]
@@ -184,7 +184,7 @@ class Beams(ElementType):
         """Return what must be equal in scenes simulated side by side, a tuple: for each group in
         `scene` the particles of its elements, and one bool, whether any element has, or may have,
         axes other than its particles' (`has_frames`)."""
-        return tuple(tuple(b.nodes.ravel()) for b in cls.find(scene)), has_frames(scene)
+        return tuple(b.nodes.tobytes() for b in cls.find(scene)), has_frames(scene)
 
     @classmethod
     def names(cls, scene):

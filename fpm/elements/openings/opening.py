@@ -378,23 +378,24 @@ def pack_past(batch, kind) -> np.ndarray:
     for its moment. batch: the scenes that are simulated side by side; kind: the element type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
-    count = len(kind.find(batch.scene))
+    hinges = [element.hinge for element in kind.find(batch.scene)]
+    history = batch.blank(len(hinges), HISTORY)
+    if hinges:
+        history[:, 0] = batch.stack_once(len(batch.scene.hinges), 1, _rates)[hinges, 0]
+    return history
 
-    def history(scene):
-        rates = turning_at_start(scene, [element.hinge for element in kind.find(scene)])
-        return np.column_stack([rates, np.zeros((count, HISTORY - 1))])
 
-    return batch.stack(count, HISTORY, history)
+def _rates(scene) -> np.ndarray:
+    """Rates (h, 1) of all joint coordinates of a scene at t = 0."""
+    return np.array([turning_at_start(scene, range(len(scene.hinges)))]).T
 
 
 def start_angles(batch, kind) -> np.ndarray:
     """Return the joint coordinates (n, lanes; rad, of slides m) at t = 0 of the hinges of all n
     elements of a type, `kind`. batch: the scenes that are simulated side by side."""
 
-    def openings(scene):
-        return [[scene.hinges[element.hinge].opening] for element in kind.find(scene)]
-
-    return batch.stack(len(kind.find(batch.scene)), 1, openings)[:, 0]
+    hinges = [element.hinge for element in kind.find(batch.scene)]
+    return batch.stack(len(hinges), 1, lambda s: [[s.hinges[h].opening] for h in hinges])[:, 0]
 
 
 def opening_at(scene, hinge) -> float:

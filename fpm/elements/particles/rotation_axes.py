@@ -36,7 +36,7 @@ def turns_of(scene) -> RotationAxes:
         squares = scene.frame[p][~fixed[p]][0] ** 2
         inertia[p] = squares @ inertia[p]
         no_turn[p] = (squares < TOLERANCE) & (squares.max() > 1 - TOLERANCE)
-    is_unequal = np.ptp(inertia, axis=1) > TOLERANCE * inertia.max(axis=1)
+    is_unequal = inertia.max(axis=1) - inertia.min(axis=1) > TOLERANCE * inertia.max(axis=1)
     about_two = np.flatnonzero((count == 1) & is_unequal).tolist()
     joints = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     for p in [p for e in joints for p in e.particles if p in about_two] if about_two else ():

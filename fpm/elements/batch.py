@@ -275,8 +275,7 @@ class Batch:
         start: of all scenes as if they were one, with their particles one after the other."""
         is_shared = self.scenes.count_same(PARTICLE_FIELDS) == len(self.scenes)
         scenes = self.scenes[:1] if is_shared else self.scenes
-        fields = {k: np.concatenate([getattr(s, k) for s in scenes]) for k in PARTICLE_FIELDS}
-        whole = SimpleNamespace(**fields, kinds={})
+        whole = join_particles(scenes)
         inertia = turns_of(whole).inertia
 
         def in_lanes(rows: np.ndarray) -> np.ndarray:
@@ -327,6 +326,13 @@ class Batch:
         moment += sum(kind.held_round(scene) for kind in self.kinds)
         start_gap = gap if scene.unstrained is None else max(gap, GAP_TOL)
         return WORK * gap * moment + 0.5 * inertia * (start_gap / step) ** 2
+
+
+def join_particles(scenes: Sequence[SceneData]) -> SimpleNamespace:
+    """Return the particles of scenes, those of one after those of another, as if of one scene: a
+    namespace with arrays of PARTICLE_FIELDS, and no elements as `kinds`."""
+    fields = {k: np.concatenate([getattr(s, k) for s in scenes]) for k in PARTICLE_FIELDS}
+    return SimpleNamespace(**fields, kinds={})
 
 
 def _state(scene: SceneData, inertia: np.ndarray) -> np.ndarray:

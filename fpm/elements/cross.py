@@ -16,6 +16,7 @@ def cross(a, b) -> np.ndarray:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
         return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], float)
     product = a.take(_NEXT, -1) * b.take(_LAST, -1)
+    product = product.astype(np.result_type(product, float), copy=False)
     product -= a.take(_LAST, -1) * b.take(_NEXT, -1)
     return product
 

@@ -14,7 +14,7 @@ from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, find_stable_step
 from fpm.solver import pack
 from fpm.solver.start import consistent_scene, consistent_scenes
-from fpm.solver.unpack import outcome_of
+from fpm.solver.unpack import outcomes_of
 
 CHECK_EVERY = 50
 """Number of steps from one check of the energy balance to the next, at most."""
@@ -106,8 +106,9 @@ def simulate(
         lanes = indices[first : first + width]
         group = [scenes[i] for i in lanes]
         run = _integrate(group, width, dtype, instants, division, energy_tolerance)
-        for lane, i in enumerate(lanes):
-            outcomes[i] = outcome_of(run, lane, times, division, limits[i], record)
+        lane_limits = [limits[i] for i in lanes]
+        lane_outcomes = outcomes_of(run, times, division, lane_limits, record)
+        outcomes.update(zip(lanes, lane_outcomes, strict=True))
     return [outcomes[i] for i in range(len(scenes))]
 
 

@@ -1,7 +1,10 @@
 """Lanes of a run back to each sample's outcome."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from fpm.elements.batch import join_particles
 from fpm.elements.cross import columns, cross
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.rotation_axes import turns_of
@@ -14,13 +17,21 @@ from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import StableStep, find_stable_step
 
 
-def outcome_of(
-    run, lane: int, times: np.ndarray, division, limit: StableStep | None, extra=()
-) -> Outcome:
-    """Return the Outcome of one sample of a run. run: (Batch, arrays of its element types, World,
-    Record) after the time loop; lane: index of the sample among those side by side; times (t,):
-    recorded instants (s); division: steps of the run (Division); limit: stable step (StableStep),
-    None where a step was given; extra: columns (variable, label) that were recorded on request."""
+def outcomes_of(
+    run, times: np.ndarray, division, limits: Sequence[StableStep | None], extra=()
+) -> list[Outcome]:
+    """Return the Outcomes of the samples of a run, in the order of lanes. run: (Batch, arrays of
+    its element types, World, Record) after the time loop; times (t,): recorded instants (s);
+    division: steps of the run (Division); limits: stable step (StableStep) of each sample, None
+    where a step was given; extra: columns (variable, label) that were recorded on request."""
+    batch, _, world, _ = run
+    motions = _final(batch, world, division.output_steps * (len(times) - 1) * division.step)
+    elements = batch.scenes.map(lambda scene: eventful(scene, batch.eventful.slices))
+    of_lanes = zip(limits, motions, elements, strict=True)
+    return [_outcome_of(run, lane, times, division, extra, *x) for lane, x in enumerate(of_lanes)]
+
+
+def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements) -> Outcome:
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.output_steps * (instants - 1)
@@ -57,14 +68,14 @@ def outcome_of(
         records=records,
         columns=columns_of(records),
         events=batch.events[: min(event_count, len(batch.events)), :, lane],
-        eventful=eventful(scene, batch.eventful.slices),
+        eventful=elements,
         dropped_events=max(0, event_count - len(batch.events)),
         step=division.step,
         steps=steps,
         limit=limit,
         failure=failure,
         largest=largest,
-        final=_final(scene, world, lane, steps * division.step),
+        final=motion,
     )
 
 
@@ -119,15 +130,22 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     )
 
 
-def _final(scene: Scene, world, lane: int, time: float) -> Motion:
-    """All particles' motion at the last instant, `time` (s), by momenta half a step around it."""
-    state, start = world.state[:, :, lane], world.start_state[:, :, lane]
+def _final(batch, world, time: float) -> list[Motion]:
+    """Motion of all particles of each sample at the last instant, `time` (s), by momenta half a
+    step around it."""
+    scenes, whole = batch.scenes, join_particles(batch.scenes)
+    state, start = (
+        array[:, :, : len(scenes)].transpose(2, 0, 1).reshape(-1, layout.STATE)
+        for array in (world.state, world.start_state)
+    )
     second, third = start[:, layout.D2 : layout.D2 + 3], start[:, layout.D3 : layout.D3 + 3]
     frame = columns(cross(second, third), second, third)
     momentum = 0.5 * (start[:, layout.P : layout.P + 3] + state[:, layout.P : layout.P + 3])
-    local = np.einsum("nji,nj->ni", frame, momentum) / turns_of(scene).inertia
+    local = np.einsum("nji,nj->ni", frame, momentum) / turns_of(whole).inertia
     velocity = 0.5 * (start[:, layout.V : layout.V + 3] + state[:, layout.V : layout.V + 3])
-    spin = np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:]
-    motion = Motion(start[:, layout.X : layout.X + 3].copy(), frame, velocity, spin)
-    Drive.prescribe(scene, time, motion)
-    return motion
+    spin = np.einsum("nij,nj->ni", frame, local) * ~whole.fixed[:, 3:]
+    fields = start[:, layout.X : layout.X + 3].copy(), frame, velocity, spin
+    motions = list(map(Motion, *(np.split(field, len(scenes)) for field in fields)))
+    for scene, motion in zip(scenes, motions, strict=True):
+        Drive.prescribe(scene, time, motion)
+    return motions

@@ -59,5 +59,7 @@ class Drive(ElementType):
     def prescribe(cls, scene, time, motion):
         """Write the velocities (m/s) and spins (rad/s) that a scene's drives prescribe at a `time`
         (s) into motion.velocity and motion.spin, arrays (n, 3) of all particles, global axes."""
+        if not cls.find(scene):
+            return
         particles, velocity, spin = cls.motion(scene, time)
         motion.velocity[particles], motion.spin[particles] = velocity, spin

@@ -82,7 +82,7 @@ def kinds_of(scenes) -> list[type[ElementType]]:
     return [
         kind
         for kind in (*KINDS, *extras)
-        if (kind in types if kind.find.__func__ is plain else scenes.has_any(kind.find))
+        if (kind in types if kind.find.__func__ is plain else any(scenes.map(kind.find)))
     ]
 
 

@@ -313,7 +313,7 @@ class Batch:
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         scales = self.scenes.map(lambda scene: self._least_scale_in(scene, step, gap))
-        scale[: len(self.scenes)] = scales
+        scale[: len(self.scenes)] = [*scales]
         return scale
 
     def _least_scale_in(self, scene: SceneData, step: float, gap: float) -> float:

@@ -29,19 +29,13 @@ class SceneList(list):
         value = function(Reader(self[0], reads))
         return value, self.count_same(reads)
 
-    def map(self, function: Callable[[Any], Any]) -> list:
-        """Return function(scene) for each of the scenes, of which those that `share` counts have
-        one value. function: as there."""
-        if not self:
-            return []
-        value, count = self.share(function)
-        return [value] * count + [function(scene) for scene in self[count:]]
-
-    def has_any(self, function: Callable[[Any], Any]) -> bool:
-        """Return whether function(scene) of any of the scenes is true, and not empty; of further
-        scenes it is found only if need be. function: as in `share`."""
-        value, count = self.share(function)
-        return bool(value) or any(map(function, self[count:]))
+    def map(self, function: Callable[[Any], Any]) -> Iterator[Any]:
+        """Yield function(scene) for each of the scenes, of which those that `share` counts have one
+        value. function: as there."""
+        if self:
+            value, count = self.share(function)
+            yield from [value] * count
+            yield from map(function, self[count:])
 
     def count_same(self, keys: Iterable) -> int:
         """Return how many scenes, from the first on, have the same in all `keys`: attributes, or

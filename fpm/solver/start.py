@@ -62,14 +62,14 @@ def consistent_scene(scene: Scene) -> Scene:
 def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
     """Return what `consistent_scene` does for each of several scenes; what they have in common is
     found once."""
-    rates = SceneList(scenes).map(_rates_of)
+    rates = list(SceneList(scenes).map(_rates_of))
     is_moved = [
         bool(scene.drives or any(rate for _, rate in pairs))
         or bool(scene.velocity.any() or scene.spin.any())
         for scene, pairs in zip(scenes, rates, strict=True)
     ]
     moving_scenes = [scene for scene, moves in zip(scenes, is_moved, strict=True) if moves]
-    conditions = iter(SceneList(moving_scenes).map(_conditions_at_start))
+    conditions = SceneList(moving_scenes).map(_conditions_at_start)
     return [
         _with_motion(scene, pairs, *next(conditions)) if moves else scene
         for scene, pairs, moves in zip(scenes, rates, is_moved, strict=True)

@@ -4,8 +4,8 @@ Where values differ in what acts only (springs, cables, motions), all else is bu
 first sample, and the others share it. Else numbers and keys that no such parameter changes are the
 first sample's."""
 
-from collections import UserDict
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
-from fpm.structures.builder import Body, Builder
+from fpm.structures.builder import Builder
 from fpm.structures.model import FileStatements
-from fpm.structures.reading import Problems
+from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.sample import (
     LATE_GROUPS,
     MOTIONS,
@@ -26,9 +27,6 @@ from fpm.structures.sample import (
     finish,
 )
 from fpm.structures.statement import Entry
-
-OBJECTS = "what was built"
-"""What a key's value depends on, where that is not numbers."""
 
 
 class SampleGroup:
@@ -49,13 +47,12 @@ class SampleGroup:
         self._first = build_sample(model, values, problems := Problems(""))
         self._is_sound = not problems
         self.entries = None if problems else _dependents(model, numbers)
-        if problems:
-            return
         if self.entries is None:
-            self._model = _read_once(model, self._first, numbers)
             first = self._first.numbers
             self._fixed_numbers = {name: first[name] for name in first.keys() - numbers}
-        for array in vars(self._first.scene).values() if self.entries is not None else ():
+            self._model = _read_once(model, self._fixed_numbers)
+            return
+        for array in vars(self._first.scene).values():
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
 
@@ -100,64 +97,32 @@ class SampleGroup:
         return None if problems or scene.doubts != first_scene.doubts else scene
 
 
-class _Reads(Builder):
-    """A sample that is built, which notes in `names` of what is read of it: full names of numbers,
-    and OBJECTS where it is something that was built."""
-
-    def __init__(self, build: Builder):
-        vars(self).update(vars(build))
-        self.names: set[str] = set()
-        self.numbers = _Numbers(build.numbers, self.names)
-
-    def find(self, group: str, name: str) -> Any:
-        self.names.add(OBJECTS)
-        return super().find(group, name)
-
-    def find_part(self, point: str, key: str) -> Body:
-        self.names.add(OBJECTS)
-        return super().find_part(point, key)
-
-
-class _Numbers(UserDict):
-    """Numbers by name, which notes in `names` which were asked for."""
-
-    def __init__(self, numbers: Mapping, names: set[str]):
-        super().__init__(numbers)
-        self._names = names
-
-    def __getitem__(self, name: str) -> Any:
-        self._names.add(name)
-        return super().__getitem__(name)
-
-
-def _read_once(model: FileStatements, first: Builder, numbers: set[str]) -> FileStatements:
-    """The statements of a file, of which keys that depend on no `numbers`, nor on what is built,
-    have the values that they have in a first sample."""
-    reads, changes = _Reads(first), {*numbers, OBJECTS}
+def _read_once(model: FileStatements, numbers: Mapping[str, Any]) -> FileStatements:
+    """The statements of a file, of which keys that depend on some `numbers` only, by full name, and
+    on nothing that is built, are read."""
+    build, result = Builder(Problems("")), copy(model)
+    build.numbers |= numbers
 
     def read_once(entry: Entry) -> Entry:
-        fixed = {"name": entry.name, "key": entry.key}
+        values = {"name": entry.name, "key": entry.key}
         for name, key in entry.statement.keys.items():
-            reads.names.clear()
-            value = entry.read[name](reads) if name in entry.read else key.default
-            if reads.names.isdisjoint(changes):
-                fixed[name] = value
-        return _ReadEntry(**vars(entry), fixed=fixed)
+            with suppress(SkippedError, SceneError):
+                values[name] = entry.read[name](build) if name in entry.read else key.default
+        return _ReadEntry(**vars(entry), key_values=values)
 
-    result = copy(model)
     result.overall, result.entries = read_once(model.overall), [*map(read_once, model.entries)]
     return result
 
 
 @dataclass(frozen=True)
 class _ReadEntry(Entry):
-    """An entry of a structure file, of which values of keys are known. fixed: these, by name."""
+    """An entry of a structure file of which some keys are read. key_values: these, by name."""
 
-    fixed: Mapping[str, Any] = field(default_factory=dict)
+    key_values: Mapping[str, Any] = field(default_factory=dict)
 
     def values(self, build: Builder) -> SimpleNamespace:
-        args = {name: read(build) for name, read in self.read.items() if name not in self.fixed}
-        return SimpleNamespace(**self.fixed, **args)
+        rest = {k: read(build) for k, read in self.read.items() if k not in self.key_values}
+        return SimpleNamespace(**self.key_values, **rest)
 
 
 def _dependents(model: FileStatements, numbers: set[str]) -> list[Entry] | None:

@@ -23,7 +23,7 @@ def calls_of(function, scenes):
         calls.append(scene)
         return function(scene)
 
-    return SceneList(scenes).map(counted), len(calls)
+    return list(SceneList(scenes).map(counted)), len(calls)
 
 
 FUNCTIONS = {
@@ -68,4 +68,4 @@ def test_values_are_those_of_each_scene(name, change):
 
 def test_one_scene_is_given_as_it_is():
     scene = scene_of()
-    assert SceneList([scene]).map(lambda s: s) == [scene]
+    assert list(SceneList([scene]).map(lambda s: s)) == [scene]

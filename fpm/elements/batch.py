@@ -108,7 +108,6 @@ class Batch:
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
         self._blocks, self._end = [blank(BLOCK, dtype)], 0
         self._parts: dict[type, NamedTuple] = {}
-        self._stacks: dict[Callable, np.ndarray] = {}
         self.accounts = self._accounts()
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
         of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]
@@ -156,15 +155,6 @@ class Batch:
                 array[:, :, s] = function(self.scenes[s])
             array[:, :, last + 1 :] = array[:, :, last, None]
         return array
-
-    def stack_once(
-        self, rows: int, columns: int, function: Callable[[SceneData], object]
-    ) -> np.ndarray:
-        """Return what `stack` does; for the same function later the same array, not to be written
-        to."""
-        if function not in self._stacks:
-            self._stacks[function] = self.stack(rows, columns, function)
-        return self._stacks[function]
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
         """Return an array (elements, columns, lanes) with some numbers of every element of a type.
@@ -279,7 +269,7 @@ class Batch:
         inertia = turns_of(whole).inertia
 
         def in_lanes(rows: np.ndarray) -> np.ndarray:
-            values = rows.reshape(len(scenes), -1, rows.shape[1])
+            values = rows.reshape(len(scenes), len(self.scene.position), rows.shape[1])
             array = self.blank(*values.shape[1:])
             array[:, :, : len(scenes)] = values.transpose(1, 2, 0)
             array[:, :, len(scenes) :] = values[-1][:, :, None]

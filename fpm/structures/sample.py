@@ -1,7 +1,7 @@
 """One sample of a structure: the values of its parameters become a scene."""
 
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +22,6 @@ from fpm.structures.statement import PARTS, Entry
 RATE_TOL = 1e-6
 """Share of the fastest opening by which a stated rate may be missed at the start."""
 
-EMPTY: Mapping = MappingProxyType({})
-
 FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "drives")
 """Groups that are built before parts are forced together, which drives hold as supports do."""
 
@@ -38,16 +36,17 @@ def build_sample(
     model: FileStatements,
     values: Mapping[str, float],
     problems: Problems,
-    fixed_numbers: Mapping = EMPTY,
+    fixed_numbers: Mapping[str, Any] | None = None,
 ) -> Builder:
     """Build the scene of one sample of a structure file, at one set of parameter values; returns
     its Builder, whose `scene` is complete if `problems` is empty. model: the file's statements;
     values: of its parameters by name (SI units); problems: where errors are noted; fixed_numbers:
     values of named numbers by full name that are known already."""
     build = Builder(problems)
-    build.numbers |= fixed_numbers
+    build.numbers |= fixed_numbers or {}
     with np.errstate(all="ignore"):
-        find_numbers(build, model, values, (n for n in model.names.order if n not in fixed_numbers))
+        names = [name for name in model.names.order if name not in build.numbers]
+        find_numbers(build, model, values, names)
         points = _place(build, model)
         build.scene = _scene(build, model)
         build.scene.doubts += find_far_point(points)

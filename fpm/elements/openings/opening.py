@@ -379,21 +379,14 @@ def pack_past(batch, kind) -> np.ndarray:
     from fpm.elements.openings.losses_kernels import HISTORY
 
     hinges = [element.hinge for element in kind.find(batch.scene)]
-    history = batch.blank(len(hinges), HISTORY)
-    if hinges:
-        history[:, 0] = batch.stack_once(len(batch.scene.hinges), 1, _rates)[hinges, 0]
-    return history
-
-
-def _rates(scene) -> np.ndarray:
-    """Rates (h, 1) of all joint coordinates of a scene at t = 0."""
-    return np.array([turning_at_start(scene, range(len(scene.hinges)))]).T
+    rest = [0.0] * (HISTORY - 1)
+    rows = lambda scene: [[rate, *rest] for rate in turning_at_start(scene, hinges)]  # noqa: E731
+    return batch.stack(len(hinges), HISTORY, rows)
 
 
 def start_angles(batch, kind) -> np.ndarray:
     """Return the joint coordinates (n, lanes; rad, of slides m) at t = 0 of the hinges of all n
     elements of a type, `kind`. batch: the scenes that are simulated side by side."""
-
     hinges = [element.hinge for element in kind.find(batch.scene)]
     return batch.stack(len(hinges), 1, lambda s: [[s.hinges[h].opening] for h in hinges])[:, 0]
 

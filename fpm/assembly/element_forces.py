@@ -54,7 +54,7 @@ class ElementForces:
             is_strained[:, [1, 3]] = True
             stiff = [*stiff, *deformations.dofs[np.repeat(is_strained, 3, axis=1)]]
         self.stiff = np.unique(stiff).astype(int)
-        self._is_passing = kind.has_memory
+        self._has_memory = kind.has_memory
         size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         particles, axes = np.divmod(self.stiff, 6)
         is_turn = axes >= 3
@@ -108,14 +108,10 @@ class ElementForces:
 
     def _act_there(self) -> np.ndarray:
         """What the elements do where they have come to, not what they did on the way there."""
-        if self._is_passing:
-            self._act()
-        return self._act()
-
-    def _act(self) -> np.ndarray:
         state = self.world.state
-        state[:, layout.F : layout.M + 3] = 0.0
-        self._call()
+        for _ in range(1 + self._has_memory):
+            state[:, layout.F : layout.M + 3] = 0.0
+            self._call()
         return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
 
 

@@ -1,5 +1,6 @@
 """Samples of a structure built together have the bits of those built one by one, and its errors."""
 
+from collections import Counter
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from fpm import SceneError, structures
 from fpm.solver.pack import check_topology, pack
 from fpm.solver.start import consistent_scene, consistent_scenes
+from fpm.structures.names import Bound
 
 LIBRARY = sorted((Path(__file__).parents[2] / "config" / "structures").glob("*.yaml"))
 SHIFTS = np.array([0.0, 1.0, -1.0, 0.5, -0.3])
@@ -87,6 +89,23 @@ def test_what_no_varied_parameter_changes_is_built_once(name, varied, shared):
     values = [{**{n: p.default for n, p in structure.parameters.items()}, **s} for s in samples]
     first, *rest = map(structure.prepare(values), values)
     assert [scene.position is first.position for scene in rest] == [shared] * len(rest)
+
+
+def test_numbers_that_no_varied_parameter_changes_are_found_once(monkeypatch):
+    structure = structures.load(LIBRARY[0].with_name("bennett.yaml"))
+    samples = [{"a": 0.035 + 1e-5 * i} for i in range(16)]
+    count, value = Counter(), Bound.value
+
+    def counted(bound, numbers):
+        count[how] += 1
+        return value(bound, numbers)
+
+    monkeypatch.setattr(Bound, "value", counted)
+    how = "alone"
+    alone = contents([structure.build(**sample) for sample in samples])
+    how = "together"
+    assert contents(structure.build_all(samples)) == alone
+    assert 0 < count["together"] < 0.55 * count["alone"]
 
 
 def lanes_of(part, lane):

@@ -130,14 +130,16 @@ class Batch:
 
     def blank(self, rows: int, columns: int) -> np.ndarray:
         """Return zeros (rows, columns, lanes), the last axis for samples side by side."""
-        count = rows * columns * self.width
-        if self._end + count > len(self._blocks[-1]):
-            self._blocks.append(blank(max(BLOCK, count), self.dtype))
-            self._end = 0
-        array = self._blocks[-1][self._end : self._end + count]
-        line = 64 // array.itemsize
-        self._end += -(-count // line) * line
-        return array.reshape(rows, columns, self.width)
+        count, first = rows * columns * self.width, self._end
+        if 4 * count > BLOCK:  # as what is recorded over time
+            self._blocks.insert(0, blank(count, self.dtype))
+            return self._blocks[0].reshape(rows, columns, self.width)
+        if first + count > BLOCK:
+            self._blocks.append(blank(BLOCK, self.dtype))
+            first = 0
+        line = 64 // self._blocks[-1].itemsize
+        self._end = first + -(-count // line) * line
+        return self._blocks[-1][first : first + count].reshape(rows, columns, self.width)
 
     def filled_blocks(self) -> list[np.ndarray]:
         """Return the memory of all arrays that `blank` and `stack` have returned so far, as few

@@ -32,6 +32,9 @@ class Folder:
     def __truediv__(self, name: str) -> Path:
         return self.path / name
 
+    def __fspath__(self) -> str:
+        return str(self.path)
+
     plan = _file("plan.json", "Which runs there are.")
     samples = _file("samples.nc", "Responses of all runs.")
     surrogate = _file("surrogate.nc", "Coefficients of the polynomials.")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from types import SimpleNamespace
 
-import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,10 +13,10 @@ from opening_panel import PANEL, exact_time, panel, run
 from deployable import campaign
 from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.errors import ConfigError
-from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.fitted_runs import FittedRuns
-from deployable.campaign.results.ranges import draw_ranges, ranges
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
+from deployable.campaign.results.ranges import ranges
 from deployable.intervals.scalars import fit_scalar
 from fpm.files.seals import unseal
 
@@ -137,10 +136,17 @@ def test_wrong_quantities_are_refused_before_any_run(definition, words):
         campaign.check_config(panel(quantities={"q": definition}))
 
 
+def drawn_ranges(folder):
+    """The axes of the figure of a campaign's quantities."""
+    runs = FittedRuns.read(folder)
+    surrogates = runs.surrogates(read_plan(folder.plan).experiment)
+    return ranges(QuantityResults.read(folder), runs, surrogates).axes
+
+
 @pytest.mark.slow
 def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tmp_path):
-    draw_ranges(opened, tmp_path)
-    assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf"}
+    ax, *_ = drawn_ranges(opened)
+    assert len(ax.lines) >= 2
     late = {"t_late": PANEL["quantities"]["t_late"]}
     several = {"k": {"relative": 0.05}, "mass": {"relative": 0.02}, "rest": {"relative": 0.01}}
     for count, drawn in ((2, "collections"), (3, "patches")):
@@ -151,31 +157,21 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
             quantities=late,
             verify={"max_iterations": 0},
         )
-        folder = run(raw, tmp_path)
-        with open_netcdf(folder.quantities) as found:
-            (ax, *_) = ranges(found, FittedRuns.read(folder)).axes
-            assert len(getattr(ax, drawn)) >= count - (count == 2)
-            assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
+        ax, *_ = drawn_ranges(run(raw, tmp_path))
+        assert len(getattr(ax, drawn)) >= count - (count == 2)
+        assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
 
 
-def test_a_quantity_is_drawn_no_lower_than_it_can_be(tmp_path):
+def test_a_quantity_is_drawn_no_lower_than_it_can_be():
     """As its interval is told: a norm whose fit swings below zero is drawn at zero there."""
     x = np.linspace(-1, 1, 7)[:, None]
     speed = np.maximum(x[:, 0] - 0.3, 0.0)
     assert fit_scalar(x, speed).evaluate(np.linspace(-1, 1, 401)[:, None]).min() < -1e-3
-    one = {"box_lower": 1.0, "box_upper": 3.0, "lower": 0.0, "upper": 0.7, "is_time": 0, "least": 0}
-    words = {"quantity_long_name": "speed", "quantity_units": "m/s", "box_units": "m"}
-    data = xr.Dataset(
-        {
-            name: ("parameter" if name.startswith("box") else "quantity", [value])
-            for name, value in (one | words).items()
-        },
-        {"quantity": ["v"], "parameter": ["a"]},
-        {"config": json.dumps({"solver": {"duration": 1.0}})},
-    )
-    data.to_netcdf(tmp_path / "quantities.nc")
-    with netCDF4.Dataset(tmp_path / "quantities.nc") as found:
-        (ax,) = ranges(found, FittedRuns(x, speed[:, None], np.full((7, 1), np.nan))).axes
+    row = {"name": "v", "long_name": "speed", "units": "m/s", "lower": 0.0, "upper": 0.7}
+    parameter = {"name": "a", "units": "m", "lower": 1.0, "upper": 3.0}
+    runs = FittedRuns(x, speed[:, None], np.full((7, 1), np.nan))
+    surrogates = [fit_scalar(x, speed, least=0.0)]
+    (ax,) = ranges(QuantityResults([row], [parameter], 0, 0, None), runs, surrogates).axes
     drawn = ax.lines[0].get_ydata()
     assert drawn.min() == 0.0
     assert drawn.max() == pytest.approx(0.7, abs=0.1)

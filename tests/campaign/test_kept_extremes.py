@@ -18,7 +18,7 @@ from deployable.campaign.errors import ConfigError
 from deployable.campaign.plan.jobs import batch_count
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.report.read import from_results
-from deployable.campaign.results.fitted_runs import MAX_FIT_RUNS, fitted_rows
+from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, fitted_rows
 from deployable.campaign.runs import batch, extremes
 from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.store import open_store

@@ -111,7 +111,7 @@ def test_a_stage_says_what_it_does_while_it_works(raw, tmp_path, monkeypatch, ti
         "plan": "stages.plan.make_plan",
         "bounds": "stages.bounds.analyse",
         "answers": "stages.answers.summarise",
-        "figures": "stages.figures.draw_envelopes",
+        "figures": "stages.figures.envelope",
         "page": "stages.page.make_motions",
     }[stage]
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
 import jsonschema
-import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
 from numpy.polynomial import chebyshev
 
 from deployable import campaign
-from deployable.campaign.config.models import FigureChoice
+from deployable.campaign.config.models import ErrorDisplay, FigureChoice
 from deployable.campaign.config.sections import BoundsChoice
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
@@ -23,9 +23,10 @@ from deployable.campaign.report import make_motions
 from deployable.campaign.results import figures
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.facts import _extrapolated_error
-from deployable.campaign.results.figures import draw_envelopes, draw_panels
+from deployable.campaign.results.response_bounds import ResponseBounds
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
+from deployable.campaign.stages import figures as draw
 from deployable.campaign.stages import page
 from deployable.campaign.text.numbers import pretty
 from evidence.attack.victim import silent
@@ -34,6 +35,7 @@ from fpm.scenes.scene_type import SceneType
 
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"
+DRAWN = ("BD", "vBz", "moments", "responses")
 ESTIMATE = "an estimate of the simulated model's range"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 
@@ -136,13 +138,12 @@ def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_pat
     found = []
     for place in ("first", "second"):
         folder = beside(finished, tmp_path / place)
-        draw_envelopes(folder.bounds, 0.1, folder.figures)
-        draw_panels(folder.bounds, 0.1, folder.overviews)
+        draw.work(folder, silent, ErrorDisplay())
         page.work(folder, silent, FigureChoice(5), frames=11)
         found.append({path.name: unseal(path) for path in folder.figures.rglob("*.*")})
     first, second = found
     kinds = {"png": b"\x89PNG", "pdf": b"%PDF"}
-    assert set(first) == {f"{n}.{k}" for n in ("BD", "vBz", "moments", "responses") for k in kinds}
+    assert set(first) == {f"{n}.{k}" for n in DRAWN for k in kinds}
     for name, content in first.items():
         assert content == second[name]
         assert content.startswith(kinds[name.split(".")[1]])
@@ -233,24 +234,16 @@ def test_files_tell_what_is_in_them(finished):
             assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
 
 
-def test_an_error_that_no_run_shows_is_told_to_be_foretold(tmp_path):
+def test_an_error_that_no_run_shows_is_told_to_be_foretold():
     """Where runs overrule what coefficients foretell, it is not much larger than what they show."""
-    rows = ("response", "time")
-    data = xr.Dataset(
-        {
-            "error_decay": (rows, [[0.5, 0.05]]),
-            "error_held_out": (rows, [[0.01, 0.01]]),
-            "response_units": ("response", ["m"]),
-        },
-        attrs={"held_out_runs": 3, "bounds_kind": "enclosed range of the polynomial"},
-    )
-    data.to_netcdf(tmp_path / "bounds.nc")
-    with netCDF4.Dataset(tmp_path / "bounds.nc") as bounds:
-        row = {"units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, 0)}
-        assert "misses the 3 runs that were not fitted by at most 0.01 m" in sentence(
-            "extrapolated", row
-        )
-        assert _extrapolated_error(bounds, 0, 1) == {}
+    errors = {"decay": np.array([0.5, 0.05]), "held_out": np.array([0.01, 0.01])}
+    polynomial = "enclosed range of the polynomial"
+    bounds = ResponseBounds("x", "place", "m", *np.zeros((3, 2)), kind=polynomial, errors=errors)
+    row = {"units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, runs=3)}
+    told = sentence("extrapolated", row)
+    assert "misses the 3 runs that were not fitted by at most 0.01 m" in told
+    assert _extrapolated_error(bounds, 1, runs=3) == {}
+    assert _extrapolated_error(replace(bounds, kind="attained range of a spline"), 0, 3) == {}
 
 
 def test_the_summary_is_as_its_schema_says(finished):

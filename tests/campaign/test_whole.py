@@ -13,9 +13,9 @@ import xarray as xr
 
 from deployable import campaign
 from deployable.campaign.errors import CampaignError, ConfigError
-from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.figures import envelope
+from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.stages.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
@@ -146,9 +146,11 @@ def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):
     assert row["largest_difference"] > 0
     assert row["largest_error"] is None is row["error_at_largest_difference"]
     assert "s | unknown | unknown |" in told
-    with open_netcdf(folder.bounds) as bounds:
+    with xr.open_dataset(folder.bounds) as bounds:
         assert float(bounds["largest_error"][0]) == 0.0
-        names = [text.get_text() for text in envelope(bounds, ["BD"], 0.1).legends[0].get_texts()]
+    (bounds,) = (bounds for bounds in read_bounds(folder).responses if bounds.name == "BD")
+    assert bounds.error is not None and bounds.known_error is None
+    names = [text.get_text() for text in envelope([bounds], 0.1).legends[0].get_texts()]
     assert "error estimate" not in names and row["grade"] == "unknown"
 
 

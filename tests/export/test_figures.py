@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from deployable.campaign.export import choose, export
-from deployable.campaign.files import open_netcdf
+from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.moments import draw_moments, telling_moments
 from deployable.campaign.results.figures import envelope
+from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +50,8 @@ def test_the_same_run_gives_the_same_bytes(results, drawn, tmp_path):
 
 
 def test_no_words_stand_among_the_curves(results):
-    with open_netcdf(results / "bounds.nc") as bounds:
-        figure = envelope(bounds, ["x"], 0.1)
+    (bounds,) = (row for row in read_bounds(Folder(results)).responses if row.name == "x")
+    figure = envelope([bounds], 0.1)
     ax, _ = figure.axes
     assert not any(text.get_text() for text in ax.texts)
     figure.draw_without_rendering()
@@ -86,24 +87,18 @@ def test_a_panel_a_moment_all_in_the_same_measure(motion):
     assert titles[0] == "0 s" and titles[-1] == "0.6 s"
 
 
-class Bounds(dict):
-    """As much of an open `bounds.nc` as a figure asks for."""
-
-    bounds_kind = "enclosed range of the polynomial"
-    variables = property(lambda self: self)
-
-
 def bounds_of(width, error):
     """Bounds about a curve from 2 to 10 m, with their differences and errors (t,) or (n, t)."""
     width, error = np.atleast_2d(width), np.atleast_2d(error)
-    middle, count = np.linspace(2, 10, width.shape[1]), len(width)
-    return Bounds(
-        response=["x", "y", "z", "u"][:count], response_units=["m"] * count,
-        response_long_name=["place of the tip"] * count,
-        least=[0.0] * count, most=[14.0] * count, time=np.linspace(0, 1, width.shape[1]),
-        lower=np.maximum(middle - width / 2, 0), upper=np.minimum(middle + width / 2, 14),
-        error=error,
-    )  # fmt: skip
+    time, middle = np.linspace(0, 1, width.shape[1]), np.linspace(2, 10, width.shape[1])
+    lower, upper = np.maximum(middle - width / 2, 0), np.minimum(middle + width / 2, 14)
+    return [
+        ResponseBounds(
+            name, "place of the tip", "m", time, *ends, "enclosed range of the polynomial",
+            error=of_it, least=0.0, most=14.0,
+        )
+        for name, of_it, *ends in zip("xyzu", error, lower, upper, strict=False)
+    ]  # fmt: skip
 
 
 EVEN = np.arange(21)
@@ -124,8 +119,8 @@ def drawn_lines(ax):
 
 def test_bounds_are_drawn_at_all_instants_and_faint_where_they_are_not_to_be_relied_on():
     bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
-    singles = [envelope(bounds, [name], 0.1) for name in bounds["response"]]
-    panels = envelope(bounds, bounds["response"], 0.1)
+    singles = [envelope([one], 0.1) for one in bounds]
+    panels = envelope(bounds, 0.1)
     for ax, figure, error in zip(panels.axes, singles, ERRORS.values(), strict=True):
         for axis in (ax, *figure.axes):
             strong, faint = drawn_lines(axis)
@@ -139,7 +134,7 @@ def test_bounds_are_drawn_at_all_instants_and_faint_where_they_are_not_to_be_rel
 @pytest.mark.parametrize(("count", "width"), [(1, 3.54), (2, 6.4), (2, 3.54), (4, 6.4)])
 def test_several_responses_have_panels_with_letters_and_no_word_is_cut(count, width):
     bounds = bounds_of(np.full((count, 21), 4.0), np.tile(ERRORS["middle"], (count, 1)))
-    figure = envelope(bounds, bounds["response"], 0.1, width)
+    figure = envelope(bounds, 0.1, width)
     panels = [ax for ax in figure.axes if ax.axison]
     letters = [f"({letter})" for letter in "abcd"[:count]] if count > 1 else ["", ""]
     assert [ax.get_title("left") for ax in panels] == letters
@@ -154,7 +149,7 @@ def test_several_responses_have_panels_with_letters_and_no_word_is_cut(count, wi
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.24])
 def test_no_band_is_cut_or_beyond_what_is_possible(share):
     width = np.linspace(0.1, 6.0, 21)
-    figure = envelope(bounds_of(width, np.full(21, share * 6.0)), ["x"], 0.1)
+    figure = envelope(bounds_of(width, np.full(21, share * 6.0)), 0.1)
     ax, below = figure.axes
     np.testing.assert_allclose(below.lines[0].get_ydata(), width)
     for axis in figure.axes:
@@ -167,8 +162,8 @@ def test_no_band_is_cut_or_beyond_what_is_possible(share):
 
 def test_a_hatch_means_one_thing_in_all_axes():
     bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
-    choices = *([name] for name in bounds["response"]), bounds["response"]
-    axes = [ax for names in choices for ax in envelope(bounds, names, 0.1).axes]
+    choices = *([one] for one in bounds), bounds
+    axes = [ax for rows in choices for ax in envelope(rows, 0.1).axes]
     hatched = [patch for ax in axes for patch in ax.patches if patch.get_hatch()]
     meanings = {(patch.get_hatch(), patch.get_label()) for patch in hatched}
     assert meanings == {("///", "error above 10 % of\nthe largest difference")}

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator, number
+from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import (
     Choose,
@@ -20,10 +20,11 @@ from deployable.campaign.config.sections import (
     design_points,
     widen_intervals,
 )
-from deployable.campaign.files import open_netcdf, write_result
+from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
+from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
@@ -48,8 +49,8 @@ def answer(
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
     if base_plan.experiment.is_adaptive:
-        with open_netcdf(folder.quantities) as file:
-            count = base_plan.adaptive.rounds[-1].runs + int(file.further_runs + file.check_runs)
+        results = QuantityResults.read(folder)
+        count = base_plan.adaptive.rounds[-1].runs + results.further_runs + results.check_runs
         model.account.limit = base_plan.experiment.accuracy.max_runs - count
     design = design_points(experiment, choose)
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")

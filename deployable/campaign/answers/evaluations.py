@@ -14,12 +14,11 @@ from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
-from deployable.campaign.results.fitted_runs import FittedRuns
+from deployable.campaign.results.quantity_results import FittedRuns, number
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
-from deployable.intervals.scalars import fit_scalar
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
 SAME_RUN, SAME_POINT = 1e-6, 2e-4
@@ -129,12 +128,8 @@ class ModelEvaluator:
 
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
-        end, quantities = self.experiment.solver.duration, self.experiment.quantity_list
-        columns = zip(self.numbers.T, self.margins.T, quantities, strict=True)
-        return [
-            fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
-            for column, margin, q in columns
-        ]
+        runs = FittedRuns(self.points, self.numbers, self.margins)
+        return runs.surrogates(self.experiment)
 
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
@@ -181,8 +176,3 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
         name = run_id(experiment, experiment.parameters(intervals), plan.time.step, plan.mechanics)
         runs.append(PlannedRun(name, "further", tuple(map(float, point)), values))
     return runs
-
-
-def number(value: float) -> float | None:
-    """Convert a number to what JSON can hold: None for NaN and infinity, else a float."""
-    return float(value) if np.isfinite(value) else None

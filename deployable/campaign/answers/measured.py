@@ -11,14 +11,16 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.answers.discretization import halved
-from deployable.campaign.answers.evaluations import ModelEvaluator, number, runs_at
+from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
 from deployable.campaign.answers.limits import describe_limit, list_limits
 from deployable.campaign.config.measured import MeasuredCurves, read_test
 from deployable.campaign.config.sections import Accuracy, Interval, Jobs, ResolvedTest, Verify
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_netcdf, write_result
+from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step
+from deployable.campaign.results.quantity_results import QuantityResults, number
+from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.calibration import (
     Calibration,
@@ -294,8 +296,7 @@ def _describe_left(
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
     if not model.experiment.quantities:
         return rows
-    with open_netcdf(folder.quantities) as data:
-        intervals = np.array([data["lower"][:], data["upper"][:]]).T
+    intervals = QuantityResults.read(folder).rows
     numbers = np.array([record.numbers for record in records])
     center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
     bounds = []
@@ -312,7 +313,7 @@ def _describe_left(
         bounds.append((lower, upper, error if np.isfinite(error) else np.inf, happens))
         rows["quantities"].append({
             "name": quantity.name, "units": quantity.unit,
-            "before": [number(end) for end in intervals[q]],
+            "before": [intervals[q]["lower"], intervals[q]["upper"]],
             "after": [number(lower), number(upper)], "error": number(error),
             "happens": "all" if happens.all() else "some" if happens.any() else "none",
         })  # fmt: skip
@@ -342,8 +343,7 @@ def _next_tests(
     model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test], folder: Folder
 ) -> list[dict]:
     """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
-    with open_netcdf(folder.bounds) as data:
-        widths, times = np.ptp([data["lower"][:], data["upper"][:]], axis=0), data["time"][:]
+    bounds = read_bounds(folder)
     bands = {}
     for test in tests:
         for response, band in zip(test.responses, test.curves.bands, strict=True):
@@ -354,9 +354,9 @@ def _next_tests(
             continue
         spread = np.ptp(curves[:, i], axis=0)
         instant = int(spread.argmax())
-        band, width = bands.get(curve.name), widths[i].max()
+        band, width = bands.get(curve.name), bounds.responses[i].width.max()
         rows.append({
-            "response": curve.name, "units": curve.unit, "time": float(times[instant]),
+            "response": curve.name, "units": curve.unit, "time": float(bounds.time[instant]),
             "spread": float(spread[instant]), "measured": band is not None,
             "bands": None if band is None else float(spread[instant] / band),
             "fraction": float(spread[instant] / width) if width > 0 else 0.0,

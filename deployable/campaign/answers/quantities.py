@@ -15,13 +15,13 @@ from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.campaign.config.sections import Jobs, Verify
-from deployable.campaign.files import open_netcdf
 from deployable.campaign.files.variables import dataset_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns
 from deployable.campaign.results.bounds import write_dataset
+from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text import numbers
 from deployable.intervals.scalars import Limit, find_influence, share_of_box
@@ -40,8 +40,8 @@ def answer(
     results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
     with each message; threads: how many simulate."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    with open_netcdf(folder.bounds) as file:  # whose check is counted already
-        model.account.ids |= set(str(getattr(file, "check_ids", "")).split())
+    check_ids = read_bounds(folder).attributes.get("check_ids", "")  # are counted already
+    model.account.ids |= set(str(check_ids).split())
     tolerances: list[float] = []
     if model.experiment.is_adaptive:
         model.account.limit = allow_check_runs(model.plan)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import ModelEvaluator, number
+from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.limits import (
     LimitAssessment,
     assess_limits,
@@ -18,8 +18,9 @@ from deployable.campaign.answers.limits import (
     list_limits,
 )
 from deployable.campaign.config.sections import Jobs
-from deployable.campaign.files import open_netcdf, write_result
+from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
+from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.scalars import share_of_box, shares_of_box
 
@@ -33,15 +34,12 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     is simulated. requirements, jobs: sections of the config; notify: gets messages."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
-    with open_netcdf(folder.quantities) as data:
-        names = ("error_limit", "error_border")  # by mesh and step, of values and of occurrence
-        is_whole = names[0] in data.variables
-        errors = np.array([data[name][:] for name in names]) if is_whole else None
+    errors = QuantityResults.read(folder).errors
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)
     rows = {
         "requirements": [_requirement(model, result, name, shares) for name in requirements],
-        "together": {**_combine(model, result, shares), "whole": is_whole},
+        "together": {**_combine(model, result, shares), "whole": errors is not None},
         "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.refinements),
     }

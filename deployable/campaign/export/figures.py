@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from deployable.campaign.files import open_netcdf, whole_file
+from deployable.campaign.files import whole_file
 from deployable.campaign.folder import MOST_PANELS
 from deployable.campaign.results.figures import DATELESS, STYLE, envelope, shares, without_formulas
+from deployable.campaign.results.response_bounds import read_bounds
 
 if TYPE_CHECKING:
     from deployable.campaign.export.selection import SelectedRun
@@ -56,12 +57,10 @@ def _figures(run: SelectedRun, frames: int) -> Iterator[tuple[str, Any]]:
     yield f"{run.name}-moments", draw_moments(run.motion(frames), width=PAGE)
     if not run.folder:
         return
-    with open_netcdf(run.folder.bounds) as bounds:
-        names = bounds["response"][:]
-        for name in names:
-            yield name, envelope(bounds, [name], SHADE_ABOVE, width=COLUMN)
-        if 1 < len(names) <= MOST_PANELS:
-            yield f"{run.name}-responses", envelope(bounds, names, SHADE_ABOVE, width=COLUMN)
-    with open_netcdf(run.folder.sensitivities) as data:
-        if "width" in data.variables and len(data["parameter"]) > 1:
-            yield f"{run.name}-sensitivities", shares(data, PAGE)
+    bounds = read_bounds(run.folder)
+    for response in bounds.responses:
+        yield response.name, envelope([response], SHADE_ABOVE, width=COLUMN)
+    if 1 < len(bounds.responses) <= MOST_PANELS:
+        yield f"{run.name}-responses", envelope(bounds.responses, SHADE_ABOVE, width=COLUMN)
+    if bounds.responses[0].widths is not None and len(bounds.parameters) > 1:
+        yield f"{run.name}-sensitivities", shares(bounds, PAGE)

@@ -13,10 +13,10 @@ import fpm
 from deployable.campaign.config.loader import read, read_file
 from deployable.campaign.config.sections import Experiment, scene_type, trust
 from deployable.campaign.errors import CampaignError, ConfigError
-from deployable.campaign.files import open_netcdf, refuse_links
+from deployable.campaign.files import refuse_links
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import choose_step
-from deployable.campaign.results.run_roles import nominal_row, read_ids
+from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
 
@@ -144,18 +144,16 @@ def _select_results_run(folder: Folder, run: str) -> SelectedRun:
             f"{folder.path} has no samples.nc: it holds no finished campaign; `snakemake` or "
             "`python -m deployable run` with the campaign makes one"
         )
-    with open_netcdf(folder.samples) as samples:
-        nominal, values = nominal_row(samples), samples["value"][:]
-        run_ids, names = read_ids(samples, slice(None)), list(samples["parameter"][:])
-        experiment, mechanics = Experiment.read(samples.config), samples.mechanics
-        step = float(samples.time_step)
+    with open_samples(folder) as samples:
+        nominal, values, run_ids = samples.nominal, samples.table.values, samples.ids()
+        experiment, mechanics, step = samples.experiment, samples.mechanics, samples.time_step
     if experiment.mechanics != mechanics:
         raise CampaignError(
             f"the structure or the mechanics have changed since {folder.path} was made, so that "
             "its runs cannot be made again; run the campaign first"
         )
     row = _row(run, run_ids, nominal, folder)
-    point = dict(zip(names, values[row].tolist(), strict=True))
+    point = dict(zip(experiment.intervals, values[row].tolist(), strict=True))
     attributes = {"run_id": run_ids[row], "campaign": experiment.name}
     return _selected_run(experiment, point, step, run, attributes, folder)
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from deployable.campaign.files import csv_text, open_netcdf, write_text
+from deployable.campaign.files import csv_text, write_text
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.run_roles import read_ids, read_roles
+from deployable.campaign.results.quantity_results import QuantityResults
+from deployable.campaign.results.response_bounds import read_bounds
+from deployable.campaign.results.run_samples import open_samples
 
 if TYPE_CHECKING:
     from deployable.campaign.export.selection import SelectedRun
@@ -55,29 +57,28 @@ def tabulate_bounds(folder: Folder) -> dict[str, np.ndarray]:
     """Collect the bounds of a campaign as columns (T) by heading with unit: time, and of each
     response, in its unit, lower bound, upper bound, nominal run and estimated error, those that
     there are. folder: of the results, of which `bounds.nc` is read."""
-    with open_netcdf(folder.bounds) as file:
-        columns = {"time (s)": file["time"][:]}
-        rows = zip(file["response"][:], file["response_units"][:], strict=True)
-        for i, (name, units) in enumerate(rows):
-            for key in _BOUNDS:
-                if key in file.variables:
-                    columns[f"{name}_{key} ({units})"] = file[key][i]
+    bounds = read_bounds(folder)
+    columns = {"time (s)": bounds.time}
+    for row in bounds.responses:
+        for key in _BOUNDS:
+            if (values := getattr(row, key)) is not None:
+                columns[f"{row.name}_{key} ({row.units})"] = values
     return columns
 
 
 def tabulate_runs(folder: Folder) -> list[list]:
     """Make the table of a campaign's runs, headings, then a row for each in `samples.nc`: id, role,
     parameter values, quantities (empty where one does not occur). folder: of the results."""
-    with open_netcdf(folder.samples) as file:
-        rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
-        values = file["value"][:]
-        numbers = np.zeros((len(values), 0))
-        if "quantities" in file.variables:
-            rows[0] += _headings(file, "quantity", "quantity_units")
-            numbers = file["quantities"][:]
-        fields = read_ids(file, slice(None)), read_roles(file), values.tolist(), numbers
-        for name, role, place, row in zip(*fields, strict=True):
-            rows.append([name, role, *place, *_cells(row)])
+    with open_samples(folder) as samples:
+        experiment, table = samples.experiment, samples.table
+        fields = samples.ids(), samples.roles, table.values.tolist(), table.numbers
+    parameters = experiment.scene_type.parameters
+    units = {name: parameters[name].unit for name in experiment.intervals}
+    units |= {quantity.name: quantity.unit for quantity in experiment.quantity_list}
+    rows = [["run", "role", *(f"{name} ({unit})" for name, unit in units.items())]]
+    for name, role, place, numbers in zip(*fields, strict=True):
+        cells = (value if np.isfinite(value) else "" for value in numbers.tolist())
+        rows.append([name, role, *place, *cells])
     return rows
 
 
@@ -87,25 +88,16 @@ def tabulate_quantities(folder: Folder) -> list[list]:
     fraction of the box's volume in which it occurs, and the values of all parameters (in their own
     units) at the lower, then at the upper bound; cells are empty where there is no number. folder:
     of the results, with `quantities.nc`."""
-    with open_netcdf(folder.quantities) as file:
-        headings = _headings(file, "parameter", "box_units")
-        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]
-        rows = [["quantity", "units", *_INTERVAL, *ends]]
-        for i, name in enumerate(file["quantity"][:]):
-            numbers = [file[key][i] for key in _INTERVAL]
-            places = [*file["argmin"][i], *file["argmax"][i]]
-            rows.append([name, file["quantity_units"][i], *_cells([*numbers, *places])])
+    results = QuantityResults.read(folder)
+    headings = [f"{p['name']} ({p['units']})" for p in results.parameters]
+    ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]
+    rows = [["quantity", "units", *_INTERVAL, *ends]]
+    for row in results.rows:
+        places = [*row["argmin"].values(), *row["argmax"].values()]
+        numbers = [*(row[key] for key in _INTERVAL), *places]
+        cells = ("" if number is None else number for number in numbers)
+        rows.append([row["name"], row["units"], *cells])
     return rows
-
-
-def _headings(file: Any, names: str, units: str) -> list[str]:
-    """`k (N m rad-1)` for each of the named."""
-    return [f"{name} ({unit})" for name, unit in zip(file[names][:], file[units][:], strict=True)]
-
-
-def _cells(numbers: Iterable[float]) -> list:
-    """Numbers with all their digits; an empty cell where there is none."""
-    return [float(number) if np.isfinite(number) else "" for number in numbers]
 
 
 def _columns(arrays: Mapping[str, np.ndarray]) -> list[list]:

@@ -19,6 +19,9 @@ from deployable.campaign.files.variables import VariableSpec, variables_of
 from fpm.files.seals import DamagedError
 
 ROLES = ("nominal", "node", "held_out", "further")
+EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
+"""Variables of events of runs, in the order of the columns of their tables."""
+
 RUN_ID = re.compile("[0-9a-f]{16}")
 """Pattern of the names of runs, after which files are called."""
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import xarray
 
     from deployable.campaign.report.motions import ShownRun
+    from deployable.campaign.results.response_bounds import ResponseBounds
 
 
 REFINEMENT = "further"
@@ -19,35 +20,6 @@ REFINEMENT = "further"
 
 MOST_LINES = 48
 """Runs that were not fitted, drawn as thin lines."""
-
-
-@dataclass(frozen=True)
-class ResponseBounds:
-    """Bounds of a response over time for the page: arrays (T) `lower`, `upper`, `nominal` (run at
-    nominal parameters) and `error` (estimated, of the bounds) in `units`; None stands for unknown.
-    name, long_name: of the response, the latter in words; widths (k, T): of the response's range
-    when one parameter varies alone, NaN where not above the error of the fit; shares (k): these
-    integrated over time, as fractions (0 to 1) of their sum over all parameters; abscissa: dict of
-    the horizontal axis (`results.facts.along_of`), None: time; least, most: what bounds are within,
-    for physical reasons, such as 0; NaN or None: no limit."""
-
-    name: str
-    long_name: str
-    units: str
-    lower: np.ndarray
-    upper: np.ndarray
-    nominal: np.ndarray | None = None
-    error: np.ndarray | None = None
-    shares: np.ndarray | None = None
-    widths: np.ndarray | None = None
-    abscissa: Mapping[str, Any] | None = None
-    least: float | None = None
-    most: float | None = None
-
-    @property
-    def widest(self) -> int:
-        """Index of the instant at which the bounds differ most."""
-        return int((self.upper - self.lower).argmax())
 
 
 @dataclass(frozen=True)

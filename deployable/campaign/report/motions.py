@@ -1,23 +1,22 @@
 """Whole motions of runs on the page: the nominal one, and those at which bounds are attained."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.run_roles import keeps_extremes, nominal_row, read_ids
+from deployable.campaign.results.response_bounds import read_bounds
+from deployable.campaign.results.run_samples import (
+    RunSamples,
+    RunTable,
+    open_samples,
+    read_refinement,
+)
 from fpm.files.seals import DamagedError, check
-
-if TYPE_CHECKING:
-    import xarray
 
 MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
@@ -44,32 +43,25 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
     """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
     and largest value of each response when its bounds differ most. folder: of the results."""
-
-    folder = Path(folder)
-    with (
-        open_dataset(folder / "samples.nc") as samples,
-        open_dataset(folder / "bounds.nc") as bounds,
-    ):
-        values, names = samples["value"].values, list(bounds["response"].values)
-        numbers = samples["quantities"].values if "quantities" in samples else None
+    folder = Folder(folder)
+    bounds, refinement = read_bounds(folder), read_refinement(folder)
+    with open_samples(folder) as samples:
         ends = [
-            (name, _extreme_runs(samples, i, _widest(bounds, i))) for i, name in enumerate(names)
+            (row.name, samples.extreme_runs(i, row.widest))
+            for i, row in enumerate(bounds.responses)
         ]
-        nominal = nominal_row(samples)
-        extra_values, extra_ids = values[:0], []
-        if numbers is not None and (folder / "refinement.nc").exists():
-            with open_dataset(folder / "refinement.nc") as file:
-                extra_values, extra_ids = file["value"].values, file["run_id"].values.tolist()
-                numbers = np.concatenate([numbers, file["quantities"].values])
-        if numbers is not None:
-            ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
-        labels = _label_runs(ends, np.concatenate([values, extra_values]), nominal)
-        run_ids = read_ids(samples, rows := [run for run in labels if run < len(values)])
-    ids_by_sample = dict(zip(rows, run_ids, strict=True))
+        tables, extra_ids = [samples.table], []
+        if quantities := list(samples.experiment.quantities):
+            if refinement:
+                tables, extra_ids = [samples.table, refinement[0]], refinement[1]
+            ends = [*_ends_of(quantities, RunTable.join(tables).numbers), *ends]
+        values = RunTable.join(tables).values
+        labels, count = _label_runs(ends, values, samples.nominal), len(samples)
+        rows = [run for run in labels if run < count]
+        ids = dict(zip(rows, samples.ids(rows), strict=True))
+    ids |= {count + i: name for i, name in enumerate(extra_ids)}
     return [
-        ShownRun(ids_by_sample[run], values[run], label, run)
-        if run in ids_by_sample
-        else ShownRun(extra_ids[run - len(values)], extra_values[run - len(values)], label, None)
+        ShownRun(ids[run], values[run], label, run if run < count else None)
         for run, label in labels.items()
     ]
 
@@ -79,11 +71,6 @@ def count_moving_runs(particles: int) -> int:
     hundred frames; particles: number of those of the structure."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
-
-
-def _widest(bounds: xarray.Dataset, response: int) -> int:
-    """The instant at which the bounds of a response differ most."""
-    return int((bounds["upper"].values[response] - bounds["lower"].values[response]).argmax())
 
 
 def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple[int, int]]]:
@@ -113,44 +100,30 @@ def _label_runs(
     return labels
 
 
-def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple[int, int]:
-    """The runs with the least and the largest value of a response at an instant."""
-    if keeps_extremes(samples):
-        low, high, low_run, high_run = (
-            samples[name][:, response, instant].values
-            for name in ("lower", "upper", "lower_run", "upper_run")
-        )
-        rows = np.flatnonzero(low_run >= 0)
-        return int(low_run[rows[low[rows].argmin()]]), int(high_run[rows[high[rows].argmax()]])
-    values = samples["values"][:, response, instant].values
-    return int(values.argmin()), int(values.argmax())
-
-
-def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 401) -> list:
+def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401) -> list:
     """Simulate runs of a campaign again, side by side, and return their whole motions, an
-    `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails. samples: the open
-    `samples.nc`; runs: which; frames: of each motion, evenly spread over time, besides the instants
+    `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails. samples: all runs;
+    runs: which; frames: of each motion, evenly spread over time, besides the instants
     at which a contact of the first run closes or opens. A run whose curves are not in `samples.nc`
     gets the variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index
     into ``eventful`` (names of contacts), 1 if it closes."""
     from fpm.motions.motion import whole_motion
 
-    experiment = Experiment.read(samples.attrs["config"])
-    names = samples["parameter"].values.tolist()
+    experiment, solver = samples.experiment, samples.experiment.solver
+    names = list(experiment.intervals)
     scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in runs]
-    solver = experiment.solver
-    closures = samples["event_time"].values[runs[0].row]
-    bare = {i for i, run in enumerate(runs) if run.row is None or keeps_extremes(samples)}
+    (events,) = samples.events([runs[0].row])
+    bare = {i for i, run in enumerate(runs) if run.row is None or samples.keeps_extremes}
     return whole_motion(
         scenes,
         duration=solver.duration,
         instants=solver.instants,
-        step=float(samples.attrs["time_step"]),
+        step=samples.time_step,
         energy_tolerance=solver.energy_tolerance,
         record=experiment.record if bare else (),
         frames=frames,
-        times=closures[np.isfinite(closures)],
-        attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in runs],
+        times=events[:, 0],
+        attributes=[{"run_id": run.id, "campaign": experiment.name} for run in runs],
         extra_variables=lambda i, outcome: _read_curves(experiment, outcome) if i in bare else {},
     )
 
@@ -176,21 +149,21 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     changed since the runs were made."""
     from deployable.campaign.results.bounds import write_dataset
 
-    folder = Path(folder)
-    with open_dataset(folder / "samples.nc") as samples:
-        experiment = Experiment.read(samples.attrs["config"])
-        if experiment.mechanics != samples.attrs["mechanics"]:
+    folder = Folder(folder)
+    with open_samples(folder) as samples:
+        experiment = samples.experiment
+        if experiment.mechanics != samples.mechanics:
             raise CampaignError(
-                f"the structure or the mechanics have changed since {folder} was made, so that no "
-                "run can move on its page; run the campaign first"
+                f"the structure or the mechanics have changed since {folder.path} was made, so "
+                "that no run can move on its page; run the campaign first"
             )
         runs = shown_runs(folder)
-        values = dict(zip(samples["parameter"].values.tolist(), runs[0].values, strict=True))
+        values = dict(zip(experiment.intervals, runs[0].values, strict=True))
         runs = runs[: count_moving_runs(len(experiment.build(values).position))]
-        paths = [Folder(folder).motions / f"{run.id}.nc" for run in runs]
+        paths = [folder.motions / f"{run.id}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
-    for path in set(Folder(folder).motions.glob("*.nc")) - set(paths):
+    for path in set(folder.motions.glob("*.nc")) - set(paths):
         try:
             check(path, path.name)
         except DamagedError:  # which is no longer shown, and so never made again

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.pictures.glb import glb_of
-from deployable.campaign.report.data import MovingRun, PageData, ResponseBounds
-from deployable.campaign.results.facts import LARGE
+from deployable.campaign.report.data import MovingRun, PageData
+from deployable.campaign.results.response_bounds import LARGE, ResponseBounds
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
 from deployable.intervals.scalars.fits import choose_fit

@@ -16,7 +16,6 @@ from deployable.campaign.config.sections import BoundsChoice, Experiment, make_d
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.results.run_roles import keeps_extremes
 
 
 def analyse(
@@ -51,7 +50,7 @@ def analyse(
 
 def _design(samples: Any) -> Any:
     """The design of a plain scan: to make it again takes longer than its bounds."""
-    nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
+    nodes = samples["role"].values == "node" if "role" in samples else slice(1, None)
     points = samples["normalized"].values[nodes]
     orders = (0,) * points.shape[1]
     return intervals.Design(points, np.zeros((0, len(orders)), dtype=int), "sobol", orders)

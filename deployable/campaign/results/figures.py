@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.files import open_netcdf, result_file
+from deployable.campaign.files import result_file
 from deployable.campaign.folder import PICTURES
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
 from deployable.campaign.pictures.figure import make_figure
-from deployable.campaign.results.facts import LARGE, along_of, drop_unknown_error
+from deployable.campaign.results.response_bounds import LARGE, CampaignBounds, ResponseBounds
 from deployable.campaign.text.numbers import pretty
 
 LOWER = {"color": BLUE, "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
@@ -32,52 +32,34 @@ _COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
-def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw each response with its bounds over time into the files `<response>.png` and
-    `.pdf`. bounds_path: of `bounds.nc`; shade_above: estimated error of the bounds, as a share of
-    their largest difference, above which instants are hatched; folder: of the files."""
-    with open_netcdf(bounds_path) as bounds:
-        for name in bounds["response"][:]:
-            save(envelope(bounds, [name], shade_above), Path(folder) / name)
-
-
-def draw_panels(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw all responses with their bounds, a panel each, as `responses.png` and `.pdf`.
-    bounds_path, shade_above, folder: as of `draw_envelopes`."""
-    with open_netcdf(bounds_path) as bounds:
-        save(envelope(bounds, bounds["response"][:], shade_above), Path(folder) / "responses")
-
-
-def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float = 6.4) -> Any:
+def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float = 6.4) -> Any:
     """Make a matplotlib figure of responses over time: bounds, their error, nominal run, instants
     hatched where the error is large; bounds are faint where it exceeds a quarter (`LARGE`) of their
     largest difference. All words stand below the axes.
 
     Parameters
     ----------
-    bounds: the open `bounds.nc`.
-    names: of the responses. One stands above the difference of its bounds; several have a panel
+    bounds: of the responses. One stands above the difference of its bounds; several have a panel
         each, (a), (b), ...
     shade_above: error, as a share of the largest difference of the bounds, above which instants are
         hatched.
     width: of the figure (inches)."""
 
-    rows = [list(bounds["response"][:]).index(name) for name in names]
-    is_single, columns, narrow = len(rows) == 1, 1 if len(rows) <= 3 else 2, width < 5.0
-    heights = [1.0] * -(-len(rows) // columns)
-    if is_single and (bounds["upper"][rows[0]] > bounds["lower"][rows[0]]).any():
+    is_single, columns, narrow = len(bounds) == 1, 1 if len(bounds) <= 3 else 2, width < 5.0
+    heights = [1.0] * -(-len(bounds) // columns)
+    if is_single and (bounds[0].width > 0).any():
         heights = [1.0, 0.5]
     size = (width, (0.95 if narrow else 0.5625) * width / columns * sum(heights))
     figure = make_figure(figsize=size, layout="constrained")
     grid = {"sharex": is_single, "squeeze": False, "height_ratios": heights}
     axes = figure.subplots(len(heights), columns, **grid).ravel()
-    for place, i in enumerate(rows):
+    for place, response in enumerate(bounds):
         letter = "" if is_single else f"({chr(97 + place)})"
         panel = axes if is_single else axes[place : place + 1]
-        _draw_envelope(panel, bounds, i, shade_above, letter)
-        ylabel = f"{bounds['response_long_name'][i]}{_unit(bounds, i)}"
+        _draw_envelope(panel, response, shade_above, letter)
+        ylabel = f"{response.long_name}{_unit(response)}"
         panel[0].set_ylabel(textwrap.fill(ylabel, 30 if narrow or columns > 1 else 36))
-    for ax in axes[max(len(rows), len(heights)) :]:
+    for ax in axes[max(len(bounds), len(heights)) :]:
         ax.set_axis_off()
     keys = [pair for ax in axes for pair in zip(*ax.get_legend_handles_labels(), strict=True)]
     keys.sort(key=lambda pair: pair[1].startswith("("))  # the numbers of panels last
@@ -95,20 +77,16 @@ def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float
     return figure
 
 
-def _draw_envelope(axes: Any, bounds: Any, i: int, shade_above: float, letter: str) -> None:
-    """Draw response `i` into the first of some axes, the difference of its bounds into another."""
+def _draw_envelope(axes: Any, bounds: ResponseBounds, shade_above: float, letter: str) -> None:
+    """Draw a response into the first of some axes, the difference of its bounds into another."""
     ax, *difference_axes = axes
-    lower, upper = bounds["lower"][i], bounds["upper"][i]
-    time, axis_label = _abscissa(bounds, i)
-    difference, error = upper - lower, bounds["error"][i] if "error" in bounds.variables else None
-    kind, sure = bounds.bounds_kind, np.full(len(time), True)
-    has_error = error is not None and drop_unknown_error(kind, float(error.max())) is not None
-    if has_error:
-        sure = error < LARGE * difference.max()
+    lower, upper, difference, error = bounds.lower, bounds.upper, bounds.width, bounds.known_error
+    time, axis_label = _abscissa(bounds)
+    sure = np.full(len(time), True) if error is None else error < LARGE * difference.max()
     faint = np.convolve(~sure, [1, 1, 1], "same") > 0  # joins what is sure
     ax.fill_between(time, lower, upper, where=sure, **RANGE)
-    if "nominal" in bounds.variables:
-        ax.plot(time, bounds["nominal"][i], zorder=2, **NOMINAL)
+    if bounds.nominal is not None:
+        ax.plot(time, bounds.nominal, zorder=2, **NOMINAL)
     curves = [(ax, lower, LOWER), (ax, upper, UPPER)]
     curves += [(axis, difference, {"color": "black", "linewidth": 0.9}) for axis in difference_axes]
     for axis, values, style in curves:
@@ -118,22 +96,23 @@ def _draw_envelope(axes: Any, bounds: Any, i: int, shade_above: float, letter: s
             axis.plot(time, values, zorder=1.5, **style | FAINT | {"label": None})
     if faint.any():
         ax.plot([], [], color="0.3", **FAINT)
-    if has_error:
-        least, most = (float(np.ma.filled(bounds[name][i], np.nan)) for name in ("least", "most"))
-        bands = [(ax, np.fmax(lower - error, least), lower)]
-        bands.append((ax, upper, np.fmin(upper + error, most)))
-        for axis in difference_axes:
-            bands.append((axis, np.maximum(difference - error, 0), difference + error))
+    if error is not None:
+        bands = [(ax, np.fmax(lower - error, bounds.least), lower),
+                 (ax, upper, np.fmin(upper + error, bounds.most))]  # fmt: skip
+        bands += [
+            (axis, np.maximum(difference - error, 0), difference + error)
+            for axis in difference_axes
+        ]
         label = f"error above {100 * shade_above:.3g} % of\nthe largest difference"
         for axis, low, high in bands:
             axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
         for axis in axes:
             _shade(axis, time, error > shade_above * difference.max(), label)
     if sure[difference.argmax()]:
-        _mark_largest(ax, time, lower, upper, bounds["response_units"][i], letter)
+        _mark_largest(ax, time, lower, upper, bounds.units, letter)
     ax.set_title(letter, loc="left", fontsize="medium")
     for axis in difference_axes:
-        axis.set_ylabel(f"difference{_unit(bounds, i)}")
+        axis.set_ylabel(f"difference{_unit(bounds)}")
         axis.set_ylim(bottom=0)
     for axis in axes:
         axis.set_xlim(time[0], time[-1])
@@ -143,61 +122,52 @@ def _draw_envelope(axes: Any, bounds: Any, i: int, shade_above: float, letter: s
     axis.set_xlabel(axis_label)
 
 
-def _unit(bounds: Any, i: int) -> str:
-    units = pretty(bounds["response_units"][i])
+def _unit(bounds: ResponseBounds) -> str:
+    units = pretty(bounds.units)
     return f" ({units})" if units != "1" else ""
 
 
-def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw what each parameter contributes to the responses as `sensitivities.png` and
-    `.pdf`. path: of `sensitivities.nc`; folder: of the files."""
-    with open_netcdf(path) as data:
-        save(shares(data), Path(folder) / "sensitivities")
+def shares(bounds: CampaignBounds, width: float = 7.0) -> Any:
+    """Make a matplotlib figure of what each parameter contributes to each response, of `bounds`
+    that have that; width: of the figure (inches). The left plot of a response shows how wide its
+    range is over time when one parameter varies alone, the right one these widths integrated over
+    time, in per cent of their sum over all parameters. Widths that are not above the error of the
+    fit are grey, and count as 0."""
 
-
-def shares(data: Any, width: float = 7.0) -> Any:
-    """Make a matplotlib figure of what each parameter contributes to each response. data: the open
-    `sensitivities.nc`, a netCDF4.Dataset (`files.open_netcdf`); width: of the figure (inches). The
-    left plot of a response shows how wide its range is over time when one parameter varies alone,
-    the right one these widths integrated over time, in per cent of their sum over all parameters.
-    Widths that are not above the error of the fit are grey, and count as 0."""
-
-    names, parameters = list(data["response"][:]), list(data["parameter"][:])
-    keys = ("width", "width_overall", "error")
-    widths, overall, errors = (data[key][:] for key in keys)
-    all_units = data["response_units"][:]
-    figure = make_figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
-    axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
-    rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
-    for place, (row, name, units, curves, share, error) in enumerate(rows):
-        time, axis_label = _abscissa(data, place)
+    responses = bounds.responses
+    parameters = [parameter["name"] for parameter in bounds.parameters]
+    labels = [_abscissa(response)[1] for response in responses]
+    figure = make_figure(figsize=(width, 2.2 * len(responses) + 0.4), layout="constrained")
+    axes = figure.subplots(len(responses), 2, width_ratios=(3, 1), squeeze=False)
+    for place, (row, response) in enumerate(zip(axes, responses, strict=True)):
+        time, error, share = _abscissa(response)[0], response.width_error, response.shares
         row[0].fill_between(time, error, color="0.92", lw=0, label="error of the fit")
-        for i, (parameter, curve) in enumerate(zip(parameters, curves, strict=True)):
+        for i, (parameter, curve) in enumerate(zip(parameters, response.widths, strict=True)):
             line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
             significant = np.where(curve > error, curve, np.nan)
             row[0].plot(time, curve, color="0.75", linestyle=line, lw=0.6, zorder=1)
             row[0].plot(time, significant, color=colour, linestyle=line, label=parameter, lw=1.0)
             row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
             row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
-        row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
+        row[0].set_ylabel(f"width of {response.name} ({pretty(response.units)})", fontsize=8)
         row[0].set_xlim(time[0], time[-1])
-        row[0].set_ylim(0, 1.05 * max(float(curves.max()), 1e-300))
+        row[0].set_ylim(0, 1.05 * max(float(response.widths.max()), 1e-300))
         row[0].grid(color="0.9", linewidth=0.5)
-        if place == len(names) - 1 or axis_label != _abscissa(data, place + 1)[1]:
-            row[0].set_xlabel(axis_label, fontsize=8)
+        if labels[place : place + 1] != labels[place + 1 : place + 2]:
+            row[0].set_xlabel(labels[place], fontsize=8)
         row[1].set_xlim(0, 130)
         row[1].invert_yaxis()
         for ax in row:
             ax.tick_params(labelsize=8)
     axes[-1, 1].set_xlabel("share (%)", fontsize=8)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False)
+    handles, texts = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, texts, loc="outside upper center", ncols=8, fontsize=8, frameon=False)
     return figure
 
 
-def _abscissa(data: Any, i: int) -> tuple[np.ndarray, str]:
-    """Over what response `i` of an open file is drawn, (t,), and what the axis is called."""
-    time, abscissa = data["time"][:], along_of(data, i)
+def _abscissa(bounds: ResponseBounds) -> tuple[np.ndarray, str]:
+    """Over what a response is drawn, (T), and what the axis is called."""
+    time, abscissa = bounds.time, bounds.abscissa
     if not abscissa:
         return time, "time (s)"
     share = (time - time[0]) / (time[-1] - time[0])

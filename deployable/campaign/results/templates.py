@@ -8,7 +8,6 @@ from typing import Any
 
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.results.facts import (
-    PARTS,
     SOFT,
     decisive,
     happens_only,
@@ -17,6 +16,7 @@ from deployable.campaign.results.facts import (
     scarcest,
     varies,
 )
+from deployable.campaign.results.response_bounds import COMPONENTS
 from deployable.campaign.text import numbers
 from fpm.kernels.sources import user_cache
 
@@ -67,7 +67,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "varying": varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
-    env.globals |= {"SOFT": SOFT, "PARTS": PARTS, "VOLUME": numbers.VOLUME}
+    env.globals |= {"SOFT": SOFT, "COMPONENTS": COMPONENTS, "VOLUME": numbers.VOLUME}
     return env
 
 

@@ -13,14 +13,12 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.files.contents import EVENT_VARIABLES
 from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from fpm.files.seals import DamagedError, check
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
-
-# Contact events as the interval side gets them, in the order of the columns of `RunRecord.events`.
-EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 
 @dataclass(frozen=True)

@@ -23,11 +23,11 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
-from deployable.campaign.files.contents import report_damage
+from deployable.campaign.files.contents import EVENT_VARIABLES, report_damage
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import ScanExtremes
-from deployable.campaign.runs.results import EVENT_VARIABLES, Result, RunRecord, Store
+from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError
 from fpm.files.trajectory import Column

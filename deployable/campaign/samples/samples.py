@@ -15,13 +15,14 @@ import numpy as np
 
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import result_file
+from deployable.campaign.files.contents import EVENT_VARIABLES
 from deployable.campaign.files.variables import create
 from deployable.campaign.plan.plan import Plan, box_columns
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.progress import Notify
-from deployable.campaign.runs.results import EVENT_VARIABLES, RunRecord, pad_events
+from deployable.campaign.runs.results import RunRecord, pad_events
 from deployable.campaign.runs.store import open_store
 
 _FILE = "samples.nc"

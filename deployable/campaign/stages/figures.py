@@ -5,8 +5,10 @@ from typing import Any
 from deployable.campaign.files import check_results
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.figures import draw_envelopes, draw_panels, draw_sensitivities
-from deployable.campaign.results.ranges import draw_ranges
+from deployable.campaign.results.figures import envelope, save, shares
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
+from deployable.campaign.results.ranges import ranges
+from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify, report_seconds
 from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
@@ -23,10 +25,15 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
         check_results(folder, (PLAN, SAMPLES, *ANSWERS))
         _ = experiment.quantity_list  # refused before anything is drawn, if the structure is
     with report_seconds(f"{experiment.name}: drawing figures", notify):
-        draw_envelopes(folder.bounds, error.shade_above, folder.figures)
+        bounds = read_bounds(folder)
+        for response in bounds.responses:
+            save(envelope([response], error.shade_above), folder.figures / response.name)
         if "responses" in names:
-            draw_panels(folder.bounds, error.shade_above, folder.overviews)
+            figure = envelope(bounds.responses, error.shade_above)
+            save(figure, folder.overviews / "responses")
         if "sensitivities" in names:
-            draw_sensitivities(folder.sensitivities, folder.overviews)
+            save(shares(bounds), folder.overviews / "sensitivities")
         if "ranges" in names:
-            draw_ranges(folder, folder.overviews)
+            runs = FittedRuns.read(folder)
+            figure = ranges(QuantityResults.read(folder), runs, runs.surrogates(experiment))
+            save(figure, folder.overviews / "ranges")

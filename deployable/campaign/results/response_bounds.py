@@ -1,0 +1,148 @@
+"""Bounds of the responses, and what parameters contribute to them, as `bounds.nc` and
+`sensitivities.nc` have them. Nothing else that shows or tells results knows these files."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.folder import Folder
+
+COMPONENTS = ("surrogate", "step", "mesh")
+"""Components of an error."""
+
+LARGE = 0.25
+"""Share of the largest difference of bounds from which their error is large."""
+
+
+@dataclass(frozen=True)
+class ResponseBounds:
+    """Bounds of a response at T instants `time` (s): arrays (T) `lower`, `upper`, `nominal` (run at
+    nominal parameters) and `error` (estimated, of the bounds), in `units`; None stands for unknown.
+
+    name, long_name: of the response, the latter in words; kind: of the bounds, in words; errors:
+    components of the error (T) by name, "held_out", "decay", and, where these were checked, those
+    of `COMPONENTS`; least, most: what bounds are within, for physical reasons, such as 0, NaN where
+    there is no limit; impossible: largest distance of the model beyond these, and when (s); growth
+    (T): of a scan's bounds with the last quarter of its runs; violation, coverage: largest distance
+    of validation runs outside the bounds, and the fraction of them inside, NaN or None without any;
+    abscissa: the horizontal axis where it is not time, such as a hinge's opening: a dict of
+    `words`, `unit`, `first` and `last` value, and the `duration` (s) onto which these are mapped.
+
+    widths (k, T): of the response's range when one of k parameters varies alone; width_error (T):
+    error of the fit, below which a width is none; shares (k): widths above it, integrated over
+    time, as fractions (0 to 1) of their sum over all parameters; None without a polynomial."""
+
+    name: str
+    long_name: str
+    units: str
+    time: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    kind: str = ""
+    nominal: np.ndarray | None = None
+    error: np.ndarray | None = None
+    errors: Mapping[str, np.ndarray] = field(default_factory=dict)
+    least: float = np.nan
+    most: float = np.nan
+    impossible: tuple[float, float] = (0.0, 0.0)
+    growth: np.ndarray | None = None
+    violation: float | None = None
+    coverage: float | None = None
+    abscissa: Mapping[str, Any] | None = None
+    widths: np.ndarray | None = None
+    width_error: np.ndarray | None = None
+    shares: np.ndarray | None = None
+
+    @property
+    def width(self) -> np.ndarray:
+        """Differences (T) of the upper and the lower bound."""
+        return self.upper - self.lower
+
+    @property
+    def widest(self) -> int:
+        """Index of the instant at which the bounds differ most."""
+        return int(self.width.argmax())
+
+    @property
+    def known_error(self) -> np.ndarray | None:
+        """The `error` (T); None also where it is 0 at all instants only because the bounds are
+        those of a scan, which the second half of its runs did not change."""
+        return None if self.error is None or self.is_unknown(self.error.max()) else self.error
+
+    def is_unknown(self, error: float) -> bool:
+        """Whether an error of these bounds is not known: 0 by the growth of a scan's bounds."""
+        return self.kind.startswith("least") and not error
+
+
+@dataclass(frozen=True)
+class CampaignBounds:
+    """Bounds of all responses of a campaign. parameters: dicts of the interval parameters (name,
+    units, lower, nominal, upper); attributes: of the file `bounds.nc`, by name."""
+
+    responses: tuple[ResponseBounds, ...]
+    parameters: list[dict[str, Any]]
+    attributes: Mapping[str, Any]
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants (T) of all bounds, in s."""
+        return self.responses[0].time
+
+
+def read_bounds(folder: Folder) -> CampaignBounds:
+    """Read the bounds of a campaign's responses, with what parameters contribute where there is a
+    `sensitivities.nc`. folder: of the results. Raises `DamagedError` for a damaged file."""
+    columns: dict[str, Any] = {}
+    if folder.sensitivities.exists():
+        with open_netcdf(folder.sensitivities) as file:
+            names = {"widths": "width", "width_error": "error", "shares": "width_overall"}
+            columns = {key: _column(file, name) for key, name in names.items()}
+    with open_netcdf(folder.bounds) as file:
+        attributes = {name: file.getncattr(name) for name in file.ncattrs()}
+        time, nones = file["time"][:], ["null"] * len(file["response"])
+        for key in ("lower", "upper", "nominal", "error", "least", "most", "coverage"):
+            columns[key] = _column(file, key)
+        columns |= {
+            "name": file["response"][:], "units": file["response_units"][:],
+            "long_name": file["response_long_name"][:],
+            "growth": _column(file, "growth_quarter"),
+            "violation": _column(file, "worst_violation"),
+            "impossible": [*zip(*(file[f"largest_impossible{end}"][:].tolist()
+                                  for end in ("", "_time")), strict=True)],
+            "abscissa": [_axis(text, time) for text in _column(file, "response_along", nones)],
+        }  # fmt: skip
+        names = [f"error_{name}" for name in ("held_out", "decay", *COMPONENTS)]
+        errors = {name[6:]: file[name][:] for name in names if name in file.variables}
+        parameters = read_parameters(file)
+    responses = [
+        ResponseBounds(
+            time=time, kind=attributes["bounds_kind"],
+            errors={name: values[i] for name, values in errors.items()},
+            **{key: values[i] for key, values in columns.items() if values is not None},
+        )
+        for i in range(len(nones))
+    ]  # fmt: skip
+    return CampaignBounds(tuple(responses), parameters, attributes)
+
+
+def read_parameters(file: Any) -> list[dict[str, Any]]:
+    """Read the interval parameters of an open result (`netCDF4.Dataset`): a dict each, of name,
+    units, and lower, nominal and upper value in these."""
+    keys = {"name": "parameter", "units": "box_units"}
+    keys |= {key: f"box_{key}" for key in ("lower", "nominal", "upper")}
+    columns = [file[name][:].tolist() for name in keys.values()]
+    return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+def _column(file: Any, name: str, default: Any = None) -> Any:
+    """A variable of an open file; the default where it is absent."""
+    return file[name][:] if name in file.variables else default
+
+
+def _axis(text: str, time: np.ndarray) -> dict[str, Any] | None:
+    axis = json.loads(text)
+    return axis and axis | {"duration": float(time[-1])}

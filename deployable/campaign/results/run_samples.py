@@ -1,0 +1,145 @@
+"""The runs of a campaign: planned ones, of `samples.nc`, and those that answers added, of
+`refinement.nc`. Nothing else that shows or tells results knows these files."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.files.contents import EVENT_VARIABLES, ROLES
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.runs import namer
+
+
+class RunTable(NamedTuple):
+    """R runs in a table: `points` (R, k), parameters scaled to -1 to 1; `values` (R, k), the same
+    in their units; `numbers` (R, q), quantities, NaN for one that does not occur; `margins` (R, q),
+    event margins, above 0 where the run has the quantity, NaN where not known."""
+
+    points: np.ndarray
+    values: np.ndarray
+    numbers: np.ndarray
+    margins: np.ndarray
+
+    @classmethod
+    def read(cls, file: Any) -> "RunTable":
+        """Read the runs of an open file (`netCDF4.Dataset`)."""
+        variables, points = file.variables, file["normalized"][:]
+        numbers = np.zeros((len(points), 0))
+        numbers = variables["quantities"][:] if "quantities" in variables else numbers
+        margins = variables["margin"][:] if "margin" in variables else np.nan * numbers
+        return cls(points, file["value"][:], numbers, margins)
+
+    @classmethod
+    def join(cls, tables: "Sequence[RunTable]") -> "RunTable":
+        """Put tables of the same parameters and quantities below each other."""
+        return cls(*map(np.concatenate, zip(*tables, strict=True)))
+
+
+def read_refinement(folder: Folder) -> tuple[RunTable, list[str]] | None:
+    """Read the runs that answers added, and their ids; None where there is no `refinement.nc`."""
+    if not folder.refinement.exists():
+        return None
+    with open_netcdf(folder.refinement) as file:
+        return RunTable.read(file), file["run_id"][:].tolist()
+
+
+@contextmanager
+def open_samples(folder: Folder) -> "Iterator[RunSamples]":
+    """Context manager that gives the runs of a campaign, with any `jobs.keep`. folder: of the
+    results. Raises `DamagedError` where `samples.nc` is not as written."""
+    with open_netcdf(folder.samples) as file:
+        yield RunSamples(file)
+
+
+class RunSamples:
+    """Runs of a campaign, of its open `samples.nc`. `experiment`: that they are of; `time_step`, in
+    s; `mechanics`: digest of structure and code; `contacts`: names of contacts, stops and latches;
+    `overlap`: largest one of the faces of a contact (rad); `assembly_energy`: strain energy at the
+    start (J); `keeps_extremes`: whether there are only the least and largest values of the
+    responses (`jobs.keep: extremes`). What may be large is read when it is first asked for."""
+
+    def __init__(self, file: Any):
+        self._file, self.experiment = file, Experiment.read(file.config)
+        self.time_step, self.mechanics = float(file.time_step), file.mechanics
+        self.contacts = file["contact"][:].tolist()
+        self.overlap = float(file["overlap"][:].max())
+        self.assembly_energy = float(getattr(file, "assembly_energy", 0.0))
+        self.keeps_extremes = "lower_run" in file.variables
+
+    def __len__(self) -> int:
+        return len(self._file.dimensions["run"])
+
+    @cached_property
+    def table(self) -> RunTable:
+        """Parameters, quantities and event margins of all runs."""
+        return RunTable.read(self._file)
+
+    @cached_property
+    def roles(self) -> list[str]:
+        """Role of each run: `nominal`, `node` (fitted), `held_out` (a test)."""
+        if self.keeps_extremes:
+            return ["nominal"] + ["node"] * (len(self) - 1)
+        return self._file["role"][:].tolist()
+
+    @property
+    def nominal(self) -> int | None:
+        """Index of the run with nominal parameters; None if there is none."""
+        return self.roles.index(ROLES[0]) if ROLES[0] in self.roles else None
+
+    def ids(self, rows: Sequence[int] | slice = slice(None)) -> list[str]:
+        """Names (16 hex digits) of runs; rows: indices, or a slice."""
+        rows = rows if isinstance(rows, slice) else list(rows)
+        if "run_id" in self._file.variables:
+            return self._file["run_id"][:][rows].tolist()
+        name = namer(self.experiment, self.time_step, self.mechanics)
+        return [name(tuple(values)) for values in self.table.values[rows].tolist()]
+
+    def count(self) -> dict[str, Any]:
+        """Count the different runs, of which equal parameters count once: all `runs`; `nodes`, that
+        were fitted; `held_out`, kept back to test the fit (and no nodes); `nominal_among_them`,
+        whether the nominal run is one of these two, so that it is not counted once more."""
+        if self.keeps_extremes:
+            counts = len(self) - 1, 0, len(self), False
+        else:
+            ids: dict[str, set] = {role: set() for role in ROLES}
+            for role, run in zip(self.roles, self.ids(), strict=True):
+                ids[role].add(run)
+            nominal, nodes, held_out, _ = ids.values()
+            design = nodes | held_out
+            is_among_them = bool(nominal & design)
+            counts = len(nodes), len(held_out - nodes), len(design | nominal), is_among_them
+        return dict(zip(("nodes", "held_out", "runs", "nominal_among_them"), counts, strict=True))
+
+    def events(self, rows: Sequence[int]) -> list[np.ndarray]:
+        """Events (e, 3) of each of some runs (indices): time (s), index into `contacts`, 1 where
+        that closes and 0 where it opens."""
+        columns = [self._file[name][:][list(rows)] for name in EVENT_VARIABLES]
+        return [table[np.isfinite(table[:, 0])] for table in np.stack(columns, axis=-1)]
+
+    def curves(self, run: int) -> np.ndarray:
+        """Responses (n, T) of a run (its index); not where there are extremes alone."""
+        return self._file["values"][run]
+
+    def extreme_runs(self, response: int, instant: int) -> tuple[int, int]:
+        """Indices of the runs with the least and the largest value of a response at an instant."""
+        if not self.keeps_extremes:
+            values = self._file["values"][:, response, instant]
+            return int(values.argmin()), int(values.argmax())
+        names = ("lower", "upper", "lower_run", "upper_run")
+        low, high, low_run, high_run = (self._file[n][:, response, instant] for n in names)
+        rows = np.flatnonzero(low_run >= 0)  # of quarters that have runs
+        return int(low_run[rows[low[rows].argmin()]]), int(high_run[rows[high[rows].argmax()]])
+
+
+def describe_events(events: np.ndarray, contacts: Sequence[str]) -> list[dict[str, Any]]:
+    """Describe events (e, 3), as of `RunSamples.events`, in the order of time: dicts of `time` (s),
+    `contact` (name) and `closing`, whether it closes. contacts: names by index."""
+    return [
+        {"time": time, "contact": contacts[int(contact)], "closing": closing == 1}
+        for time, contact, closing in sorted(events.tolist())
+    ]

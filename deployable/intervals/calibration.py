@@ -204,6 +204,18 @@ def _places(tests: Sequence[Measurement], k: int) -> list[np.ndarray]:
     return places
 
 
+class _Trial(NamedTuple):
+    """A point of a search: its `values` (size), residuals (M) with their Jacobian (M, size), and
+    misfit; what it costs, and the penalty for a misfit beyond the level."""
+
+    values: np.ndarray
+    residuals: np.ndarray
+    jacobian: np.ndarray
+    misfit: float
+    cost: float
+    penalty: float
+
+
 class _Problem:
     """Residuals of tests over the box's coordinates (k), then each test's starts and sensor."""
 
@@ -238,35 +250,34 @@ class _Problem:
         """Return values (size), and their misfit: the least one, or with a `cost` (size) that of
         least cost up to `level`. hull (2, size): limits; sufficient: misfit that ends it."""
         cost, penalty = (np.zeros(self.size), 1.0) if cost is None else (cost, _PENALTY)
-        half = np.ptp(hull, axis=0) / 2
-        values, radius = np.clip(start, *hull), 1.0
-        residuals, jacobian = self.linearise(values)
-        misfit = self.excess(residuals, sign).max()
+        half, radius = np.ptp(hull, axis=0) / 2, 1.0
+
+        def find_trial(values: np.ndarray) -> _Trial:
+            values = np.clip(values, *hull)
+            residuals, jacobian = self.linearise(values)
+            misfit = self.excess(residuals, sign).max()
+            cost_parts = cost @ values, penalty * max(misfit - level, 0.0)
+            return _Trial(values, residuals, jacobian, misfit, *cost_parts)
+
+        best = find_trial(start)
         for _ in range(_ITERATIONS):
-            if misfit <= sufficient:
+            if best.misfit <= sufficient or radius < 1e-6:
                 break
-            merit = cost @ values + penalty * max(misfit - level, 0.0)
-            sides = np.clip(hull - values, -radius * half, radius * half)
-            step, prediction = self._step(residuals, jacobian, sides, half, sign, cost, level)
-            gain = merit - cost @ values - prediction
+            merit = best.cost + best.penalty
+            sides = np.clip(hull - best.values, -radius * half, radius * half)
+            problem = best.jacobian, sides, half, sign, cost, level
+            step, prediction = self._step(best.residuals, *problem)
+            gain = merit - best.cost - prediction
             if gain <= 1e-4 * (np.abs(cost) @ half if cost.any() else max(merit, 0.01)):
                 break
-            for _ in range(2):  # the second with the curvature that the first met
-                trial = np.clip(values + step, *hull)
-                trial_residuals, trial_jacobian = self.linearise(trial)
-                trial_misfit = self.excess(trial_residuals, sign).max()
-                ratio = (merit - cost @ trial - penalty * max(trial_misfit - level, 0.0)) / gain
-                if ratio > 0.3:
-                    break
-                curved_residuals = trial_residuals - jacobian @ step
-                step, _ = self._step(curved_residuals, jacobian, sides, half, sign, cost, level)
-            if ratio > 0.05:
-                values, misfit = trial, trial_misfit
-                residuals, jacobian = trial_residuals, trial_jacobian
+            trial = find_trial(best.values + step)
+            if not (merit - trial.cost - trial.penalty) / gain > 0.3:  # with its curvature
+                step, _ = self._step(trial.residuals - best.jacobian @ step, *problem)
+                trial = find_trial(best.values + step)
+            ratio = (merit - trial.cost - trial.penalty) / gain
+            best = trial if ratio > 0.05 else best
             radius = min(1.0, 2 * radius) if ratio > 0.7 else radius if ratio > 0.3 else radius / 3
-            if radius < 1e-6:
-                break
-        return values, float(misfit)
+        return best.values, float(best.misfit)
 
     def _step(
         self, residuals: np.ndarray, jacobian: np.ndarray, sides: np.ndarray, half: np.ndarray,
@@ -414,29 +425,22 @@ class _Waves:
         problem, the least misfit that its errors allow, and points (size) that are not excluded.
         waves: largest number of waves; most: of runs of each test, besides those already made."""
         least, pool, self.hull = 0.0, [], self.widest
-        run_counts = [len(points) for points in self.points]
-        most += max(run_counts) - waves  # each wave makes one more
+        most += max(map(len, self.points)) - waves  # each wave makes one more
         for number in range(waves):
             problem = _Problem(self.fits(number, most), self.k)
             self.problems = [*(self.problems if number else []), (self.hull, problem)]
             rng = np.random.default_rng(number)
             starts = [rng.uniform(*self.hull) for _ in range(_STARTS)]
             starts += [self.hull.mean(axis=0)] + [self.best] * (self.best is not None)
-            plain = [problem.search(start, self.hull, PLAIN) for start in starts]
-            best = min(plain, key=lambda pair: pair[1])[0]
-            outer = [problem.search(v, self.hull, OUTER) for v, _ in plain]
-            nearest = min(misfit for _, misfit in outer)
-            misfit = self.run(best)[1]
-            if (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all():
-                misfit = self.attained
+            outer, misfit = self.approach(problem, starts)
+            nearest = min(outer_misfit for _, outer_misfit in outer)
             if nearest > misfit:  # a run there comes nearer: the errors were too small
                 continue
             least = max(least, nearest)
             limit = max(self.attained, 1.0) * (1 + _WIDER) if level is None else level
-            pool = [v for v, misfit in outer if misfit <= limit]
+            pool = [v for v, outer_misfit in outer if outer_misfit <= limit]
             pool += self.islands(problem, starts, limit)
             pool += [self.best] * (level is None)
-            error = (problem.errors / problem.bands).max() / limit
             self.notify(
                 f"wave {number + 1}: {self.runs} runs, least misfit {least:.3g} to "
                 f"{self.attained:.3g} bands"
@@ -444,20 +448,38 @@ class _Waves:
             if not pool:
                 return problem, least, []
             pool = self.extremes(problem, limit, pool, np.eye(problem.size)[self.inputs])
-            low, high = np.min(pool, axis=0), np.max(pool, axis=0)
-            wider = _WIDER * (high - low)
-            hull = np.clip([low - wider, high + wider], *self.hull)
-            hull[:, self.sensors] = self.hull[:, self.sensors]
-            volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
-            self.hull = hull
-            is_steady = volumes[0] > _STATIONARY * volumes[1]
-            is_precise = error <= (4 * _PRECISE if is_steady else _PRECISE)
+            is_precise = self.shrink(pool, (problem.errors / problem.bands).max() / limit)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
             if is_precise or is_met or min(map(len, self.points)) >= most:
                 break
         if not pool and self.attained <= (1.0 if level is None else level):
             pool = [self.best]
         return problem, least, pool
+
+    def approach(
+        self, problem: _Problem, starts: Sequence[np.ndarray]
+    ) -> tuple[list[tuple[np.ndarray, float]], float]:
+        """Search the least misfits from all starts (size), and make a run at the best: values and
+        misfits that the errors allow, and the misfit of the best run in the hull, or else of this
+        one."""
+        plain = [problem.search(start, self.hull, PLAIN) for start in starts]
+        best = min(plain, key=lambda pair: pair[1])[0]
+        outer = [problem.search(values, self.hull, OUTER) for values, _ in plain]
+        misfit = self.run(best)[1]
+        is_inside = (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all()
+        return outer, self.attained if is_inside else misfit
+
+    def shrink(self, pool: Sequence[np.ndarray], error: float) -> bool:
+        """Narrow the hull to about the points (size) of a pool, and tell whether the largest
+        `error`, in bands, is small enough for that, or a wave no longer pays."""
+        low, high = np.min(pool, axis=0), np.max(pool, axis=0)
+        wider = _WIDER * (high - low)
+        hull = np.clip([low - wider, high + wider], *self.hull)
+        hull[:, self.sensors] = self.hull[:, self.sensors]
+        volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
+        self.hull = hull
+        is_steady = volumes[0] > _STATIONARY * volumes[1]
+        return bool(error <= (4 * _PRECISE if is_steady else _PRECISE))
 
     def islands(
         self, problem: _Problem, starts: list[np.ndarray], level: float
@@ -528,7 +550,7 @@ def calibrate(
         problem, least, pool = state.narrow(None, waves, most)
         is_refuted = state.attained > 1.0
         pool = pool if is_refuted else []
-    least = min(least, state.attained) if is_refuted else min(least, state.attained, 1.0)
+    least = min(least, state.attained, inf if is_refuted else 1.0)
     k, level = hull.shape[1], max(1.0, state.attained) * (1 + _WIDER) if is_refuted else 1.0
     if pool or is_refuted:
         samples, fractions = _fractions(state, problem, pool, level)
@@ -536,14 +558,14 @@ def calibrate(
         state.hull, fractions = state.widest, (0.0, 1.0)
         spread = scan_points(np.ptp(hull, axis=0) > 0, _SAMPLES)
         samples = np.vstack([hull.mean(axis=0) + np.ptp(hull, axis=0) / 2 * spread, state.best[:k]])
-    index = int(np.abs(state.residuals).argmax())
-    sizes = [test.values.size for test in tests]
+    ends = np.cumsum([test.values.size for test in tests])
+    parts = np.split(state.residuals, ends[:-1])
     residuals = [
         part.reshape(test.values.shape) * test.bands
-        for part, test in zip(np.split(state.residuals, np.cumsum(sizes)[:-1]), tests, strict=True)
+        for part, test in zip(parts, tests, strict=True)
     ]
-    t = int(np.searchsorted(np.cumsum(sizes), index, side="right"))
-    row = divmod(index - sum(sizes[:t]), len(tests[t].times))
+    t = int(np.argmax([np.abs(part).max() for part in parts]))
+    row = divmod(int(np.abs(parts[t]).argmax()), len(tests[t].times))
     starts = [state.hull[:, places[len(test.axes) : test.dimension]]
               for places, test in zip(state.places, tests, strict=True)]  # fmt: skip
     data = [TestRuns(*runs) for runs in zip(state.points, state.curves, starts, strict=True)]

@@ -22,8 +22,8 @@ from deployable.campaign.results.facts import (
     decisive,
     happens_only,
     mark_constant,
-    quantity_errors,
 )
+from deployable.campaign.results.quantity_results import add_total_error
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, number, quantity, share, with_error
 from deployable.intervals import Box
@@ -164,15 +164,13 @@ def test_what_fails_only_where_it_does_not_happen_is_told_apart():
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():
-    row = {"lower": 1.0, "upper": 3.0, "error_whole": 0.0, "error": 0.1, "error_step": 0.2,
-           "error_mesh": 0.3}  # fmt: skip
-    found = quantity_errors(row)
+    parts = {"surrogate": 0.1, "step": 0.2, "mesh": 0.3}
+    found = add_total_error(parts, 2.0)
     assert found["whole"] == pytest.approx(0.6)
     assert found["share"] == pytest.approx(0.3)
-    assert quantity_errors(row | {"lower": None, "upper": None})["share"] is None
-    unknown = quantity_errors(row | {"error_mesh": None})
+    assert add_total_error(parts, None)["share"] is None
+    unknown = add_total_error(parts | {"mesh": None}, 2.0)
     assert unknown["whole"] is None is unknown["share"]
-    assert quantity_errors({"lower": 1.0}) == {}
 
 
 def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):

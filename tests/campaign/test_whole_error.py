@@ -123,7 +123,7 @@ def test_a_quantity_that_no_run_has_has_no_error_and_takes_no_run(monkeypatch):
 
     level = discretization.RefinementLevel(0.5, 0.25, True)
     monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    monkeypatch.setattr(discretization, "_evaluate_third", lambda *arguments: None)
+    monkeypatch.setattr(discretization, "_find_ratio", lambda *arguments: None)
     model = SimpleNamespace(plan=1.0, evaluate=told)
     found = discretization.estimate_discretization_errors(model, [there, absent, half], ("step",))[
         "step"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
+from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import (
     Choose,
@@ -60,7 +60,7 @@ def answer(
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
         points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
         points += [] if safest is None else [*safest.worst]
-        points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
+        points = model.find_missing(points)
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)

@@ -7,6 +7,7 @@ its order: that of a few runs with a quarter of the step, or on a mesh half as f
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,12 +129,12 @@ def estimate_discretization_errors(
             )
         change = np.abs(finer_values - values).reshape(-1, 2)
         worst = 2 * np.arange(len(bounds)) + np.nan_to_num(change).argmax(axis=1)
-        ratio = _evaluate_third(model, level, lambda plan, worst=worst: numbers(plan, worst))
-        if ratio is not None:  # which tells no order beside a run at another place
-            ratio = level.ratio(
-                values[worst], finer_values[worst], np.where(lost_rows[worst], np.nan, ratio)
-            )
-        errors[name] = extrapolate_error(change, None if ratio is None else ratio[:, None])
+        finest = np.where(
+            lost_rows[worst], np.nan, finer_values[worst]
+        )  # at other places: no order
+        evaluate = partial(numbers, rows=worst)
+        ratio = _find_ratio(model, level, values[worst], finest, evaluate)
+        errors[name] = extrapolate_error(change, ratio)
         values = finer_values
     return errors
 
@@ -212,27 +213,23 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
         change = np.abs(finer_curves - curves)
         relative = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
         worst = int(relative.sum(axis=1).argmax())
-        third = _evaluate_third(
-            model, level, lambda plan, worst=worst: _curves(model, plan, test_points[[worst]])[0]
-        )
-        ratio = (
-            None
-            if third is None
-            else level.ratio(curves[worst], finer_curves[worst], third)[:, None]
-        )
+        evaluate = partial(_curves, model, points=test_points[[worst]])
+        ratio = _find_ratio(model, level, curves[[worst]], finer_curves[[worst]], evaluate)
         errors[name] = extrapolate_error(sites.errors(change), ratio)
         curves = finer_curves
     return errors
 
 
-def _evaluate_third(
-    model: ModelEvaluator, level: RefinementLevel, evaluate: Callable[[Plan], np.ndarray]
-) -> np.ndarray | None:
-    """What the third plan of a level gives; None where it has none, or its mesh is too coarse."""
+def _find_ratio(
+    model: ModelEvaluator, level: RefinementLevel, coarse: np.ndarray, fine: np.ndarray,
+    evaluate: Callable[[Plan], np.ndarray],
+) -> np.ndarray | None:  # fmt: skip
+    """Ratios (n, 1) of changes from the plan to a finer one and to the third of a level; None where
+    there is no third, or its mesh is too coarse. evaluate: gives what is compared by a plan."""
     if level.third is None:
         return None
     try:
-        return evaluate(level.third)
+        return level.ratio(coarse, fine, evaluate(level.third)).reshape(-1, 1)
     except CampaignError as error:
         name = model.experiment.name
         model.notify(f"{name}: the order of an error is not measured, and counts as 1: {error}")

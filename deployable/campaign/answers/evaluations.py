@@ -88,6 +88,10 @@ class ModelEvaluator:
         row = int(distances.argmin())
         return row, float(distances[row])
 
+    def find_missing(self, points: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Return those of some normalized points (k) at which the evaluator has no run."""
+        return [point for point in points if self.nearest(point)[1] > SAME_POINT]
+
     def describe_point(self, point: np.ndarray, q: int) -> dict:
         """Describe a normalized point (k) as a dict for JSON: `at`, parameter values by name, in
         their units; `ran`, whether a run was made there; `simulated`, the value in that run of the

@@ -261,21 +261,23 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
             "best": float(box.from_unit(result.best)[j]) if j in axes else None,
             "seen": words.get(tuple(map(bool, sides)), "none") if box.free[j] else "none",
         })  # fmt: skip
-    values = box.from_unit(result.samples) if len(result.samples) else np.zeros((0, len(rows)))
-    trade_offs = []
-    for i in range(len(rows)):
-        for j in range(i):
-            spread = np.ptp(values[:, [i, j]], axis=0) if len(values) > 8 else np.zeros(2)
-            if not spread.all():
-                continue
-            correlation = float(np.corrcoef(values[:, j], values[:, i])[0, 1])
-            if abs(correlation) >= _STRONG:
-                slope = correlation * values[:, i].std() / values[:, j].std()
-                names = [rows[j]["name"], rows[i]["name"]]
-                trade_offs.append(
-                    {"names": names, "correlation": correlation, "slope": float(slope)}
-                )
-    return {"parameters": rows, "trade_offs": trade_offs}
+    values = box.from_unit(result.samples) if len(result.samples) > 8 else np.zeros((0, len(rows)))
+    columns = [*zip(experiment.intervals, values.T, strict=True)]
+    pairs = [(first, second) for i, second in enumerate(columns) for first in columns[:i]]
+    trade_offs = filter(None, itertools.starmap(_find_trade_off, pairs))
+    return {"parameters": rows, "trade_offs": list(trade_offs)}
+
+
+def _find_trade_off(first: tuple[str, np.ndarray], second: tuple[str, np.ndarray]) -> dict:
+    """How two parameters, each a name and values (S) that are left, are tied to each other; nothing
+    where they hardly are."""
+    (name, values), (rival, rivals) = first, second
+    if not len(values) or not np.ptp(values) or not np.ptp(rivals):
+        return {}
+    correlation = float(np.corrcoef(values, rivals)[0, 1])
+    slope = float(correlation * rivals.std() / values.std())
+    row = {"names": [name, rival], "correlation": correlation, "slope": slope}
+    return row if abs(correlation) >= _STRONG else {}
 
 
 def _describe_left(

@@ -25,6 +25,7 @@ from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text import numbers
 from deployable.intervals.scalars import Limit, find_influence, share_of_box
+from fpm.reading.quantities import Quantity
 
 
 def answer(
@@ -106,45 +107,50 @@ def _columns(
 ) -> dict[str, Any]:
     """The columns of `quantities.nc` by name: bounds and errors of all quantities. bounds: of each;
     finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not estimated."""
-    box, quantities = model.experiment.box, model.experiment.quantity_list
-    columns: dict[str, Any] = {}
-    for i, (side, place) in enumerate((("lower", "argmin"), ("upper", "argmax"))):
-        columns[side] = [b.outer[i] for b in bounds]
-        columns[f"simulated_{side}"] = [getattr(b, side) for b in bounds]
-        ranges = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
-        columns[f"surrogate_{side}"] = ranges
-        columns[f"unconverged_{side}"] = [int(b.unconverged[i]) for b in bounds]
-        columns[place] = box.from_unit(np.array([getattr(b, place) for b in bounds]))
-    columns["nominal"] = [b.surrogate.evaluate(model.nominal[None])[0] for b in bounds]
-    is_adaptive = model.experiment.is_adaptive
-    errors = [b.surrogate.bound_error if is_adaptive else b.surrogate.error for b in bounds]
-    errors = np.fmax(errors, [b.error for b in bounds])
-    columns["error"] = np.where(np.isfinite(errors), errors, np.nan)
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
-    if finer:
-        components = {f"error_{name}": e.max(axis=1) for name, e in finer.items()}
-        columns |= components
-        columns["error_whole"] = np.sum([columns["error"], *components.values()], axis=0)
-        columns |= {"error_limit": number_errors, "error_border": shifts}
+    quantities = zip(model.experiment.quantity_list, bounds, shifts.tolist(), strict=True)
+    rows = [_row(model, *quantity) for quantity in quantities]
+    columns: dict[str, Any] = {name: [row[name] for row in rows] for name in rows[0]}
     counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.rest_counts
     columns["runs_with"] = counts
     columns["runs_without"] = len(model.distinct_rows) + model.rest_count - counts
-    limits = [
-        Limit(b.surrogate, "happens", 1.0, border_error=float(shift))
-        for b, shift in zip(bounds, shifts, strict=True)
-    ]
-    shares = np.array([share_of_box([limit], box.free) for limit in limits])
-    columns["happens"], columns["happens_uncertainty"] = shares.T
-    influences = [find_influence(b.surrogate, model.nominal) for b in bounds]
-    # The search over a part may find more than that over the whole has.
-    widths = np.diff([b.outer for b in bounds])
-    for name in ("share", "alone", "fixed", "halved"):
-        values = [getattr(influence, name) for influence in influences]
-        columns[name] = np.minimum(values, 1.0 if name == "share" else widths)
-    columns["is_time"] = [int(quantity.is_time) for quantity in quantities]
-    columns["least"] = [np.nan if q.least is None else q.least for q in quantities]
-    columns["fit"] = [b.surrogate.fit.kind if b.surrogate.fit else "none" for b in bounds]
+    if finer:
+        components = {f"error_{name}": e.max(axis=1) for name, e in finer.items()}
+        whole = np.sum([columns["error"], *components.values()], axis=0)
+        columns |= {**components, "error_whole": whole}
+        columns |= {"error_limit": number_errors, "error_border": shifts}
     return columns
+
+
+def _row(
+    model: ModelEvaluator, quantity: Quantity, bounds: QuantityBounds, shift: float
+) -> dict[str, Any]:
+    """What `quantities.nc` has of a quantity, by the names of its columns; shift: error of the
+    decision function by mesh and step."""
+    box, surrogate, extremes = model.experiment.box, bounds.surrogate, bounds.surrogate_range
+    (lower, upper), unconverged = bounds.outer, map(int, bounds.unconverged)
+    error = surrogate.bound_error if model.experiment.is_adaptive else surrogate.error
+    error = np.fmax(error, bounds.error)
+    limit = Limit(surrogate, "happens", 1.0, border_error=shift)
+    influence = find_influence(surrogate, model.nominal)
+    row = {
+        "lower": lower, "upper": upper,
+        "simulated_lower": bounds.lower, "simulated_upper": bounds.upper,
+        "surrogate_lower": extremes.low, "surrogate_upper": extremes.high,
+        "argmin": box.from_unit(bounds.argmin), "argmax": box.from_unit(bounds.argmax),
+        "nominal": surrogate.evaluate(model.nominal[None])[0],
+        "error": error if np.isfinite(error) else np.nan,
+        "is_time": int(quantity.is_time),
+        "least": np.nan if quantity.least is None else quantity.least,
+        "fit": surrogate.fit.kind if surrogate.fit else "none",
+        # The search over a part may find more than that over the whole has.
+        **{name: np.minimum(getattr(influence, name), upper - lower)
+           for name in ("alone", "fixed", "halved")},
+        "share": influence.share,
+    }  # fmt: skip
+    row |= zip(("unconverged_lower", "unconverged_upper"), unconverged, strict=True)
+    return row | dict(zip(("happens", "happens_uncertainty"),
+                          share_of_box([limit], box.free), strict=True))  # fmt: skip
 
 
 def _refinement_columns(model: ModelEvaluator) -> dict[str, Any]:

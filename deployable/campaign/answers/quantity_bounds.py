@@ -93,27 +93,22 @@ def converge_bounds(
     climbs, progress = _Climbs(model), _Progress(tolerances)
     is_searched = max_iterations > 0 and bool(climbs.climbs)
     for iteration in itertools.count():
-        if iteration < max_iterations or tolerances:
+        is_extra = iteration >= max_iterations
+        if not is_extra or tolerances:
             climbs.run()
-        surrogates = model.surrogates()
-        while iteration == 0 < max_iterations and _grow(model, climbs.missing_points(surrogates)):
-            climbs.run()
-            surrogates = model.surrogates()
+        surrogates = model.surrogates() if iteration or is_extra else climbs.fill()
         bounds = [
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
-        is_extra = iteration >= max_iterations
         points = [point for b in (unmet if is_extra else bounds) for point in _infill(b)]
         if specs and not is_extra:
-            decisive = assess_limits(model, surrogates, specs).points
-            points += [point for point in decisive if model.nearest(point)[1] > SAME_POINT]
+            points += model.find_missing(assess_limits(model, surrogates, specs).points)
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
         if not points or not _grow(model, points):
-            break
+            return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
-    return bounds
 
 
 class _Progress:
@@ -175,7 +170,7 @@ class _Climbs:
             return model.points[:0]
         box = model.experiment.box
         corners = box.corners() if box.free.sum() <= _CORNER_DIRECTIONS else model.points[:0]
-        corners = [point for point in corners if model.nearest(point)[1] > SAME_POINT]
+        corners = model.find_missing(corners)
         is_blank = any(
             s.fit is None and not np.isfinite(margin).all()
             for s, margin in zip(surrogates, model.margins.T, strict=True)
@@ -187,6 +182,14 @@ class _Climbs:
             return np.reshape(corners, (-1, len(box.free)))
         spread = _spread(model, len(corners) + count)[-count:]
         return np.concatenate([*[point[None] for point in corners], spread])
+
+    def fill(self) -> list[Any]:
+        """Make the missing runs, go on from these, and return the surrogates of all runs."""
+        surrogates = self.model.surrogates()
+        while _grow(self.model, self.missing_points(surrogates)):
+            self.run()
+            surrogates = self.model.surrogates()
+        return surrogates
 
     def run(self) -> None:
         """Go on until no search promises a gain, or most of the runs that are left are made: the

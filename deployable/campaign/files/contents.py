@@ -132,7 +132,7 @@ def _check_variable(file: Any, name: str, spec: VariableSpec) -> None:
 
 def _belongs(file: Any, experiment: Experiment) -> Experiment:
     """The experiment of a file, if what it holds is of that."""
-    variables, intervals = file.variables, experiment.intervals.values()
+    variables = file.variables
     sections = {"response": experiment.responses, "quantity": experiment.quantities,
                 "parameter": experiment.intervals}  # fmt: skip
     for dim in sections.keys() & variables.keys():
@@ -142,37 +142,41 @@ def _belongs(file: Any, experiment: Experiment) -> Experiment:
     for name in file["run_id"][:].tolist() if "run_id" in variables else ():
         if not RUN_ID.fullmatch(name):  # after which files are called
             raise ValueError(f"{name[:80]!r} is no name of a run_id")
-    of_config = {"campaign": file.campaign == experiment.name}
-    for key in ("lower", "upper", "nominal"):
-        ends = [getattr(interval, key) for interval in intervals]
-        of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
-    if "normalized" in variables and len(points := file["normalized"][:]):
-        of_config["normalized"] = np.abs(points).max(initial=0.0) < 1.0 + 1e-6
-    if "role" in variables:
-        of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
-    if "time" in variables:
-        of_config["time_step"] = file.time_step > 0
-        of_config["time_step"] &= not steps_problems(experiment.solver, file.time_step)
-        time = file["time"][:]
-        of_config["time"] = len(time) == experiment.solver.instants and (np.diff(time) > 0).all()
-    if "event_time" in variables:
-        contact = file["event_contact"][:][np.isfinite(file["event_time"][:])]
-        is_known = (contact >= 0) & (contact < len(file.dimensions["contact"]))
-        of_config["event_contact"] = is_known.all()
-    for name in {"lower_run", "upper_run"} & variables.keys():
-        of_config[name] = file[name][:].max(initial=-1) < len(file.dimensions["run"])
     for text in file["response_along"][:] if "response_along" in variables else ():
         if (axis := json.loads(text)) is not None:
             matches(_schema()["$defs"]["along"], axis, "response_along")
-    if mismatches := [name for name, is_own in of_config.items() if not is_own]:
+    if mismatches := [name for name, is_own in _compare(file, experiment) if not is_own]:
         raise ValueError(f"its {mismatches[0]} is not what its config has")
     return experiment
 
 
+def _compare(file: Any, experiment: Experiment) -> Iterator[tuple[str, bool]]:
+    """What of a file is as the config of its experiment has it, by name."""
+    variables, intervals = file.variables, experiment.intervals.values()
+    yield "campaign", file.campaign == experiment.name
+    for key in ("lower", "upper", "nominal"):
+        ends = [getattr(interval, key) for interval in intervals]
+        yield f"box_{key}", file[f"box_{key}"][:].tolist() == ends
+    if "normalized" in variables and len(points := file["normalized"][:]):
+        yield "normalized", np.abs(points).max(initial=0.0) < 1.0 + 1e-6
+    if "role" in variables:
+        yield "role", set(file["role"][:].tolist()) <= set(ROLES)
+    if "time" in variables:
+        time, step = file["time"][:], file.time_step
+        yield "time_step", step > 0 and not steps_problems(experiment.solver, step)
+        yield "time", len(time) == experiment.solver.instants and (np.diff(time) > 0).all()
+    if "event_time" in variables:
+        contact = file["event_contact"][:][np.isfinite(file["event_time"][:])]
+        is_known = (contact >= 0) & (contact < len(file.dimensions["contact"]))
+        yield "event_contact", is_known.all()
+    for name in {"lower_run", "upper_run"} & variables.keys():
+        yield name, file[name][:].max(initial=-1) < len(file.dimensions["run"])
+
+
 # -- JSON ------------------------------------------------------------------------------------------
 
-_TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None),
-          "number": (int, float), "integer": int}  # fmt: skip
+_TYPES = {"object": (dict,), "array": (list,), "string": (str,), "boolean": (bool,),
+          "null": (type(None),), "number": (int, float), "integer": (int,)}  # fmt: skip
 _NUMBERS = {"type": "array", "minItems": 2, "items": {"type": "number"}}
 _BATCH = {"seconds": _NUMBERS, "seconds_integrating": _NUMBERS, "simulated": {"type": "number"}}
 _MANIFEST = {"required": list(_BATCH), "properties": _BATCH}
@@ -217,14 +221,7 @@ def matches(schema: Mapping, data: Any, path: str = "") -> None:
     `summary.schema.json` does not use are ignored. path: for messages, as `rows[2]`."""
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
-    kinds = schema.get("type", "object" if "required" in schema else [])
-    kinds = [kinds] if isinstance(kinds, str) else kinds
-    is_kind = [isinstance(data, _TYPES[kind]) for kind in kinds]
-    if kinds and (not any(is_kind) or (isinstance(data, bool) and "boolean" not in kinds)):
-        raise ValueError(f"{path or 'all of it'} is no {' or '.join(kinds)}")
-    if data not in schema.get("enum", [data]) or data != schema.get("const", data):
-        allowed = schema.get("enum", [schema.get("const")])
-        raise ValueError(f"{path} is {data!r:.60}; allowed: {', '.join(map(repr, allowed))}")
+    _check_value(schema, data, path)
     if isinstance(data, list):
         if len(data) < (least := schema.get("minItems", 0)):
             raise ValueError(f"{path} has {len(data)} entries; allowed: {least} or more")
@@ -235,7 +232,17 @@ def matches(schema: Mapping, data: Any, path: str = "") -> None:
             raise ValueError(f"{'.'.join(filter(None, [path, lacks[0]]))} is missing")
         properties, extra = schema.get("properties", {}), schema.get("additionalProperties", {})
         for name, item in data.items():
-            rule = properties.get(name, extra)
-            if rule is False:
+            if (rule := properties.get(name, extra)) is False:
                 raise ValueError(f"{path}.{name} is not known")
             matches(rule, item, f"{path}.{name}" if path else name)
+
+
+def _check_value(schema: Mapping, data: Any, path: str) -> None:
+    kinds = schema.get("type", "object" if "required" in schema else [])
+    kinds = [kinds] if isinstance(kinds, str) else kinds
+    types = tuple(kind for name in kinds for kind in _TYPES[name])
+    if kinds and (not isinstance(data, types) or (isinstance(data, bool) and bool not in types)):
+        raise ValueError(f"{path or 'all of it'} is no {' or '.join(kinds)}")
+    if data not in schema.get("enum", [data]) or data != schema.get("const", data):
+        allowed = schema.get("enum", [schema.get("const")])
+        raise ValueError(f"{path} is {data!r:.60}; allowed: {', '.join(map(repr, allowed))}")

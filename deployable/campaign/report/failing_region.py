@@ -122,43 +122,40 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     choice = facts.get("choice")
     if choice is None:
         return []
-    parameters = choice["parameters"]
+    parameters, goals = choice["parameters"], choice["goals"]
+    best = {"values": [p["value"] for p in parameters], "goals": [g["value"] for g in goals]}
+    ends = [0.95 * facts["duration"] if g["units"] == "s" and g["end"] == "upper" else np.inf
+            for g in goals]  # fmt: skip
+    trials = [
+        trial for trial in (*choice["tried"], {**best, "kept": None})
+        if (np.nan_to_num(np.array(trial["goals"], float), nan=np.inf) <= ends).all()
+    ]  # fmt: skip
+    columns = np.array([(t["values"][0], *t["goals"][:2]) for t in trials], float).T
+    if len(trials) < 2 or not np.isfinite(columns).all():
+        return []
     axes = [{key: parameters[0][key] for key in ("name", "units")}]
     axes += [
         {"name": f"{goal['quantity']} {_ENDS[goal['end']]}", "units": goal["units"]}
-        for goal in choice["goals"][:2]
+        for goal in goals[:2]
     ]
-    is_late = [g["units"] == "s" and g["end"] == "upper" for g in choice["goals"]]
-    best = {"values": [p["value"] for p in parameters], "kept": None}
-    best["goals"] = [goal["value"] for goal in choice["goals"]]
-    rows, flags, values = [], [], []
-    for trial in [*choice["tried"], best]:
-        goals = [np.inf if value is None else value for value in trial["goals"]]
-        if not (np.array(is_late) & (np.array(goals) > 0.95 * facts["duration"])).any():
-            rows.append([trial["values"][0], *goals[:2]])
-            flags.append(trial["kept"])
-            names = (p["name"] for p in parameters)
-            values.append(dict(zip(names, trial["values"], strict=True)))
-    places = np.array(rows)
-    if len(rows) < 2 or not np.isfinite(places).all():
-        return []
-    axes = [
-        {**axis, "lower": float(column.min()), "upper": float(column.max())}
-        for axis, column in zip(axes, places.T, strict=True)
-    ]
-    shares = [_scale(axis, column) for axis, column in zip(axes, places.T, strict=True)]
-    frame, pairs = None, [(0, y) for y in range(1, len(axes))]
-    if len(parameters) > 1:
-        pairs = pairs if len(axes) == 2 else [(1, 2)]
-    elif (safe := parameters[0]["safe"]) is not None:
+    shares = []
+    for axis, column in zip(axes, columns, strict=True):
+        axis |= {"lower": float(column.min()), "upper": float(column.max())}
+        shares.append(_scale(axis, column).tolist())
+    frame, (x, *ys) = None, range(len(axes))
+    if len(parameters) > 1 and len(axes) > 2:
+        x, *ys = ys
+    elif len(parameters) == 1 and (safe := parameters[0]["safe"]) is not None:
         low, high = (float(_scale(axes[0], value)) for value in safe)
         frame = (low, 0.0), (high, 1.0)
-    plots = []
-    for x, y in pairs:
-        rows = zip(shares[x].tolist(), shares[y].tolist(), flags, strict=True)
-        marks = [(a, b, is_kept, True) for a, b, is_kept in rows]
-        plots.append(Panel(axes[x], axes[y], marks, frame, values))
-    return plots
+    names = [p["name"] for p in parameters]
+    values = [dict(zip(names, trial["values"], strict=True)) for trial in trials]
+    is_kept, is_near = [trial["kept"] for trial in trials], [True] * len(trials)
+    return [
+        Panel(axes[x], axes[y], [*zip(shares[x], shares[y], is_kept, is_near, strict=True)],
+              frame, values)
+        for y in ys
+    ]  # fmt: skip
 
 
 _ENDS = {"upper": "at most", "lower": "at least", "width": "known to"}

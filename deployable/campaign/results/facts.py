@@ -40,60 +40,49 @@ _SCAN = ("drawn_runs", "share_outside", "share_outside_95")
 
 
 def facts_of(
-    folder: Folder,
-    published: Mapping[str, float],
-    requirements: bool = False,
-    choice: bool = False,
-    measured: bool = False,
+    folder: Folder, published: Mapping[str, float], answers: Iterable[str] = ()
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
     keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
     files, which are read; published: largest width (upper less lower bound) that somebody has
-    published, by name of response, in its unit; requirements, choice, measured: whether the
-    campaign has requirements, a choice of parameters or measured curves, to read
-    `requirements.json`, `choice.json` or `measured.json`."""
+    published, by name of response, in its unit; answers: which results in JSON the campaign has,
+    "requirements", "choice" (of parameters) or "measured" (what explains measured curves)."""
     plan = read_plan(folder.plan)
-    experiment = plan.experiment
-    bounds = read_bounds(folder)
+    experiment, bounds = plan.experiment, read_bounds(folder)
     with open_samples(folder) as samples:
         facts = bounds_facts(bounds, samples, published)
-    check_runs = bounds_checks = int(bounds.attributes.get("check_runs", 0))
     facts |= _structure(experiment, facts["parameters"])
-    facts["quantities"], refinements = [], 0
+    facts["quantities"] = []
+    bounds_checks = int(bounds.attributes.get("check_runs", 0))
+    runs = {"design": facts["design"]["runs"], "further": 0, "choice": 0, "checks": bounds_checks}
     if experiment.quantities:
         results = QuantityResults.read(folder)
-        facts["quantities"], refinements = results.rows, results.further_runs
-        check_runs += results.check_runs
+        facts["quantities"], runs["further"] = results.rows, results.further_runs
+        runs["checks"] += results.check_runs
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
                 row["reached"] = approach
-        if requirements:
-            assessment = read_json(folder.requirements)
-            facts |= {name: assessment[name] for name in ("requirements", "together")}
-            refinements = assessment["further_runs"]
-        if choice:
-            facts["choice"] = read_json(folder.choice)
-            del facts["choice"]["fitted"]
-    if measured:
-        facts["measured"] = read_json(folder.measured)
+    facts |= {name: read_json(folder / f"{name}.json") for name in answers}
+    if assessment := facts.pop("requirements", None):
+        facts |= {name: assessment[name] for name in ("requirements", "together")}
+    if choice := facts.get("choice"):
+        runs["choice"] = choice["runs"]
+        del choice["fitted"]
     rows = [*facts["responses"], *facts["quantities"]]
-    if (rounds := plan.adaptive) is not None:
-        facts["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
+    mark_constant(facts)
+    if plan.adaptive is not None:
+        facts["adaptive"] = {"rounds": [asdict(r) for r in plan.adaptive.rounds]}
     if experiment.is_adaptive:
         for row in rows:
             row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
-        mark_constant(facts)
         facts["accuracy"] = _accuracy(plan, rows)
-        check_runs += facts["accuracy"]["runs"] - facts["design"]["runs"] - bounds_checks
+        runs["checks"] += facts["accuracy"]["runs"] - runs["design"] - bounds_checks
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
-    mark_constant(facts)
     if facts["overlap"] > SOFT:
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
-    runs = {"design": facts["design"]["runs"], "further": refinements}
-    runs |= {"choice": facts.get("choice", {}).get("runs", 0), "checks": check_runs}
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
 

@@ -159,25 +159,21 @@ def travel_of(
     the margin's, with `first` and `last` opening; is_stowed: whether it begins at `first`, not at
     the openings at which the scenes start."""
     sign = 1.0 if positions.last > positions.first else -1.0
+    side = "above" if sign > 0 else "below"
     starts, ends = [], []
     for scene in scenes:
         hinges = {hinge.name: (i, hinge.opening) for i, hinge in enumerate(scene.hinges)}
-        zero = hinges[openings[0]][1]
-        starts.append(zero)
-        latches, stops = [], []
-        for number, start in (hinges[name] for name in openings):
-            side = "above" if sign > 0 else "below"
-            parts = [x for cls in (Latch, RigidLatch) for x in cls.find(scene) if x.hinge == number]
-            latches += [zero + latch.angle - start for latch in parts]
-            parts = [x for x in Stop.find(scene) if x.hinge == number and x.side == side]
-            stops += [zero + stop.angle - start for stop in parts]
-        latches, stops = (
-            [sign * end for end in candidates if sign * (end - zero) > 0]
-            for candidates in (latches, stops)
-        )
-        ends += [max(latches)] if latches else [min(stops)] if stops else []
-    starts = [positions.first] if is_stowed else starts
-    return [sign * min(sign * start for start in starts), sign * max(ends)] if ends else None
+        joints, zero = dict(hinges[name] for name in openings), hinges[openings[0]][1]
+        starts.append(sign * zero)
+        latches = [latch for kind in (Latch, RigidLatch) for latch in kind.find(scene)]
+        stops = [stop for stop in Stop.find(scene) if stop.side == side]
+        for parts, choose in ((latches, max), (stops, min)):
+            angles = (zero + x.angle - joints[x.hinge] for x in parts if x.hinge in joints)
+            if distances := [sign * angle for angle in angles if sign * (angle - zero) > 0]:
+                ends.append(choose(distances))
+                break
+    first = positions.first if is_stowed else sign * min(starts)
+    return [first, sign * max(ends)] if ends else None
 
 
 def list_deviations(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:

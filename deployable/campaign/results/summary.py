@@ -1,7 +1,7 @@
 """Summary of a campaign: `summary.json` for programs and `summary.md` for people."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
@@ -20,16 +20,14 @@ from deployable.campaign.results.templates import summary_text
 
 
 def summarise(
-    folder: Folder, published: Mapping[str, float], requirements: bool = False,
-    choice: bool = False, review: str | None = None, measured: bool = False,
+    folder: Folder, published: Mapping[str, float], answers: Iterable[str] = (),
+    review: str | None = None,
 ) -> str:  # fmt: skip
     """Write a campaign's results as `summary.json` (facts, for programs) and `summary.md` (text,
     for people) into its folder; returns that text. folder: the results, read and written to;
-    published: largest difference of the bounds in the literature, by name of response;
-    requirements, choice, measured: whether the campaign has requirements, seeks a best choice, or
-    has measured curves, whose results are then read; review: key of the standard, in
-    `review.CLAUSES`, by whose clauses `review.csv` and `review.md` are written; None: neither."""
-    facts = facts_of(folder, published, requirements, choice, measured)
+    published, answers: as of `facts_of`; review: key of the standard, in `review.CLAUSES`, by whose
+    clauses `review.csv` and `review.md` are written; None: neither."""
+    facts = facts_of(folder, published, answers)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])
         rows = rows_of(facts, read_plan(folder.plan).experiment, review)

@@ -24,20 +24,22 @@ def work(
     def step(text: str) -> AbstractContextManager[None]:
         return report_seconds(f"{experiment.name}: {text}", notify)
 
+    answers = []
     if experiment.quantities:
         with step("searching the bounds of quantities"):
             quantities.answer(folder, requirements, verify, jobs, notify, threads)
     if requirements:
+        answers.append("requirements")
         with step("finding what meets the requirements"):
             limits.answer(folder, requirements, jobs, notify)
     if choose.parameters:
+        answers.append("choice")
         with step("choosing"):
             choice.answer(folder, choose, requirements, verify, jobs, notify, threads)
     if measured:
+        answers.append("measured")
         with step("finding what explains the measured curves"):
             tests.answer(folder, measured, requirements, verify, jobs, notify, threads)
     with step("writing the answers"):
-        summarise(
-            folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
-        )
+        summarise(folder, published, answers, review)
     notify(f"answers: {folder / 'summary.md'}")

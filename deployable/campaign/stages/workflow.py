@@ -105,13 +105,14 @@ class Workflow:
         is_incomplete: whether runs are to be simulated; figures: whether it draws."""
         stale, names = self.stale(), []
         for stage in stages_of(self.campaign):
-            paths = self.files_of(stage)
-            is_whole = paths and all(path.exists() and str(path) not in stale for path in paths)
-            if stage.name == "simulate":
-                is_whole = not is_incomplete
-            if (figures or not stage.draws) and (names or not is_whole):
+            is_done = not is_incomplete if stage.name == "simulate" else self.is_whole(stage, stale)
+            if (figures or not stage.draws) and (names or not is_done):
                 names.append(stage.name)
         return names
+
+    def is_whole(self, stage: Stage, stale: Mapping[str, str]) -> bool:
+        """Whether all files that a stage writes are there, and none is `stale`."""
+        return all(path.exists() and str(path) not in stale for path in self.files_of(stage))
 
     def files_of(self, stage: Stage) -> list[Path]:
         """List the paths of the files that a stage writes; of batches only those that exist."""
@@ -270,17 +271,17 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
     for error in workflow.damage.values():
         if figures or drawing_paths.isdisjoint([error.path, *error.path.parents]):
             notify(f"{error}; it is made again")
-    last = []
-    for stage in stages_of(campaign):
-        paths = workflow.files_of(stage)
+    stages = stages_of(campaign)
+    for stage in (stage for stage in stages if not stage.draws):
         if stage.name == "simulate":
             is_remade |= _simulate(campaign, folder, notify)
-        elif is_remade or not all(path.exists() and str(path) not in stale for path in paths):
-            if not stage.draws:
-                _stage(stage, campaign, folder, notify)
-                is_remade = True
-            elif figures:
-                last.append((stage, campaign, folder, notify))
+        elif is_remade or not workflow.is_whole(stage, stale):
+            _stage(stage, campaign, folder, notify)
+            is_remade = True
+    last = [
+        (stage, campaign, folder, notify) for stage in stages
+        if figures and stage.draws and (is_remade or not workflow.is_whole(stage, stale))
+    ]  # fmt: skip
     # Side by side, but where messages would be lost in other processes, or threads run, which these
     # would not have.
     prints = isinstance(notify, MessagePrinter) and not any(map(callable, notify.files))

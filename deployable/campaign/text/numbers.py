@@ -164,6 +164,7 @@ def tie_units(text: str, units: Iterable[str]) -> str:
     """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
     ten or names (`k = 2`), and hyphens before numbers by minus signs. units: spellings such as
     `m/s`, besides those of seconds, radians, per cent."""
+    units = sorted(units, key=len, reverse=True)  # `N m s/rad` before `N m`
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)
     for unit in units:

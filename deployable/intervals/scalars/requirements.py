@@ -203,23 +203,35 @@ def shares_of_box(
         start_axes[direction] = False
         starts = scan_points(start_axes, lines if start_axes.any() else 1, corners=False)
         fractions, changes = [], []
-        rivals = [_rivals(sets[i]) for i in numbers]
+        pairs = [(sets[i], _rivals(sets[i])) for i in numbers]
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
             points[:, :, direction] = line
-            flat, cache = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower), {}
-            fractions.append([_met(sets[i], flat, cache, len(line), (0, -1, 1)) for i in numbers])
-            if first <= len(starts) // _RIVAL_SHARE:
-                rows = [
-                    _met(rival, flat, cache, len(line), (0,))[0] if rival else fraction[0]
-                    for rival, fraction in zip(rivals, fractions[-1], strict=True)
-                ]
-                changes.append(np.subtract(rows, [fraction[0] for fraction in fractions[-1]]))
+            flat = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower)
+            is_tested = first <= len(starts) // _RIVAL_SHARE
+            parts, differences = _compare(pairs, flat, len(line), is_tested)
+            fractions.append(parts)
+            changes += [differences] * is_tested
         means = np.concatenate(fractions, axis=2).mean(axis=2).tolist()
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
         for i, (fraction, least, most), change in zip(numbers, means, sizes, strict=True):
             shares[i] = fraction, max(most - fraction, fraction - least, change)
     return shares
+
+
+def _compare(
+    pairs: Sequence[tuple[Sequence[Limit], Sequence[Limit]]], points: np.ndarray, count: int,
+    is_tested: bool,
+) -> tuple[list, list]:  # fmt: skip
+    """Parts of lines on which each set of limits is satisfied, plus 0, -1 and 1 errors, and, where
+    that `is_tested`, by how much the rivals of a set change the first."""
+    cache: dict = {}
+    parts = [_met(limits, points, cache, count, (0, -1, 1)) for limits, _ in pairs]
+    differences = [
+        _met(rivals, points, cache, count, (0,))[0] - part[0] if rivals else 0.0 * part[0]
+        for (_, rivals), part in zip(pairs, parts, strict=True) if is_tested
+    ]  # fmt: skip
+    return parts, differences
 
 
 def _rivals(limits: Sequence[Limit]) -> list[Limit]:

@@ -37,6 +37,7 @@ class Verdict(NamedTuple):
 
 
 NO_VERDICT = Verdict(NOT_ANALYSED, NOT_ANALYSED)
+REPORTED = Verdict(REPORT, REPORT)
 ALL_MEET = Verdict(MET, "met in all of the box, by analysis")
 SOME_FAIL = Verdict(UNMET, "not met in at least a part of the box")
 ALL_FAIL = Verdict(UNMET, "not met anywhere in the box")
@@ -94,7 +95,7 @@ def head_of(
     for state in STATES:
         state_rows = [row for row in rows if row["state"] == state]
         names = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
-        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(names)})" * bool(state_rows))
+        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(names)})" * bool(names))
     box = (
         f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
@@ -189,6 +190,7 @@ class _Sheet:
             for limit in row["limits"]:
                 self._limits.setdefault(limit["quantity"], []).append((row["name"], limit))
         self._row_names: set[str] = set()
+        self._free = [p["name"] for p in facts["parameters"] if p["upper"] > p["lower"]]
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
         """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
@@ -428,17 +430,15 @@ class _Sheet:
 
     def _margin_words(self, margin: Mapping[str, Any]) -> str:
         """By what a margin is, and over which positions."""
-        words = [f"positions {_stretch(margin['first'], margin['last'], margin['unit'])}"]
-        if margin["travel"] is not None:
-            words[0] += f" of {_stretch(*margin['travel'], margin['unit'])} analysed"
-        else:
-            words[0] += " analysed, of a travel whose end no latch or stop states"
+        unit, travel = margin["unit"], margin["travel"]
+        words = [f"positions {_stretch(margin['first'], margin['last'], unit)}"]
+        words[0] += (f" of {_stretch(*travel, unit)} analysed" if travel is not None else
+                     " analysed, of a travel whose end no latch or stop states")  # fmt: skip
         if margin["starts_vary"]:
             words[0] += ", those of the nominal run; each other run begins where it starts"
-        words += [f"without {', '.join(margin['without'])}"] if margin["without"] else []
-        words += [f"own factors: {', '.join(margin['own'])}"] if margin["own"] else []
-        words += [f"with {', '.join(margin['added'])}"] if margin["added"] else []
-        words += [f"{', '.join(margin['locked'])} standing"] if margin["locked"] else []
+        lists = {"without": "without {}", "own": "own factors: {}", "added": "with {}",
+                 "locked": "{} standing"}  # fmt: skip
+        words += [t.format(", ".join(margin[key])) for key, t in lists.items() if margin[key]]
         for key, text in (("latches", "the latch {}, which catches on the way, has no part in it"),
                           ("motors", "the motor of {}, elastic, has no part in it")):  # fmt: skip
             words += [text.format(name) for name in margin[key]]
@@ -501,70 +501,61 @@ class _Sheet:
             if margin["standard"] == self.standard and not margin["own"]
         }  # fmt: skip
         springs = list(dict.fromkeys(name for m in margins.values() for name in m["springs"]))
-        if not springs:
-            return None
-        if len(springs) == 1:
-            text = f"{springs[0]} is a single spring, which is to be justified"
-            return _row("", _because(NOT_ANALYSED, text))
+        if len(springs) < 2:
+            text = f"{''.join(springs)} is a single spring, which is to be justified"
+            return _row("", _because(NOT_ANALYSED, text)) if springs else None
         verdicts = {
             margin["without"][0]: (name, self._margin(self._quantities[name]))
             for name, margin in margins.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
         }
-        rest = [name for name in springs if name not in verdicts]
-        text = "; ".join(
-            f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()
-        )
-        analysed = ", ".join(name for name, _ in verdicts.values())
         if not verdicts:
-            return _row("", _because(NOT_ANALYSED, f"{', '.join(springs)}"))
+            return _row("", _because(NOT_ANALYSED, ", ".join(springs)))
+        rest = [name for name in springs if name not in verdicts]
         states = {verdict.state for _, verdict in verdicts.values()}
-        state = next((member for member in STATES if member in states), MET)
-        if state == MET and not rest:
-            text = f"met in all of the box: with each single one of {', '.join(springs)} out"
-        elif rest:
+        state = next(member for member in STATES if member in states)
+        text = f"met in all of the box: with each single one of {', '.join(springs)} out"
+        if state != MET or rest:
+            texts = [f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()]
+            texts += [f"not analysed: {', '.join(rest)}"] if rest else []
             state = PARTIAL if state == MET else state
-            text += f"; not analysed: {', '.join(rest)}"
+            text = "; ".join(texts)
         text = text if text.startswith(state) else f"{state}: {text}"
+        analysed = ", ".join(name for name, _ in verdicts.values())
         return _row(f"one at a time: {analysed}", Verdict(state, text))
 
     def all_requirements(self) -> dict[str, str] | None:
         """Row on the part of the box of parameters in which all requirements, and all margins'
         limits, are met; None where the campaign has no requirements."""
-        free = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
             return None
+        rows, whole = self.facts["requirements"], self.facts["together"]
         analysed = (
-            f"all requirements together, over the box of {', '.join(free)}; "
+            f"all requirements together, over the box of {', '.join(self._free)}; "
             f"{self.facts['runs']['all']} runs, the worst places among them"
         )
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
-        rows, whole = self.facts["requirements"], self.facts["together"]
-        failures = [
-            name for row in rows if row["met"] in ("some", "none")
-            for name in [limit["quantity"] for limit in row["limits"] if limit["met"] != "all"]
-            or [row["name"]]
-        ]  # fmt: skip
-        failures += [name for name, state in states.items() if state == UNMET]
+        failures: dict[str, None] = {}
+        for row in (row for row in rows if row["met"] in ("some", "none")):
+            names = [limit["quantity"] for limit in row["limits"] if limit["met"] != "all"]
+            failures |= dict.fromkeys(names or [row["name"]])
+        failures |= dict.fromkeys(name for name, state in states.items() if state == UNMET)
         outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
-        open_ = [name for name, state in states.items() if state not in (MET, UNMET)]
-        if not free:
+        verdict = ALL_MEET
+        if failures and whole["met"] == "some":
+            share = numbers.share(whole["share"], whole["share_uncertainty"])
+            verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
+        elif not self._free:
             verdict = _because(NOT_ANALYSED, "no parameter is an interval")
         elif failures:
             verdict = SOME_FAIL
         elif whole["met"] != "all" or OPEN in outcomes:
             verdict = self._judge({}, {**whole, "met": "undecided"})
-        elif open_:
-            text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
+        elif unclear := [name for name, state in states.items() if state not in (MET, UNMET)]:
+            text = f"what the campaign requires is met; see the rows of {', '.join(unclear)}"
             verdict = _because(PARTIAL, text)
-        else:
-            verdict = ALL_MEET
-        if failures and whole["met"] == "some":
-            share = numbers.share(whole["share"], whole["share_uncertainty"])
-            verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
-        value = f"not met: {', '.join(dict.fromkeys(failures))}" if failures else ""
-        return _row(analysed, verdict, value)
+        return _row(analysed, verdict, f"not met: {', '.join(failures)}" if failures else "")
 
     def balance(self) -> dict[str, str]:
         """Row on the runs' energy balance: met if energies change by much more than its error."""
@@ -590,18 +581,15 @@ class _Sheet:
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
-        free = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
             f"{numbers.quantity(p['value'], p['units'], 4)})"
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
-        if not free:
+        if not self._free:
             return _row("", NO_VERDICT)
-        verdict = Verdict(REPORT, "reported")
-        if fixed:
-            verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}")
-        return _row("parameters that are intervals", verdict, ", ".join(free))
+        verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}") if fixed else REPORTED
+        return _row("parameters that are intervals", verdict, ", ".join(self._free))
 
     def tests(self) -> dict[str, str]:
         """Row on what measured curves leave of the parameters' box, or that they refute it."""
@@ -615,17 +603,14 @@ class _Sheet:
         )
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
-            least = numbers.number(measured["least"])
-            text = f"not met: the model comes no nearer than {least} bands to the tests. "
-            text += sentence("differing", self.facts, escapes=False)
-            text = text.strip().removesuffix(".")
-            if not measured["refuted"]:
-                text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"
-            return _row(analysed, Verdict(UNMET, text), "", nearest)
+            text = f"what the tests leave does not explain {', '.join(failed_checks)}"
+            if measured["refuted"]:
+                least = numbers.number(measured["least"])
+                text = f"the model comes no nearer than {least} bands to the tests. "
+                text = (text + sentence("differing", self.facts, escapes=False)).strip()
+            return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
         value = "; ".join(
-            f"{p['name']} {numbers.number(p['after'][0], 4)} to "
-            f"{numbers.quantity(p['after'][1], p['units'], 4)}"
-            for p in measured["parameters"]
+            f"{p['name']} {_stretch(*p['after'], p['units'])}" for p in measured["parameters"]
         )
         verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
@@ -636,9 +621,8 @@ class _Sheet:
         """Row that names for each quantity the parameter that widens its interval most."""
         texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
-        return _row("shares of the widths of quantities, by their surrogates",
-                    Verdict(REPORT, "reported"),
-                    "most: " + ", ".join(texts)) if texts else None  # fmt: skip
+        analysed = "shares of the widths of quantities, by their surrogates"
+        return _row(analysed, REPORTED, f"most: {', '.join(texts)}") if texts else None
 
     def budget(self) -> dict[str, str] | None:
         """Row on the width of each quantity's interval, now and with the main tolerance halved."""
@@ -647,12 +631,10 @@ class _Sheet:
             if name := decisive(row):
                 widths = (row["surrogate_upper"] - row["surrogate_lower"],
                           row["influence"][name]["halved"])  # fmt: skip
-                widths = (numbers.quantity(width, row["units"], 2) for width in widths)
-                texts.append("{}: {}, {} with half the tolerance of {}".format(
-                    row["name"], *widths, name))  # fmt: skip
-        return _row(
-            "widths of intervals, and with half of the tolerance that widens each most",
-            Verdict(REPORT, "reported"), "; ".join(texts)) if texts else None  # fmt: skip
+                now, halved = (numbers.quantity(width, row["units"], 2) for width in widths)
+                texts.append(f"{row['name']}: {now}, {halved} with half the tolerance of {name}")
+        analysed = "widths of intervals, and with half of the tolerance that widens each most"
+        return _row(analysed, REPORTED, "; ".join(texts)) if texts else None
 
 
 ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {

@@ -1,7 +1,7 @@
 """Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from deployable.campaign.errors import CampaignError
@@ -11,58 +11,49 @@ from deployable.campaign.files import check_results
 
 @dataclass(frozen=True)
 class ExportFormat:
-    """A format in which a run is exported, such as vtk. write: function ``write(run, folder,
-    frames)`` that simulates a `SelectedRun`, writes the files and returns the paths to open; of
-    moving pictures also with `by_stress` (colours); summary: what the format is, in words; frames:
-    how many by default; takes: names of results that `write` reads besides `samples.nc`."""
+    """A format in which a run is exported, such as vtk. writer: module of the campaign, and
+    function in it, which is imported when it is used; summary: what the format is, in words;
+    frames: how many by default; suffix: of the file into which ``writer(motion, path)`` writes the
+    motion of the run, of moving pictures also with `by_stress` (colours), and whose path it
+    returns; without one ``writer(run, folder, frames)`` simulates the `SelectedRun`, and returns
+    the paths to open; takes: names of results that it reads besides `samples.nc`."""
 
-    write: Callable[..., list[Path]]
+    writer: str
     summary: str
     frames: int
+    suffix: str = ""
     takes: tuple[str, ...] = ()
 
-
-def _motion_file(suffix: str) -> Callable[..., list[Path]]:
-    def write(run: SelectedRun, folder: Path, frames: int, **colours: bool) -> list[Path]:
-        from deployable.campaign.export.vtk import write_vtk
-        from deployable.campaign.pictures.animation import write_moving
-        from deployable.campaign.pictures.glb import write_glb
-
-        write_motion = {"pvd": write_vtk, "glb": write_glb}.get(suffix, write_moving)
-        return [write_motion(run.motion(frames), folder / f"{run.name}.{suffix}", **colours)]
-
-    return write
-
-
-def _csv(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    from deployable.campaign.export.tables import write_tables
-
-    return write_tables(run, folder)
-
-
-def _figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    from deployable.campaign.export.figures import write_figures
-
-    return write_figures(run, folder, frames)
+    def write(self, run: SelectedRun, folder: Path, frames: int, **colours: bool) -> list[Path]:
+        """Simulate a run, write it with so many frames into a folder, and return the paths of the
+        files to open. colours: `by_stress` of moving pictures."""
+        module, function = self.writer.split(":")
+        writer = getattr(import_module(f"deployable.campaign.{module}"), function)
+        if not self.suffix:
+            return writer(run, folder, frames)
+        return [writer(run.motion(frames), folder / f"{run.name}{self.suffix}", **colours)]
 
 
 _CURVES = "bounds.nc", "sensitivities.nc"
+_MOVING = "pictures.animation:write_moving"
 FORMATS = {
     "vtk": ExportFormat(
-        _motion_file("pvd"), "a collection for ParaView: a .pvd, and two .vtu for every frame", 101
+        "export.vtk:write_vtk",
+        "a collection for ParaView: a .pvd, and two .vtu for every frame", 101, ".pvd",
     ),
     "glb": ExportFormat(
-        _motion_file("glb"), "one glTF file that moves, for viewers and Blender", 101
+        "pictures.glb:write_glb", "one glTF file that moves, for viewers and Blender", 101, ".glb"
     ),
-    "gif": ExportFormat(_motion_file("gif"), "a moving picture", 60),
-    "webp": ExportFormat(
-        _motion_file("webp"), "a moving picture, smaller and with more colours", 60
+    "gif": ExportFormat(_MOVING, "a moving picture", 60, ".gif"),
+    "webp": ExportFormat(_MOVING, "a moving picture, smaller and with more colours", 60, ".webp"),
+    "figures": ExportFormat(
+        "export.figures:write_figures", "figures for a journal: PDF, SVG, PNG", 401, takes=_CURVES
     ),
-    "figures": ExportFormat(_figures, "figures for a journal: PDF, SVG, PNG", 401, _CURVES),
     "csv": ExportFormat(
-        _csv, "curves of the run; of a campaign also its bounds and runs", 0, _CURVES[:1]
+        "export.tables:write_tables",
+        "curves of the run; of a campaign also its bounds and runs", 0, takes=_CURVES[:1],
     ),
-}
+}  # fmt: skip
 
 
 MOVIES = ("gif", "webp")

@@ -21,11 +21,12 @@ _INTERVAL = ("lower", "nominal", "upper", "error", "happens")
 _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
-def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
+def write_tables(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     """Simulate a run, write its curves over time as one table `<run.name>.csv` into `folder`, which
     is made if missing, and return the paths of all files. For a run of a campaign's results these
     are also `bounds.csv`, `runs.csv` and, if there are quantities, `quantities.csv`, of the whole
-    campaign. Units stand in the headings. Raises `CampaignError` if the run fails."""
+    campaign. Units stand in the headings; `frames` do not count. Raises
+    `CampaignError` if the run fails."""
     tables = {f"{run.name}.csv": _columns(tabulate_curves(run.outcome(), run.responses))}
     if run.folder:
         tables["bounds.csv"] = _columns(tabulate_bounds(run.folder))

@@ -286,30 +286,23 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [
-        row
-        for row in rows
+        row for row in rows
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
-    ]
-    unmet_rows = [row for row in intervals if not _is_met(row["errors"])]
-    unmet = [row["name"] for row in unmet_rows]
-    reasons = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
-    reasons += [
-        f"The search for the bounds of {row['name']} ended as {row['search_end']}"
-        for row in unmet_rows
-        if row.get("search_end")
-    ]
-    reason = (
-        ". ".join(text.removesuffix(".") for text in reasons)
-        or "Finer steps and meshes change bounds too much"
-    )
+    ]  # fmt: skip
+    unmet = [row for row in intervals if not _is_met(row["errors"])]
+    texts = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
+    texts += [f"The search for the bounds of {row['name']} ended as {row['search_end']}"
+              for row in unmet if row.get("search_end")]  # fmt: skip
+    texts = texts or ["Finer steps and meshes change bounds too much"]
+    reason = ". ".join(text.removesuffix(".") for text in texts)
     if not unmet and intervals:
         row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
         share, target = row["errors"]["share"], row["errors"]["target"]
         reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
     return {
         "met": not unmet,
-        "unmet": unmet,
+        "unmet": [row["name"] for row in unmet],
         "others": len(intervals) - len(unmet),
         "reason": reason,
         "rounds": len(plan.adaptive.rounds),

@@ -55,27 +55,26 @@ class QuantityResults(NamedTuple):
 
 def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float) -> dict[str, Any]:
     """The row of quantity `i`. data: all columns by name; duration: of the runs (s)."""
-    keys = {"name": "quantity", "long_name": "quantity_long_name", "units": "quantity_units"}
-    row = {name: str(data[key][i]) for name, key in (keys | {"fit": "fit"}).items()}
+    texts = {"name": "quantity", "long_name": "quantity_long_name", "units": "quantity_units",
+             "fit": "fit"}  # fmt: skip
+    row: dict[str, Any] = {name: str(data[key][i]) for name, key in texts.items()}
     if "search_end" in data and data["search_end"][i]:
         row["search_end"] = str(data["search_end"][i])
-    numbers = [*_NUMBERS, *(key for key in _ERRORS if key in data)]
-    row |= {key: number(data[key][i]) for key in numbers}
+    row |= {key: number(data[key][i]) for key in (*_NUMBERS, *_ERRORS) if key in data}
     if "error_whole" in row:
-        parts = {name: row.get(f"error_{name}", row["error"]) for name in COMPONENTS
-                 if name == "surrogate" or f"error_{name}" in row}  # fmt: skip
-        row["errors"] = add_total_error(parts, None if row["lower"] is None else
-                                        row["upper"] - row["lower"])  # fmt: skip
+        keys = zip(COMPONENTS, ("error", *_ERRORS), strict=False)
+        parts = {name: row[key] for name, key in keys if key in row}
+        width = None if row["lower"] is None else row["upper"] - row["lower"]
+        row["errors"] = add_total_error(parts, width)
     row |= {key: int(data[key][i]) for key in ("runs_with", "runs_without")}
-    sides = ("lower", "upper")
     row["predicted_ends"] = [
-        side for side in sides
+        side for side in ("lower", "upper")
         if data[f"unconverged_{side}"][i] and row[side] != row[f"simulated_{side}"]
     ]  # fmt: skip
     is_late = data["is_time"][i] and row["runs_without"] and (row["upper"] or 0.0) >= duration
     row["censored_at"] = duration if is_late else None
-    row |= {key: dict(zip(parameters, map(number, data[key][i]), strict=True))
-            for key in ("argmin", "argmax")}  # fmt: skip
+    for key in ("argmin", "argmax"):
+        row[key] = dict(zip(parameters, map(number, data[key][i]), strict=True))
     row["influence"] = {
         name: {key: number(data[key][i, j]) for key in _INFLUENCE}
         for j, name in enumerate(parameters)

@@ -93,22 +93,21 @@ class ScanChunk:
 
     def write(self, path: Path) -> None:
         """Write the chunk to the netCDF file `path`, without a seal (checksum)."""
-        compression = {"zlib": True, "complevel": 1, "shuffle": True}
-        events, curves = ("run", "event"), ("response", "time")
+        options = {"zlib": True, "complevel": 1, "shuffle": True}
+        events, curves, bounds = ("run", "event"), ("response", "time"), self.bounds
+        tables = bounds.low, bounds.high, bounds.low_run, bounds.high_run
         variables = {
             "time": ("f8", ("time",), self.time, {}),
-            "first": ("f8", curves, self.first, compression),
+            "first": ("f8", curves, self.first, options),
             "overlap": ("f8", (), self.overlap, {}),
-            "done": ("i1", ("run",), self.mask, compression),
-        }
+            "done": ("i1", ("run",), self.mask, options),
+            **{name: (kind, curves, table, options)
+               for (name, kind), table in zip(CURVES.items(), tables, strict=True)},
+            **{name: (kind, events, self.events[name], {"fill_value": fill, **options})
+               for name, (kind, fill) in EVENTS.items()},
+        }  # fmt: skip
         if self.quantities:
-            variables["quantities"] = "f8", ("run", "pair", "quantity"), self.numbers, compression
-        run = self.bounds
-        tables = run.low, run.high, run.low_run, run.high_run
-        for (name, kind), values in zip(CURVES.items(), tables, strict=True):
-            variables[name] = kind, curves, values, compression
-        for name, (kind, fill) in EVENTS.items():
-            variables[name] = kind, events, self.events[name], {"fill_value": fill, **compression}
+            variables["quantities"] = "f8", ("run", "pair", "quantity"), self.numbers, options
         common.write_netcdf(path, {"contact": self.contacts, **common.names_of(self)}, variables)
 
     @classmethod

@@ -4,7 +4,6 @@ import math
 import re
 import shutil
 from pathlib import Path
-from typing import Any
 
 import fpm
 from deployable.campaign import program_data
@@ -13,6 +12,7 @@ from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 from deployable.campaign.folder import CAMPAIGN
+from deployable.campaign.results.templates import environment
 from fpm.files.outcome import eventful
 
 SNAKEFILE = f'''\
@@ -99,40 +99,16 @@ def campaign_of(path: Path, name: str) -> str:
     real = [key for key, p in scene.parameters.items() if p.kind == "real" and p.default]
     if not real:
         raise CampaignError(f"{path} has no real parameter, so that nothing can be an interval")
-    table = [_line(key, parameter) for key, parameter in scene.parameters.items()]
-    responses = [
-        f"  {_name(point)}_speed: {{velocity: {point}, component: norm}}" for point in scene.points
+    latches = [
+        e.name.removeprefix("latch ") for e in eventful(scene.sample) if "latches" in e.events
     ]
-    responses += [f"  {_name(hinge)}_opening: {{opening: {hinge}}}" for hinge in scene.hinges]
-    first = scene.parameters[real[0]]
-    catches = {f"t_{_name(latch)}": latch for latch in _latches(scene)}
-    return "\n".join(
-        [
-            f"# {scene.description or scene.name}",
-            f"campaign: {re.sub('[^A-Za-z0-9_-]+', '-', path.stem).strip('-_')}",
-            "",
-            "scene:",
-            f"  file: {name}",
-            "  parameters: {} # what differs from the structure's own values, which are",
-            *table,
-            "",
-            "solver:",
-            f"  duration: {_round_up(run_duration(scene.sample)):g} # s, by what moves it at the "
-            "start; longer if it still opens",
-            "  instants: 501",
-            "",
-            "# What is not known exactly; `absolute`, or `lower` and `upper`, are allowed too.",
-            "intervals:",
-            f"  {real[0]}: {{nominal: {first.default!r}, relative: 0.01}} # {first.unit}",
-            "",
-            "design: {method: smolyak, order: 2} # which runs are made",
-            "",
-            "responses:",
-            *responses,
-            *_write_catches(catches),
-            "",
-        ]
-    )
+    text = environment().get_template("campaign.yaml.jinja").render(
+        structure=scene, file=name, uncertain=real[0], key=_name, repr=repr,
+        campaign=re.sub("[^A-Za-z0-9_-]+", "-", path.stem).strip("-_"),
+        duration=_round_up(run_duration(scene.sample)),
+        catches={f"t_{_name(latch)}": latch for latch in latches},
+    )  # fmt: skip
+    return f"{text.rstrip()}\n"
 
 
 def _round_up(seconds: float) -> float:
@@ -144,31 +120,3 @@ def _round_up(seconds: float) -> float:
 def _name(text: str) -> str:
     """What a response or quantity can be called after something."""
     return re.sub("[^A-Za-z0-9_]+", "_", text)
-
-
-def _latches(structure: Any) -> list[str]:
-    """The latches of a structure by their own names."""
-    elements = eventful(structure.sample)
-    return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]
-
-
-def _write_catches(catches: dict[str, str]) -> list[str]:
-    """Lines that ask when latches catch, by names of the times, and whether all do."""
-    if not catches:
-        return []
-    return [
-        "",
-        "quantities: # when each latch catches; the duration must be long enough for it",
-        *(f"  {time}: {{event: latches, of: {latch}}} # s" for time, latch in catches.items()),
-        "",
-        "requirements:",
-        "  latches:",
-        *(f"    {time}: {{happens: true}}" for time in catches),
-    ]
-
-
-def _line(name: str, parameter: Any) -> str:
-    """A parameter as a comment: name, value, unit, what it is."""
-    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
-    default = "" if parameter.default is None else f" {parameter.default!r}{unit}"
-    return f"  #   {name}:{default}, {parameter.description}".rstrip(", ")

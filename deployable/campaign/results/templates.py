@@ -20,13 +20,13 @@ from deployable.campaign.results.response_bounds import COMPONENTS
 from deployable.campaign.text import numbers
 from fpm.kernels.sources import user_cache
 
-_FOLDER = Path(__file__).parent
+_FOLDERS = [Path(__file__).parents[1] / room for room in ("results", "report", "cli")]
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
-    """Make a jinja2 environment that renders the templates of this folder and of `report/`, with
-    this program's filters. units: spellings such as `m/s` that stay on one line with their number,
-    in HTML; html: whether texts are escaped for HTML."""
+    """Make a jinja2 environment that renders the templates of this folder, of `report/` and `cli/`,
+    with this program's filters. units: spellings such as `m/s` that stay on one line with their
+    number, in HTML; html: whether texts are escaped for HTML."""
     import jinja2
 
     class CompiledTemplates(jinja2.FileSystemBytecodeCache):
@@ -48,7 +48,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
     env = jinja2.Environment(
-        loader=jinja2.FileSystemLoader([_FOLDER, _FOLDER.parent / "report"]), autoescape=html,
+        loader=jinja2.FileSystemLoader(_FOLDERS), autoescape=html,
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
         finalize=tie_units if html else None,
         bytecode_cache=CompiledTemplates(str(folder), f"{'html' if html else 'text'}-%s"),

@@ -66,30 +66,23 @@ def answer(
         model.add(points)
     error = _error(model, choose, None if best.is_allowed else specs)
     decides = find_deciding_parameters(trials, error)
+    rows = []
+    for i, (name, (low, high)) in enumerate(choose.parameters.items()):
+        row = {"name": name, "units": experiment.scene_type.parameters[name].unit,
+               "lower": low, "upper": high, "value": float(best.values[i]), "decides": decides[i],
+               "safe": None, "safest": None}  # fmt: skip
+        if safest is not None:
+            row |= {"safe": list(safe_ranges[i]), "safest": float(safest.values[i])}
+        rows.append(row)
     choice = {
-        "parameters": [
-            {
-                "name": name,
-                "units": experiment.scene_type.parameters[name].unit,
-                "lower": low,
-                "upper": high,
-                "value": float(best.values[i]),
-                "decides": decides[i],
-                "safe": None if safest is None else list(safe_ranges[i]),
-                "safest": None if safest is None else float(safest.values[i]),
-            }
-            for i, (name, (low, high)) in enumerate(choose.parameters.items())
-        ],
+        "parameters": rows,
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
         "limits": list(map(partial(_limit, model), specs, best.margins, best.worst)),
         "tried": [
-            {
-                "values": trial.values.tolist(),
-                "goals": [number(value) for value in trial.goals],
-                "kept": trial.is_allowed,
-            }
+            {"values": trial.values.tolist(), "goals": list(map(number, trial.goals)),
+             "kept": trial.is_allowed}
             for trial in trials
         ],
         "fitted": {
@@ -100,7 +93,7 @@ def answer(
         },
         "runs": len(model.points),
         "simulated": model.simulated,
-    }
+    }  # fmt: skip
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 

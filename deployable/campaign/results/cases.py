@@ -82,21 +82,25 @@ def _select_cases(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[st
     return [name for name, row in rows.items() if row and row["met"] in verdicts]
 
 
+def _group(summaries: Mapping[str, Mapping], section: str) -> dict[str, dict[str, dict]]:
+    """Rows of a section of the summaries, by their name, then by case."""
+    by_name: dict[str, dict[str, dict]] = {}
+    for case, facts in summaries.items():
+        for row in facts.get(section, ()):
+            by_name.setdefault(row["name"], {})[case] = row
+    return by_name
+
+
 def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """Of each requirement of any case, what it is in all of them."""
-    by_name: dict[str, dict[str, Mapping]] = {}
-    for case, facts in summaries.items():
-        for row in facts.get("requirements", ()):
-            by_name.setdefault(row["name"], {})[case] = row
     rows = []
-    for name, by_case in by_name.items():
+    for name, by_case in _group(summaries, "requirements").items():
         limits: dict[tuple, dict[str, Mapping]] = {}
-        for case, row in by_case.items():
-            for limit in row["limits"]:
-                location = place(limit["at"], summaries[case]["parameters"])
-                details = {**limit, "requirement": name, "case": case, "where": location}
-                key = limit["quantity"], limit["kind"], limit["level"]  # each has its margins
-                limits.setdefault(key, {})[case] = details
+        for case, limit in ((case, x) for case, row in by_case.items() for x in row["limits"]):
+            location = place(limit["at"], summaries[case]["parameters"])
+            key = limit["quantity"], limit["kind"], limit["level"]  # each has its margins
+            details = {**limit, "requirement": name, "case": case, "where": location}
+            limits.setdefault(key, {})[case] = details
         comparisons = [_compare(group, list(summaries)) for group in limits.values()]
         rows.append({
             "name": name,
@@ -154,12 +158,8 @@ def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """The interval of each quantity in each case, and over all."""
     keys = "lower upper error units happens happens_uncertainty runs_without predicted_ends"
-    by_name: dict[str, dict[str, Mapping]] = {}
-    for case, facts in summaries.items():
-        for row in facts["quantities"]:
-            by_name.setdefault(row["name"], {})[case] = row
     rows = []
-    for name, by_case in by_name.items():
+    for name, by_case in _group(summaries, "quantities").items():
         first = next(iter(by_case.values()))
         ends: dict[str, Any] = {}
         for row in by_case.values():

@@ -6,16 +6,9 @@ from collections.abc import Iterable, Mapping
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results import review as sheet
 from deployable.campaign.results.facts import facts_of
 from deployable.campaign.results.mechanism import mechanism_of
-from deployable.campaign.results.review import (
-    HEADS,
-    as_csv,
-    budgets_of,
-    edition_of,
-    head_of,
-    rows_of,
-)
 from deployable.campaign.results.templates import summary_text
 
 
@@ -30,15 +23,15 @@ def summarise(
     facts = facts_of(folder, published, answers)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])
-        rows = rows_of(facts, read_plan(folder.plan).experiment, review)
+        rows = sheet.rows_of(facts, read_plan(folder.plan).experiment, review)
         facts["review"] = {
-            "title": edition_of(review),
-            "head": head_of(facts, rows, review),
-            "heads": HEADS,
+            "title": sheet.edition_of(review),
+            "head": sheet.head_of(facts, rows, review),
+            "heads": sheet.HEADS,
             "rows": rows,
-            "budgets": budgets_of(facts),
+            "budgets": sheet.budgets_of(facts),
         }
-        write_result(folder / "review.csv", as_csv(rows, review))
+        write_result(folder / "review.csv", sheet.as_csv(rows, review))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
     text = summary_text(facts)
     write_result(folder / "summary.json", json.dumps(facts, indent=2) + "\n")

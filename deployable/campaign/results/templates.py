@@ -7,15 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.provenance import program_digest
-from deployable.campaign.results.facts import (
-    SOFT,
-    decisive,
-    happens_only,
-    has_effect,
-    moments,
-    scarcest,
-    varies,
-)
+from deployable.campaign.results import facts
 from deployable.campaign.results.response_bounds import COMPONENTS
 from deployable.campaign.text import numbers
 from fpm.kernels.sources import user_cache
@@ -53,21 +45,23 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         finalize=tie_units if html else None,
         bytecode_cache=CompiledTemplates(str(folder), f"{'html' if html else 'text'}-%s"),
     )  # fmt: skip
-    filters = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "with_error", "earliest", "capitalise")  # fmt: skip
-    env.filters |= {name: getattr(numbers, name) for name in filters}
+    filters = {
+        numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
+                  "position", "with_error", "earliest", "capitalise"),
+        facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest"),
+    }  # fmt: skip
+    for module, names in filters.items():
+        env.filters |= {name: getattr(module, name) for name in names}
     env.filters |= {
-        "met_text": met_text, "decisive": decisive, "moments": moments,
-        "happens_only": happens_only, "doubts": doubts, "has_effect": has_effect,
-        "scarcest": scarcest,
+        "met_text": met_text, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.to_html, units=units),
     }  # fmt: skip
     env.tests |= {
-        "varying": varies,
+        "varying": facts.varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
-    env.globals |= {"SOFT": SOFT, "COMPONENTS": COMPONENTS, "VOLUME": numbers.VOLUME}
+    env.globals |= {"SOFT": facts.SOFT, "COMPONENTS": COMPONENTS, "VOLUME": numbers.VOLUME}
     return env
 
 

@@ -132,23 +132,21 @@ class Responses(Store):
             return
         outcomes = [result.outcome for result in results]
         impacts = [outcome.impacts() for outcome in outcomes]
-        contacts = impacts[0].names
+        contacts, ids = impacts[0].names, np.array([r.id for r in results], dtype=object)
         events = common.pad_events([impact.events for impact in impacts], least=1)
         overlaps = [common.largest_overlap(outcome.openings, contacts) for outcome in outcomes]
-        numbers = [common.numbers_of(self.quantities, outcome) for outcome in outcomes]
+        values, curves = common.values_of(self.responses, outcomes), ("run", "response", "time")
         # Not compressed: it would save a third, and take half of the time of writing.
         variables = {
             "time": ("f8", ("time",), outcomes[0].time, {}),
-            "values": ("f4", ("run", "response", "time"),
-                       common.values_of(self.responses, outcomes), {}),
-            "run_id": (str, ("run",), np.array([r.id for r in results], dtype=object), {}),
+            "values": ("f4", curves, values, {}),
+            "run_id": (str, ("run",), ids, {}),
             "overlap": ("f8", ("run",), overlaps, {}),
-            **{
-                name: ("f8", ("run", "event"), events[..., column], {"fill_value": np.nan})
-                for column, name in enumerate(EVENT_VARIABLES)
-            },
-        }  # fmt: skip
+        }
+        for name, column in zip(EVENT_VARIABLES, np.moveaxis(events, -1, 0), strict=True):
+            variables[name] = "f8", ("run", "event"), column, {"fill_value": np.nan}
         if self.quantities:
+            numbers = [common.numbers_of(self.quantities, outcome) for outcome in outcomes]
             variables["quantities"] = "f8", ("run", "pair", "quantity"), numbers, {}
         names = {"contact": contacts, **common.names_of(self)}
         path = self.path(group)

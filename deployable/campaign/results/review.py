@@ -37,7 +37,7 @@ class Verdict(NamedTuple):
 
 
 NO_VERDICT = Verdict(NOT_ANALYSED, NOT_ANALYSED)
-PLAIN_REPORT = Verdict(REPORT, REPORT)
+REPORT_ONLY = Verdict(REPORT, REPORT)
 ALL_MEET = Verdict(MET, "met in all of the box, by analysis")
 SOME_FAIL = Verdict(UNMET, "not met in at least a part of the box")
 ALL_FAIL = Verdict(UNMET, "not met anywhere in the box")
@@ -588,7 +588,9 @@ class _Sheet:
         ]  # fmt: skip
         if not self._free:
             return _row("", NO_VERDICT)
-        verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}") if fixed else PLAIN_REPORT
+        verdict = REPORT_ONLY
+        if fixed:
+            verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}")
         return _row("parameters that are intervals", verdict, ", ".join(self._free))
 
     def tests(self) -> dict[str, str]:
@@ -622,7 +624,7 @@ class _Sheet:
         texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         analysed = "shares of the widths of quantities, by their surrogates"
-        return _row(analysed, PLAIN_REPORT, f"most: {', '.join(texts)}") if texts else None
+        return _row(analysed, REPORT_ONLY, f"most: {', '.join(texts)}") if texts else None
 
     def budget(self) -> dict[str, str] | None:
         """Row on the width of each quantity's interval, now and with the main tolerance halved."""
@@ -631,10 +633,10 @@ class _Sheet:
             if name := decisive(row):
                 widths = (row["surrogate_upper"] - row["surrogate_lower"],
                           row["influence"][name]["halved"])  # fmt: skip
-                width_text, halved = (numbers.quantity(width, row["units"], 2) for width in widths)
-                texts.append(f"{row['name']}: {width_text}, {halved} with half the tolerance of {name}")
+                whole, half = (numbers.quantity(width, row["units"], 2) for width in widths)
+                texts.append(f"{row['name']}: {whole}, {half} with half the tolerance of {name}")
         analysed = "widths of intervals, and with half of the tolerance that widens each most"
-        return _row(analysed, PLAIN_REPORT, "; ".join(texts)) if texts else None
+        return _row(analysed, REPORT_ONLY, "; ".join(texts)) if texts else None
 
 
 ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {

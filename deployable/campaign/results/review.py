@@ -91,25 +91,8 @@ def head_of(
     """Write the paragraphs above a review sheet: how many rows have which verdict, the box of
     parameters, and how to read the numbers. facts: the campaign's results as plain data
     (`facts_of`); rows: the sheet's dicts (`rows_of`); standard: a key of `CLAUSES`."""
-    ends = []
-    for state in STATES:
-        state_rows = [row for row in rows if row["state"] == state]
-        names = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
-        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(names)})" * bool(names))
-    box = (
-        f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
-        f"{numbers.quantity(p['upper'], p['units'], 4)}"
-        for p in facts["parameters"]
-    )
-    return [
-        f"Of {len(rows)} rows: {'; '.join(ends)}.",
-        f"The box: {'; '.join(box) or 'no parameter is an interval'}. All else is as the "
-        "structure's file states it.",
-        f"Clauses and factors are those of {edition_of(standard)}. By analysis of a model, for "
-        "what the campaign states; no claim of compliance. A margin is what drives over what is "
-        "required, less 1; ± is the error of the computation at either end of an interval, not of "
-        f"what it was given; a share of the box is {numbers.VOLUME}.",
-    ]
+    arguments = facts, rows, STATES, edition_of(standard)
+    return sentence("sheet_head", *arguments, escapes=False).strip().split("\n\n")
 
 
 def edition_of(standard: str) -> str:

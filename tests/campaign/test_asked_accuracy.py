@@ -25,6 +25,7 @@ from deployable.campaign.plan.accuracy import (
 from deployable.campaign.plan.decide import RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
+from deployable.campaign.results.run_samples import RunTable
 from deployable.campaign.results.templates import sentence
 from deployable.intervals.scalars import estimate_bounds, fit_scalar
 
@@ -212,8 +213,8 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
     def sought(change):
         values = curves.copy()
         values[:, change] **= 3
-        samples = xr.Dataset({"normalized": (("run", "parameter"), unit),
-                              "values": (("run", "response", "time"), values)})  # fmt: skip
+        table = RunTable(unit, unit, unit[:, :0], unit[:, :0])
+        samples = SimpleNamespace(table=table, curves=lambda *where: values[where])
         return _infill_points(experiment, samples, ["BD"], count=8, seed=3)
 
     wanted = list(experiment.responses).index("BD")

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import CHECK_POINTS
 from deployable.campaign.plan.accuracy import _halve, _refinement_state, extend_plan, start_plan
 from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
-from fpm.files.seals import whole_file
+from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds
+from deployable.campaign.results.run_samples import RunTable
 
 
 @pytest.fixture
@@ -70,10 +71,8 @@ def test_costs_of_rounds_add_up(experiment, action, new):
 
 
 @pytest.fixture
-def decided(experiment, tmp_path, monkeypatch):
+def decided(experiment):
     """Function of errors as shares of the width, by part: the plan after the first, and that."""
-    # The results are a few variables of what there would be.
-    monkeypatch.setattr("deployable.campaign.files.experiment_of", lambda path: None)
 
     def plan_after(check=("mesh",), **shares):
         plan = start_plan(experiment)
@@ -81,24 +80,16 @@ def decided(experiment, tmp_path, monkeypatch):
         rng, unit = np.random.default_rng(2), plan.runs.normalized
         time = np.linspace(0.0, 1.0, 9)
         curves = np.sin(3 * unit[:, :1, None] + time) * rng.uniform(0.5, 1, (1, 2, 1))
-        samples = xr.Dataset({
-            "normalized": (("run", "parameter"), unit),
-            "values": (("run", "response", "time"), curves),
-            "quantities": (("run", "quantity"), 2 + unit[:, :1]),
-        })  # fmt: skip
-        flat = ("response", "time"), np.ones((2, 9))
-        bounds = xr.Dataset(
-            {"lower": 0 * xr.DataArray(flat[1], dims=flat[0]), "upper": flat}
-            | {f"share_{part}": ("response", [share] * 2) for part, share in shares.items()}
-            | {f"error_{part}": (flat[0], share * flat[1]) for part, share in shares.items()}
-            | {f"quantity_error_{part}": ("quantity", [0.0]) for part in shares if part in check},
-            coords={"time": time, "response": ["BD", "vBz"]},
-        ).assign(error_share_of_width=("response", [sum(shares.values())] * 2))
-        paths = tmp_path / "samples.nc", tmp_path / "bounds.nc"
-        for data, path in zip((samples, bounds), paths, strict=True):
-            with whole_file(path, {"name": path.name}) as temporary:
-                data.to_netcdf(temporary)
-        return plan, extend_plan(experiment, plan, *paths)
+        samples = SimpleNamespace(
+            table=RunTable(unit, unit, 2 + unit[:, :1], unit[:, :1]),
+            curves=lambda runs, responses: curves[runs, responses],
+        )
+        shares = {"surrogate": sum(shares.values())} | shares
+        rows = [ResponseBounds(name, name, "m", time, 0 * time, 0 * time + 1, error_shares=shares)
+                for name in ("BD", "vBz")]  # fmt: skip
+        errors = {part: np.zeros(1) for part in shares if part in check}
+        bounds = CampaignBounds(tuple(rows), [], {}, errors)
+        return plan, extend_plan(experiment, plan, samples, bounds)
 
     return plan_after
 

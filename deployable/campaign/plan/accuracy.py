@@ -11,7 +11,6 @@ rounds only make step and mesh fine enough for them."""
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,6 @@ from deployable.campaign.config.sections import (
     count_check_runs,
     count_first_runs,
 )
-from deployable.campaign.files import open_dataset
 from deployable.campaign.plan.decide import (
     CHECKED_RUNS,
     COMPONENTS,
@@ -62,34 +60,30 @@ def start_plan(experiment: Experiment) -> Plan:
     return _plan(experiment, points.tolist(), (), check)
 
 
-def extend_plan(
-    experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
-) -> Plan:
+def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -> Plan:
     """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,
     or a check of the errors by both; or the same plan, marked as the last, with the reason to stop.
-    experiment: has the `accuracy`; plan: of the finished round; samples_path, bounds_path: the
-    `samples.nc` and `bounds.nc` of that round."""
+    experiment: has the `accuracy`; plan: of the finished round; samples: its open `RunSamples`;
+    bounds: its `CampaignBounds`."""
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
-    with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
-        widths = _quantity_widths(base, samples)
-        shares, free = _relative_errors(plan, bounds, widths), base.solver.step == "auto"
-        check_runs = bounds.attrs.get("check_runs") if plan.adaptive.check else 0
-        refinement = _refinement_state(plan, shares, free, check_runs)
-        cost, decision = refinement.cost, refinement.decide()
-        whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
-        safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
-        new_round = Round(
-            cost.runs, whole, decision.action, decision.reason,
-            shares, cost.elements, float(safety), cost.seconds, cost.nodes,
-        )  # fmt: skip
-        rounds = (*state.rounds, new_round)
-        if decision.action == "stop":
-            return replace(plan, adaptive=Rounds(rounds, state.points, decision.met, state.check))
-        points = list(state.points)
-        if decision.action == "runs":
-            names = [errors.name for errors in refinement.reducible]
-            new = _infill_points(base, samples, names, cost.next_runs, len(rounds))
-            points += new.tolist()
+    widths = _quantity_widths(base, samples.table.numbers)
+    shares, free = _relative_errors(plan, bounds, widths), base.solver.step == "auto"
+    check_runs = bounds.attributes.get("check_runs") if plan.adaptive.check else 0
+    refinement = _refinement_state(plan, shares, free, check_runs)
+    cost, decision = refinement.cost, refinement.decide()
+    whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
+    safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
+    new_round = Round(
+        cost.runs, whole, decision.action, decision.reason,
+        shares, cost.elements, float(safety), cost.seconds, cost.nodes,
+    )  # fmt: skip
+    rounds = (*state.rounds, new_round)
+    if decision.action == "stop":
+        return replace(plan, adaptive=Rounds(rounds, state.points, decision.met, state.check))
+    points = list(state.points)
+    if decision.action == "runs":
+        names = [errors.name for errors in refinement.reducible]
+        points += _infill_points(base, samples, names, cost.next_runs, len(rounds)).tolist()
     finer = base
     if decision.action == "mesh":
         parameters = {**base.scene.parameters, target.mesh: 2 * cost.elements}
@@ -133,13 +127,12 @@ def _has_mesh(experiment: Experiment) -> bool:
     return experiment.scene_type.mesh is not None
 
 
-def _quantity_widths(experiment: Experiment, samples: Any) -> dict[str, float]:
-    """Differences of the largest and the least value of quantities in the runs, by name; 0 where
-    these are equal, or there is none."""
+def _quantity_widths(experiment: Experiment, numbers: np.ndarray) -> dict[str, float]:
+    """Differences of the largest and the least value of quantities in the runs, `numbers` (R, q),
+    by name; 0 where these are equal, or there is none."""
     widths = {}
-    for i, name in enumerate(experiment.quantities):
-        values = samples["quantities"].values[:, i]
-        values = values[np.isfinite(values)]
+    for name, column in zip(experiment.quantities, numbers.T, strict=True):
+        values = column[np.isfinite(column)]
         size = np.abs(values).max(initial=0.0)
         width = float(np.ptp(values)) if len(values) else 0.0
         widths[name] = width if width > ROUNDING * size else 0.0
@@ -149,32 +142,22 @@ def _quantity_widths(experiment: Experiment, samples: Any) -> dict[str, float]:
 def _relative_errors(
     plan: Plan, bounds: Any, widths: Mapping[str, float]
 ) -> dict[str, dict[str, float]]:
-    """Errors by part, as shares of widths: of responses by surrogate, step and mesh, of quantities
-    by step and mesh; these two as last checked. widths: of quantities in the runs."""
+    """Errors by component, as fractions of widths: of responses by surrogate, step and mesh, of
+    quantities by step and mesh; these two as last checked. widths: of quantities in the runs."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
-    errors = {}
-    for name in plan.experiment.responses:
-        row = bounds.sel(response=name)
-        surrogate = row["share_surrogate" if "share_surrogate" in row else "error_share_of_width"]
-        new = {"surrogate": float(surrogate)}
-        errors[name] = _parts(previous.get(name, {}), new, row, "share_{}", 1.0)
-    for i, name in enumerate(plan.experiment.quantities):
-        row = bounds.isel(quantity=i) if "quantity" in bounds.dims else {}
-        errors[name] = _parts(previous.get(name, {}), {}, row, "quantity_error_{}", widths[name])
+    errors = {row.name: row.error_shares for row in bounds.responses}
+    for i, (name, width) in enumerate(widths.items()):
+        sizes = {component: float(e[i]) for component, e in bounds.quantity_errors.items()}
+        errors[name] = {c: e / width if width > 0 else 0.0 for c, e in sizes.items()}
+    for name, shares in errors.items():
+        all_shares = {**previous.get(name, {}), **shares}
+        errors[name] = {"surrogate": shares["surrogate"]} if "surrogate" in shares else {}
+        for component in (component for component in COMPONENTS if component in all_shares):
+            is_known = all_shares[component] < UNKNOWN  # not so NaN
+            errors[name][component] = all_shares[component] if is_known else UNKNOWN
     return errors
-
-
-def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> dict[str, float]:
-    """Relative errors by surrogate, and by step and mesh: new ones, or else those known before."""
-    for component in ("step", "mesh"):
-        if name.format(component) in row:
-            error = float(row[name.format(component)]) / width if width > 0 else 0.0
-            new[component] = error if error < UNKNOWN else UNKNOWN  # NaN, too
-        elif component in previous:
-            new[component] = previous[component]
-    return new
 
 
 def _count_new_runs(plan: Plan) -> int:
@@ -268,7 +251,7 @@ def _infill_points(
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where a spline predicts wider responses of those
     that are `unmet`; the rest spread."""
-    runs, free = samples["normalized"].values, experiment.box.free
+    runs, free = samples.table.points, experiment.box.free
     points: list[np.ndarray] = []
 
     def take(candidates: Any, least: float) -> None:
@@ -279,7 +262,7 @@ def _infill_points(
 
     spacing = 2.0 * len(runs) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
-        values = samples["values"].values[:, rows].astype(float)
+        values = samples.curves(slice(None), rows).astype(float)
         seek, missing = intervals.seek_points, count - len(points)
         next_points, _ = seek(runs, values, missing, candidates=_CANDIDATES, seed=seed)
         take(next_points, 1e-3)

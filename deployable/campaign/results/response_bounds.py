@@ -2,7 +2,7 @@
 `sensitivities.nc` have them. Nothing else that shows or tells results knows these files."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,7 +25,8 @@ class ResponseBounds:
 
     name, long_name: of the response, the latter in words; kind: of the bounds, in words; errors:
     components of the error (T) by name, "held_out", "decay", and, where these were checked, those
-    of `COMPONENTS`; least, most: what bounds are within, for physical reasons, such as 0, NaN where
+    of `COMPONENTS`; error_shares: those of `COMPONENTS` as fractions of the width, both integrated
+    over time; least, most: what bounds are within, for physical reasons, such as 0, NaN where
     there is no limit; impossible: largest distance of the model beyond these, and when (s); growth
     (T): of a scan's bounds with the last quarter of its runs; violation, coverage: largest distance
     of validation runs outside the bounds, and the fraction of them inside, NaN or None without any;
@@ -46,6 +47,7 @@ class ResponseBounds:
     nominal: np.ndarray | None = None
     error: np.ndarray | None = None
     errors: Mapping[str, np.ndarray] = field(default_factory=dict)
+    error_shares: Mapping[str, float] = field(default_factory=dict)
     least: float = np.nan
     most: float = np.nan
     impossible: tuple[float, float] = (0.0, 0.0)
@@ -81,11 +83,13 @@ class ResponseBounds:
 @dataclass(frozen=True)
 class CampaignBounds:
     """Bounds of all responses of a campaign. parameters: dicts of the interval parameters (name,
-    units, lower, nominal, upper); attributes: of the file `bounds.nc`, by name."""
+    units, lower, nominal, upper); attributes: of the file `bounds.nc`, by name; quantity_errors: of
+    the bounds of quantities (q), in their units, by component, "step" and "mesh", if checked."""
 
     responses: tuple[ResponseBounds, ...]
     parameters: list[dict[str, Any]]
     attributes: Mapping[str, Any]
+    quantity_errors: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def time(self) -> np.ndarray:
@@ -115,18 +119,20 @@ def read_bounds(folder: Folder) -> CampaignBounds:
                                   for end in ("", "_time")), strict=True)],
             "abscissa": [_axis(text, time) for text in _column(file, "response_along", nones)],
         }  # fmt: skip
-        names = [f"error_{name}" for name in ("held_out", "decay", *COMPONENTS)]
-        errors = {name[6:]: file[name][:] for name in names if name in file.variables}
-        parameters = read_parameters(file)
+        errors = _components(file, "error", ("held_out", "decay", *COMPONENTS))
+        shares = {"surrogate": _column(file, "error_share_of_width", [np.nan] * len(nones))}
+        shares |= _components(file, "share")
+        parameters, quantity_errors = read_parameters(file), _components(file, "quantity_error")
     responses = [
         ResponseBounds(
             time=time, kind=attributes["bounds_kind"],
             errors={name: values[i] for name, values in errors.items()},
+            error_shares={name: float(values[i]) for name, values in shares.items()},
             **{key: values[i] for key, values in columns.items() if values is not None},
         )
         for i in range(len(nones))
     ]  # fmt: skip
-    return CampaignBounds(tuple(responses), parameters, attributes)
+    return CampaignBounds(tuple(responses), parameters, attributes, quantity_errors)
 
 
 def read_parameters(file: Any) -> list[dict[str, Any]]:
@@ -141,6 +147,12 @@ def read_parameters(file: Any) -> list[dict[str, Any]]:
 def _column(file: Any, name: str, default: Any = None) -> Any:
     """A variable of an open file; the default where it is absent."""
     return file[name][:] if name in file.variables else default
+
+
+def _components(file: Any, prefix: str, names: Sequence[str] = COMPONENTS) -> dict[str, np.ndarray]:
+    """Variables of an open file by component of an error, those that there are."""
+    columns = {name: _column(file, f"{prefix}_{name}") for name in names}
+    return {name: values for name, values in columns.items() if values is not None}
 
 
 def _axis(text: str, time: np.ndarray) -> dict[str, Any] | None:

@@ -121,9 +121,10 @@ class RunSamples:
         columns = [self._file[name][:][list(rows)] for name in EVENT_VARIABLES]
         return [table[np.isfinite(table[:, 0])] for table in np.stack(columns, axis=-1)]
 
-    def curves(self, run: int) -> np.ndarray:
-        """Responses (n, T) of a run (its index); not where there are extremes alone."""
-        return self._file["values"][run]
+    def curves(self, runs: int | slice, responses: list[int] | slice = slice(None)) -> np.ndarray:
+        """Responses (n, T) of a run, or (R, n, T) of several; not where there are extremes alone.
+        runs, responses: indices."""
+        return self._file["values"][runs, responses]
 
     def extreme_runs(self, response: int, instant: int) -> tuple[int, int]:
         """Indices of the runs with the least and the largest value of a response at an instant."""

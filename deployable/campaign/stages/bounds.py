@@ -1,5 +1,6 @@
 """Samples, surrogate and bounds of the runs."""
 
+from functools import partial
 from typing import Any
 
 from deployable.campaign.answers.discretization import check_bounds, checked_components
@@ -38,13 +39,8 @@ def bound(
     with report_seconds(f"{name}: gathering the runs", notify):
         collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
     components = checked_components(plan, verify)
-
-    def add_discretization(dataset: Any) -> Any:
-        return (
-            check_bounds(folder, dataset, jobs, notify, threads, components)
-            if components
-            else dataset
-        )
-
+    add_errors = partial(
+        check_bounds, folder, jobs=jobs, notify=notify, threads=threads, components=components
+    )
     with report_seconds(f"{name}: fitting the surrogate and searching its bounds", notify):
-        analyse(folder, bounds, add_discretization)
+        analyse(folder, bounds, add_errors if components else None)

@@ -7,6 +7,8 @@ from deployable.campaign.files import results_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import extend_plan, start_plan
 from deployable.campaign.plan.plan import read_plan, write_plan
+from deployable.campaign.results.response_bounds import read_bounds
+from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import BOUNDS_FILES, PLAN, plan_of, simulate
 from deployable.campaign.stages.bounds import bound
@@ -34,7 +36,9 @@ def work(
 def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
     """Choose the runs of the next round towards an accuracy; whether there is to be none."""
     if previous := folder.previous():
-        plan = extend_plan(experiment, read_plan(previous.plan), previous.samples, previous.bounds)
+        with open_samples(previous) as samples:
+            bounds = read_bounds(previous)
+            plan = extend_plan(experiment, read_plan(previous.plan), samples, bounds)
         notify(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
     else:
         warn(notify, experiment)

@@ -1,0 +1,87 @@
+"""Results in netCDF as objects: what these have is what the files have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
+from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
+from deployable.campaign.results.run_samples import RunTable, describe_events, open_samples
+
+
+def test_runs_are_those_of_the_plan(finished):
+    plan = read_plan(finished.plan)
+    with open_samples(finished) as samples, xr.open_dataset(finished.samples) as file:
+        assert samples.ids() == [run.id for run in plan.runs]
+        assert samples.ids([2, 0]) == [plan.runs[2].id, plan.runs[0].id]
+        assert samples.roles == [run.role for run in plan.runs] and samples.nominal == 0
+        assert samples.experiment == plan.experiment and samples.time_step == plan.time.step
+        np.testing.assert_array_equal(samples.table.values, plan.runs.values)
+        np.testing.assert_array_equal(samples.curves(1), file["values"].values[1])
+        np.testing.assert_array_equal(
+            samples.curves(slice(None), [1]), file["values"].values[:, [1]]
+        )
+        low, high = samples.extreme_runs(1, 5)
+        column = file["values"].values[:, 1, 5]
+        assert column[low] == column.min() and column[high] == column.max()
+        counts = samples.count()
+        assert counts["runs"] == len(plan.unique_runs()) and not samples.keeps_extremes
+
+
+def test_bounds_are_those_of_the_file(finished):
+    bounds = read_bounds(finished)
+    with xr.open_dataset(finished.bounds) as file, xr.open_dataset(finished.sensitivities) as more:
+        assert [row.name for row in bounds.responses] == file["response"].values.tolist()
+        for i, row in enumerate(bounds.responses):
+            for key in ("lower", "upper", "nominal", "error"):
+                np.testing.assert_array_equal(getattr(row, key), file[key].values[i])
+            np.testing.assert_array_equal(row.errors["decay"], file["error_decay"].values[i])
+            np.testing.assert_array_equal(row.widths, more["width"].values[i])
+            assert row.error_shares == {"surrogate": float(file["error_share_of_width"][i])}
+            assert row.widest == int((file["upper"] - file["lower"]).values[i].argmax())
+        assert bounds.parameters[0]["nominal"] == float(file["box_nominal"][0])
+        assert bounds.attributes["campaign"] == file.attrs["campaign"]
+
+
+def test_the_error_of_a_scan_that_grew_by_nothing_is_not_known():
+    zero = np.zeros(3)
+    bounds = ResponseBounds("x", "x", "m", zero, zero, zero, "least and largest sample", error=zero)
+    assert bounds.known_error is None and bounds.is_unknown(0.0) and not bounds.is_unknown(0.1)
+    assert replace(bounds, kind="enclosed range of the polynomial").known_error is zero
+    assert replace(bounds, error=np.array([0.0, 1.0, 0.0])).known_error is not None
+
+
+def test_quantities_have_their_further_runs(rich):
+    folder, _ = rich
+    results, experiment = QuantityResults.read(folder), read_plan(folder.plan).experiment
+    with xr.open_dataset(folder.quantities) as file, xr.open_dataset(folder.refinement) as further:
+        assert [row["name"] for row in results.rows] == file["quantity"].values.tolist()
+        assert [row["lower"] for row in results.rows] == file["lower"].values.tolist()
+        runs = FittedRuns.read(folder)
+        assert results.further_runs == runs.refinement_count == further.sizes["run"]
+        surrogates = runs.surrogates(experiment)
+        errors = [max(s.error, 0.0) for s in surrogates]
+        assert all(
+            e <= float(told) * (1 + 1e-12) for e, told in zip(errors, file["error"], strict=True)
+        )
+    before = FittedRuns.read(folder, refinements=False)
+    np.testing.assert_array_equal(before.points, runs.points[: len(before.points)])
+
+
+def test_events_are_told_in_the_order_of_time():
+    events = np.array([[0.3, 1, 0], [0.1, 0, 1]])
+    told = describe_events(events, ["a", "b"])
+    assert told == [{"time": 0.1, "contact": "a", "closing": True},
+                    {"time": 0.3, "contact": "b", "closing": False}]  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_tables_of_runs_are_put_below_each_other(count):
+    table = RunTable(np.zeros((3, 2)), np.ones((3, 2)), np.full((3, 1), 2.0), np.full((3, 1), 3.0))
+    whole = RunTable.join([table] * count)
+    assert [len(column) for column in whole] == [3 * count] * 4

@@ -101,9 +101,7 @@ def converge_bounds(
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
-        points = [point for b in (unmet if is_extra else bounds) for point in _infill(b)]
-        if specs and not is_extra:
-            points += model.find_missing(assess_limits(model, surrogates, specs).points)
+        points = _infill(model, *((unmet, ()) if is_extra else (bounds, specs)))
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
         if not points or not _grow(model, points):
@@ -259,12 +257,18 @@ def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
     return estimate._replace(value=value, error=error)
 
 
-def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
-    """Unit points (k) of the next runs for one quantity."""
-    points = [point for estimate in bounds.estimates for point in estimate.points]
-    occurrence = bounds.surrogate.occurrence
-    if occurrence.open_fraction > _MIN_FRACTION:
-        points += list(occurrence.infill_points(_SURFACE))
+def _infill(
+    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
+) -> list[np.ndarray]:
+    """Unit points (k) of the next runs for some quantities, and for limits of all of them."""
+    points = []
+    for b in bounds:
+        points += [point for estimate in b.estimates for point in estimate.points]
+        if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
+            points += list(b.surrogate.occurrence.infill_points(_SURFACE))
+    if specs:
+        surrogates = [b.surrogate for b in bounds]
+        points += model.find_missing(assess_limits(model, surrogates, specs).points)
     return points
 
 

@@ -63,9 +63,10 @@ def facts_of(
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
                 row["reached"] = approach
-    facts |= {name: read_json(folder / f"{name}.json") for name in answers}
-    if assessment := facts.pop("requirements", None):
-        facts |= {name: assessment[name] for name in ("requirements", "together")}
+    for name in answers:
+        answer = read_json(folder / f"{name}.json")
+        keys = ("requirements", "together") if name == "requirements" else ()
+        facts |= {key: answer[key] for key in keys} or {name: answer}
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
         del choice["fitted"]

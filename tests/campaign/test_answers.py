@@ -252,8 +252,9 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
         quantity_bounds, "_bounds",
         lambda climbs, *_: SimpleNamespace(relative_error=fall**bench.iterations),
     )  # fmt: skip
-    for name, result in (("_infill", [np.zeros(1)]), ("_spread", [np.zeros(1)])):
-        monkeypatch.setattr(quantity_bounds, name, lambda *_, result=result: result)
+    points = [np.zeros(1)]
+    monkeypatch.setattr(quantity_bounds, "_infill", lambda bench, ends, specs: points * len(ends))
+    monkeypatch.setattr(quantity_bounds, "_spread", lambda *_: points)
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
     monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
@@ -277,7 +278,9 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
             self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
     monkeypatch.setattr(quantity_bounds, "_bounds", lambda climbs, *_: len(bench.points))
-    monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
+    monkeypatch.setattr(
+        quantity_bounds, "_infill", lambda bench, ends, specs: [np.array([float(x)]) for x in ends]
+    )
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
     monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)

@@ -12,6 +12,7 @@ from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 from deployable.campaign.results.run_samples import RunTable, describe_events, open_samples
+from deployable.campaign.text.numbers import tie_units
 
 
 def test_runs_are_those_of_the_plan(finished):
@@ -85,3 +86,10 @@ def test_tables_of_runs_are_put_below_each_other(count):
     table = RunTable(np.zeros((3, 2)), np.ones((3, 2)), np.full((3, 1), 2.0), np.full((3, 1), 3.0))
     whole = RunTable.join([table] * count)
     assert [len(column) for column in whole] == [3 * count] * 4
+
+
+@pytest.mark.parametrize("units", [["N m", "N m s/rad"], ["N m s/rad", "N m"]])
+def test_units_stay_on_one_line_whatever_their_order(units):
+    """So that a page is the same whatever the order of a set."""
+    space = "\N{NO-BREAK SPACE}"
+    assert tie_units("1.2 N m s/rad", units) == f"1.2{space}N{space}m{space}s/rad"

@@ -47,14 +47,28 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
             setattr(loop, name, in_part(_name_of(value), value))
     substitutes = {id(compiled_loop.prepare_call): lambda _, *rest: partial(loop.run, *rest)}
     substitutes |= _find_overloads()
-    for name, operation in operations.items():
-        substitutes[id(getattr(vectors if name == "vector" else lanes, name))] = operation
+    for name, operation in {**operations, **_find_rows(**operations)}.items():
+        substitutes[id(getattr(vectors if hasattr(vectors, name) else lanes, name))] = operation
     for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
         for name, value in list(vars(module).items()):
             if id(value) in substitutes:
                 setattr(module, name, substitutes[id(value)])
     for name in hooks.ENTRIES:
         setattr(hooks, name, _call_each(hooks, name))
+
+
+def _find_rows(load: Callable, store: Callable, vector: Callable, **_) -> dict[str, Callable]:
+    """What reads and writes vectors, made of the operations on lanes."""
+
+    def get3(a, i, k):
+        return vector(load(a, i, k), load(a, i, k + 1), load(a, i, k + 2))
+
+    def put3(a, i, k, v):
+        store(a, i, k, v.x)
+        store(a, i, k + 1, v.y)
+        store(a, i, k + 2, v.z)
+
+    return {"get3": get3, "put3": put3}
 
 
 def _call_each(hooks: types.ModuleType, name: str) -> Callable:
@@ -67,8 +81,7 @@ def _call_each(hooks: types.ModuleType, name: str) -> Callable:
     def call_each(parts, *rest):
         kernels = ((hooks.KERNELS.get((type(part), name)), part) for part in parts)
         for k, (kernel, part) in enumerate(pair for pair in kernels if pair[0]):
-            columns = [hooks.ACCOUNTS + rest[0].accounts.shape[1] + k] * ("column" in arguments)
-            namespace["entry"](kernel, part, *rest, *columns)
+            namespace["entry"](kernel, part, *rest, k)
 
     return call_each
 

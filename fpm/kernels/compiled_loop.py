@@ -34,9 +34,9 @@ from fpm.errors import ChangedError, SceneError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
 from fpm.kernels.hooks import ENTRIES, HASHES, KERNELS, NAMES, Calls, entry_of
-from fpm.kernels.inlining import InlinedKernel
+from fpm.kernels.inlining import EntryCompiler, InlinedKernel
 from fpm.kernels.references import Reference
-from fpm.kernels.vectors import OPTIONS
+from fpm.kernels.vectors import INLINE
 from fpm.kernels.world import StepTime
 
 
@@ -170,7 +170,8 @@ def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) ->
     rest: further arguments of the function; the call reads and changes these arrays themselves."""
     helper = _start_helper(name, parts, world, rest)
     world_form = form_of(world)
-    codes = [_kernels(part, world, world_form) for part in parts]
+    codes = [_kernels(part, world, world_form) for part in reversed(parts)]
+    codes.reverse()
     memory = [_in_memory(part) for part in parts]
     calls = [
         [(code[hook], words.ctypes.data) for code, words in zip(codes, memory, strict=True)
@@ -209,15 +210,15 @@ HELPER = """
 import pickle, sys
 sys.path[:], name, parts, world, rest = pickle.load(sys.stdin.buffer)
 from fpm.kernels import compiled_loop
-compiled_loop.compile_backwards(name, parts, world, rest)
+compiled_loop.compile_from_start(name, parts, world, rest)
 """
 
 
 def _start_helper(
     name: str, parts: Sequence[tuple], world: tuple, rest: tuple
 ) -> subprocess.Popen | None:
-    """A process that compiles the same from the end on, where there is a core for it, and more than
-    one thing to compile; None: there is none. Locks see to it that nothing is compiled twice."""
+    """A process that compiles the same from the other end on, where there is a core for it and more
+    than one thing to compile; None: there is none. By locks nothing is compiled twice."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     if {type(part) for part in parts} <= {unit for unit, _ in READY} or cores == 1:
         return None
@@ -246,12 +247,12 @@ def _blank(value: Any) -> Any:
     return value
 
 
-def compile_backwards(name: str, parts: Sequence[tuple], world: tuple, rest: tuple) -> None:
-    """Compile what `prepare_call` needs of its arguments, in the other order. Only the form of
-    arrays counts, not their size."""
+def compile_from_start(name: str, parts: Sequence[tuple], world: tuple, rest: tuple) -> None:
+    """Compile what `prepare_call` needs of its arguments, in the other order: the loop first,
+    joints, which take longest, last. Only the form of arrays counts, not their size."""
     table = Calls(np.zeros(1, np.int64), np.zeros((0, 2), np.int64))
     _loop(name, (table, world, *rest))
-    for part in reversed(parts):
+    for part in parts:
         _kernels(part, world, form_of(world))
 
 
@@ -291,7 +292,7 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
             argument_types = {
                 "world": Reference(numba_type(world)),
                 "timing": numba_type(StepTime(0.0, 0.0, 0.0)),
-                **dict.fromkeys(("row", "column"), types.intp),
+                **dict.fromkeys(("row", "number"), types.intp),
                 **dict.fromkeys(("energies", "points"), lanes),
             }
             code, is_portable, is_own = {}, True, bool(find_user_sources(arrays))
@@ -345,11 +346,10 @@ def _compile(
 ) -> tuple[CodeLibrary, tuple[str, bytes]]:
     """A function compiled for arguments of some types: its library, and the name of the function in
     machine code and that code."""
-    dispatcher = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(function)
+    dispatcher = numba.njit(**{**INLINE, "pipeline_class": EntryCompiler})(function)
     dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
-    code = result.library.serialize_using_object_code()[2][0]
-    return result.library, (result.fndesc.llvm_func_name, code)
+    return result.library, (result.fndesc.llvm_func_name, result.library.object_code)
 
 
 def _make_ready(

@@ -5,6 +5,7 @@ A kind's kernel file has a named tuple of its arrays and, for what it does, kern
 (compiled_loop.py): at each hook the loop calls the kernels there are, in the order of the kinds. So
 a new mix of known kinds compiles nothing, and a scene pays nothing for what it lacks."""
 
+import functools
 import inspect
 from collections.abc import Callable
 from contextlib import suppress
@@ -12,14 +13,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import overload
+from numba import types
 
 from fpm.errors import SceneError
+from fpm.kernels.inlining import intrinsic
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
-from fpm.kernels.references import call, local_copy
+from fpm.kernels.references import calls_of, local_copy
 from fpm.kernels.sources import digests, file_of
-from fpm.kernels.vectors import INLINE, kernel
+from fpm.kernels.vectors import kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
 """The kernel for a named tuple and the name of a hook."""
@@ -89,36 +91,24 @@ class Calls(NamedTuple):
 
 
 ENTRIES: dict[str, tuple[list[str], str]] = {}
-"""Of each hook what is compiled for a kernel: its arguments beside `part`, and what it does."""
+"""Of each hook what is compiled for a kernel: its arguments beside `part`, the last of which is the
+number of the call among those of the hook, and what it does."""
 
 
-def _call_each(body: str = "", **extras: str) -> Callable:
-    """Return a decorator that makes a hook of an empty function of (parts, ...): it calls the
-    kernels of all types. body: what is compiled for a kernel, "": its call with the same arguments;
-    extras: arguments that it takes beside, each an expression in the number `k` of the call."""
+def _call_each(stub: Callable, body: str = "") -> Callable:
+    """Make a hook of an empty function of (parts, ...): it calls the kernels of all types. body:
+    what is compiled for a kernel, "": its call with the same arguments."""
+    _, *arguments = inspect.signature(stub).parameters
+    body = body or f"kernel(part, {', '.join(arguments)})"
+    ENTRIES[stub.__name__] = [*arguments, "number"], body
+    codegen = calls_of(len(NAMES))
+    NAMES.append(stub.__name__)
 
-    def declare(stub):
-        name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
-        argument_list, number = ", ".join(arguments), len(NAMES)
-        rest = ", ".join([argument_list, *extras.values()])
-        NAMES.append(name)
-        ENTRIES[name] = [*arguments, *extras], body or f"kernel(part, {argument_list})"
-        namespace = {"call": call, "ACCOUNTS": ACCOUNTS}
-        exec(
-            f"""
-def call_each(parts, {argument_list}):
-    for k in range(parts.starts[{number} + 1] - parts.starts[{number}]):
-        i = parts.starts[{number}] + k
-        call(parts.addresses[i, 0], parts.addresses[i, 1], ({rest},))
-def choose(parts, {argument_list}):
-    return call_each
-""",
-            namespace,
-        )
-        overload(stub, jit_options=INLINE)(namespace["choose"])
-        return stub
+    @functools.wraps(stub)
+    def definition(typingctx, *kinds):
+        return types.void(*kinds), codegen
 
-    return declare
+    return intrinsic(definition)
 
 
 def entry_of(arrays: type, name: str) -> tuple[Callable, list[str]]:
@@ -126,7 +116,8 @@ def entry_of(arrays: type, name: str) -> tuple[Callable, list[str]]:
     type's arrays and what the loop gives, whose names are returned as well. arrays: NamedTuple of
     the type; name: of the hook."""
     arguments, body = ENTRIES[name]
-    namespace = {"kernel": KERNELS[arrays, name], "store": store, "local_copy": local_copy}
+    tools = {"store": store, "local_copy": local_copy, "ACCOUNTS": ACCOUNTS}
+    namespace = {**tools, "kernel": KERNELS[arrays, name]}
     copies = "part, world = local_copy(part), local_copy(world)"
     exec(f"def {name}(part, {', '.join(arguments)}):\n    {copies}\n    {body}", namespace)
     return namespace[name], arguments
@@ -135,33 +126,33 @@ def entry_of(arrays: type, name: str) -> tuple[Callable, list[str]]:
 # In the order of a step. `timing` is the StepTime, `world` the World.
 
 
-@_call_each()
+@_call_each
 def forces(parts, world, timing):
     """Add the forces (N) and moments (N m) of all element types at timing.time to those of
     particles. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_call_each()
+@_call_each
 def note_events(parts, world, timing):
     """Write the events of the step that ends now into logs, by `events.note`; not called at the
     start. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_call_each()
+@_call_each
 def work_before(parts, world, timing):
     """Add to World.accounts the work (J) of the half step that ends now, by forces of now and
     velocities in its middle; not called at the start. parts: arrays of each element type; world:
     solver state (World); timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def restrain(parts, world, timing):
     """Change summed forces and momenta of particles before they act, as supports and damping do,
     and add to World.accounts the work (J) of the half step that begins. parts: arrays of each
     element type; world: solver state (World); timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def prepare(parts, world, timing):
     """Kick the bodies of joints, and get all ready for `solve`. The impulses of all forces on these
     bodies, over timing.kick (s), are added to their momenta, and those that keep the joints closed
@@ -171,7 +162,7 @@ def prepare(parts, world, timing):
     changed; timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def decide(parts, world, timing):
     """Hold or free openings in this step (as rigid latches and rigid friction do), by the impulses
     that `solve` found. Where anything changed, World.undecided is set, and `solve` and `decide` are
@@ -179,19 +170,19 @@ def decide(parts, world, timing):
     type; world: solver state (World); timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def solve(parts, world, timing):
     """Find the impulses of joints and other constraints in this step; called while World.undecided
     is set. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_call_each()
+@_call_each
 def move(parts, world, timing):
     """Move the particles that an element type moves itself over timing.step (s). parts: arrays of
     each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def look_back(parts, world, timing):
     """Correct the momenta half a step before the start, once, in the first step. `reflect` has just
     set them, in World.start_state, to those at the start less the change in the half step after it;
@@ -200,7 +191,7 @@ def look_back(parts, world, timing):
     of each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def work_after(parts, world, timing):
     """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
     parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
@@ -209,8 +200,10 @@ def work_after(parts, world, timing):
 # At checks and instants, with the positions of timing.time.
 
 
-@_call_each("store(energies, row, column, kernel(part, world))",
-            column="ACCOUNTS + world.accounts.shape[1] + k")  # fmt: skip
+SUM_COLUMN = "ACCOUNTS + world.accounts.shape[1] + number"
+
+
+@functools.partial(_call_each, body=f"store(energies, row, {SUM_COLUMN}, kernel(part, world))")
 def sum_energies(parts, world, energies, row):
     """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
     `energies`, the recorded ones. The kernel that a type registers takes (part, world) and returns
@@ -218,13 +211,13 @@ def sum_energies(parts, world, energies, row):
     type; world: solver state (World)."""
 
 
-@_call_each()
+@_call_each
 def work_of_place(parts, world, energies, row):
     """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
     arrays of each type; world: solver state; energies: Record.energies; row: instant's index."""
 
 
-@_call_each()
+@_call_each
 def record(parts, world, row):
     """Write what each element type records into its arrays, at recorded instants and at each check
     of the energy balance between them, and raise World.peaks, the largest values so far of watched
@@ -232,7 +225,7 @@ def record(parts, world, row):
     solver state (World); row: index of the instant in these arrays, of a spare last row between."""
 
 
-@_call_each()
+@_call_each
 def record_points(parts, world, points, row, timing):
     """Overwrite the recorded velocities (m/s) of named points on particles that an element type
     moves without momenta, as drives do. parts: arrays of each element type; world: solver state;
@@ -240,14 +233,14 @@ def record_points(parts, world, points, row, timing):
     the recorded instant, whose point n is points[row p + n]; timing: times of this step (s)."""
 
 
-@_call_each()
+@_call_each
 def work_due(parts, world, energies, row):
     """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
     it. parts: arrays of each element type; world: solver state (World); energies: Record.energies;
     row: index of the recorded instant."""
 
 
-@_call_each()
+@_call_each
 def record_step(parts, world, row, timing):
     """Write what each type records of the step that begins at an instant into its arrays. parts:
     arrays of each element type; world: solver state, World.start_state that at the step's start;
@@ -264,13 +257,13 @@ NAMES.append("energy_of")
 # When a lane fails.
 
 
-@_call_each()
+@_call_each
 def list_energies(parts, world):
     """After a failure, store every element's energy (J) in its row of World.rows, to name the
     worst. parts: arrays of each element type; world: solver state (World)."""
 
 
-@_call_each()
+@_call_each
 def list_excess(parts, world):
     """After a failure, store in World.rows, in the rows of each type, how large every element's
     watched quantity is. parts: arrays of each element type; world: solver state (World)."""

@@ -1,18 +1,52 @@
 """How kernels are compiled: into their callers only.
 
 numba makes machine code of every function that it compiles, and optimises each together with all
-that it calls. Kernels become part of what the loop calls at a hook, or of the loop, which are
-optimised whole in the end: for them both are left out, which halves what compiling takes."""
+that it calls. Kernels become part of what the loop calls at a hook, or of the loop: these are
+optimised whole, and alone get machine code. What kernels do not need is left out: numba's passes
+for other languages than theirs, its search for circles and counts of references, its engine."""
 
-from numba import types
+from collections.abc import Callable, Sequence
+from types import CodeType
+
+from numba.core import typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
 from numba.core.typing.context import BaseContext
+from numba.core.typing.templates import AbstractTemplate, ConcreteTemplate, Signature, infer_global
+from numba.extending import lower_builtin
+
+PASSES = PassManager("kernel")
+"""What numba does with a kernel, in this order."""
+
+for _pass in (
+    untyped_passes.TranslateByteCode,
+    untyped_passes.FixupArgs,
+    untyped_passes.IRProcessing,
+    untyped_passes.RewriteSemanticConstants,
+    untyped_passes.DeadBranchPrune,
+    untyped_passes.GenericRewrites,
+    untyped_passes.ReconstructSSA,
+    untyped_passes.DeadBranchPrune,
+    typed_passes.NopythonTypeInference,
+    typed_passes.PreLowerStripPhis,
+    typed_passes.NativeLowering,
+    typed_passes.NoPythonBackend,
+):
+    PASSES.add_pass(_pass, _pass.__name__)
+PASSES.finalize()
 
 
-class _InlinedLibrary(JITCodeLibrary):
+class KernelLibrary(JITCodeLibrary):
     """The code of a kernel, of which no machine code is made."""
+
+    def _optimize_functions(self, ll_module):
+        """Simplify functions a little; the rest is done when they are part of their callers."""
+        ll_module.data_layout = self._codegen._data_layout
+        for function in ll_module.functions:
+            passes, builder = self._codegen._function_pass_manager(opt=1)
+            passes.run(function, builder)
 
     def _optimize_final_module(self):
         """Optimise nothing: the code is optimised with that of its callers."""
@@ -20,7 +54,16 @@ class _InlinedLibrary(JITCodeLibrary):
     def _finalize_final_module(self):
         self._finalized = True
 
+    def _get_module_for_linking(self):
+        """Return the code itself, which goes into its callers: numba would copy it."""
+        self._ensure_finalized()
+        for function in self._final_module.functions:
+            if function.linkage.name == "external" and not function.is_declaration:
+                function.linkage = "linkonce_odr"
+        return self._final_module
+
     def get_pointer_to_function(self, name):
+        self._ensure_finalized()
         return 0
 
     @property
@@ -32,13 +75,44 @@ class _InlinedLibrary(JITCodeLibrary):
         """Set no environment: kernels use nothing of Python."""
 
 
-class InlinedCompiler(Compiler):
+class EntryLibrary(KernelLibrary):
+    """The code of what the loop calls, or of the loop, with all its kernels; object_code: of the
+    machine."""
+
+    def _optimize_final_module(self):
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+    def _finalize_final_module(self):
+        self._finalize_dynamic_globals()
+        self.object_code = self._codegen._tm.emit_object(self._final_module)
+        self._finalized = True
+
+
+class KernelCompiler(Compiler):
     """numba's compiler for kernels, functions that become part of their callers and are never
     called from Python: no machine code is made of them alone. typing, target, library, rest: as
     numba passes them; library is replaced."""
 
+    library = KernelLibrary
+
     def __init__(self, typing: BaseContext, target, library, *rest):
-        super().__init__(typing, target, _InlinedLibrary(target.codegen(), "inlined"), *rest)
+        super().__init__(typing, target, self.library(target.codegen(), "kernel"), *rest)
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Return PASSES, as a list; for functions within others, and `literal_unroll`, which these
+        do not know, all that numba has."""
+        code = self.state.func_id.code
+        is_nested = any(isinstance(value, CodeType) for value in code.co_consts)
+        if is_nested or "literal_unroll" in code.co_names:
+            return super().define_pipelines()
+        return [PASSES]
+
+
+class EntryCompiler(KernelCompiler):
+    """numba's compiler for what the loop calls, and for the loop: machine code is made."""
+
+    library = EntryLibrary
 
 
 class InlinedKernel(CPUDispatcher):
@@ -46,3 +120,41 @@ class InlinedKernel(CPUDispatcher):
 
     def get_call_template(self, args, kws):
         return super().get_call_template(tuple(map(types.unliteral, args)), kws)
+
+
+def intrinsic(definition: Callable) -> Callable:
+    """Decorator as numba's of this name, by which calls are typed in a tenth of the time: what a
+    function does in kernels is written in LLVM. definition(typingctx, *types): returns signature
+    and function that writes the code, or None for types that it does not take."""
+    signatures: dict[tuple, Signature | None] = {}
+
+    class Intrinsic(AbstractTemplate):
+        key = definition
+
+        def generic(self, args, kws):
+            if args not in signatures:
+                signature, write = definition(self.context, *args) or (None, None)
+                if signature:
+                    lower_builtin(definition, *signature.args)(write)
+                signatures[args] = signature
+            return signatures[args]
+
+    infer_global(definition, types.Function(Intrinsic))
+    return definition
+
+
+def type_operator(operation: Callable, cases: Sequence[Signature]) -> None:
+    """Let numba type an operator for lanes and vectors by one look-up, before all that it has of
+    its own. operation: of the module `operator`; cases: signatures, which are lowered already."""
+    signatures = {case.args: case for case in cases}
+
+    class Operator(ConcreteTemplate):
+        def apply(self, args, kws):
+            numbers = {a for a in args if isinstance(a, types.Number | types.Boolean)}
+            if len(numbers) < len(args) and not numbers <= {types.float64, types.int64}:
+                return super().apply(args, kws)  # as a product with a truth value
+            return signatures.get(args)
+
+    # Those for one target are tried before those for any.
+    Operator.cases, Operator.metadata = cases, {"target": "cpu"}
+    infer_global(operation)(Operator)

@@ -19,9 +19,10 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
-from numba.np.arrayobj import make_array
+from numba.core.typing.templates import signature
+from numba.extending import lower_builtin, models, register_model
+
+from fpm.kernels.inlining import intrinsic, type_operator
 
 WIDTH = 8
 """Samples that share one register in double precision."""
@@ -94,7 +95,8 @@ def _register_binary(op, instruction):
                 y = _as_lane(context, builder, args[1], sig.args[1], lane)
                 return getattr(builder, instruction)(x, y, flags=CONTRACT)
 
-    infer_global(op)(type(f"Lane_{instruction}", (ConcreteTemplate,), {"cases": cases}))
+    numbers = (types.float64, types.int64)[: 1 if op is operator.truediv else 2]
+    type_operator(op, [signature(n, n, n) for n in numbers] + cases)
 
 
 for _op, _instruction in _BINARY.items():
@@ -108,8 +110,7 @@ def _register_negative():
         def lower(context, builder, sig, args):
             return builder.fneg(args[0])
 
-    cases = [signature(lane, lane) for lane in ALL_LANES]
-    infer_global(operator.neg)(type("LaneNeg", (ConcreteTemplate,), {"cases": cases}))
+    type_operator(operator.neg, [signature(lane, lane) for lane in ALL_LANES])
 
 
 _register_negative()
@@ -117,30 +118,62 @@ _register_negative()
 
 def _pointer(context, builder, array_type, array, row, field):
     """Address of ``array[row, field, 0]`` of a C-contiguous array (no index wrap-around)."""
-    struct = make_array(array_type)(context, builder, array)
-    fields = cgutils.unpack_tuple(builder, struct.shape)[1]
+    place = context.data_model_manager[array_type].get_field_position
+    fields = builder.extract_value(array, [place("shape"), 1])
     lane = LANES[array_type.dtype][0]
     index = builder.add(builder.mul(row, fields), field)
     index = builder.mul(index, ir.Constant(index.type, lane.count))
-    address = builder.gep(struct.data, [index])
+    address = builder.gep(builder.extract_value(array, place("data")), [index])
     return builder.bitcast(address, context.get_value_type(lane).as_pointer())
 
 
-def _lane_of(array, row):
-    """The lane type that `row` (an index or a pair) of `array` is read into; None if unfit."""
+def lane_of(array, row):
+    """Return the lane type that `row` (an index or a pair; numba's types) of `array` is read into;
+    None if unfit."""
     if not (isinstance(array, types.Array) and array.ndim == 3 and array.layout == "C"):
         return None
     return LANES[array.dtype][row == PAIR]
 
 
-def _addresses(context, builder, sig, args):
-    """Addresses of the lanes at args[1] (row or pair of rows), args[2] (field) of args[0]."""
+def _addresses(context, builder, sig, args, count):
+    """Addresses of the lanes at args[1] (row, or each of a pair of rows) of args[0], in `count`
+    fields from args[2] on."""
     field = context.cast(builder, args[2], sig.args[2], types.intp)
     if sig.args[1] == PAIR:
         rows = cgutils.unpack_tuple(builder, args[1])
     else:
         rows = [context.cast(builder, args[1], sig.args[1], types.intp)]
-    return [_pointer(context, builder, sig.args[0], args[0], row, field) for row in rows]
+    first = [_pointer(context, builder, sig.args[0], args[0], row, field) for row in rows]
+    rest = [[builder.gep(a, [cgutils.intp_t(k)]) for a in first] for k in range(1, count)]
+    return [first, *rest]
+
+
+def read(context, builder, sig, args, count=1):
+    """Return the lanes in `count` fields of an array, as `load` reads one; arguments as numba gives
+    them to what writes the code of a function of (array, row, field, ...)."""
+    lane, values = lane_of(*sig.args[:2]), []
+    align = lane.scalar.bitwidth // 8
+    for addresses in _addresses(context, builder, sig, args, count):
+        parts = [builder.load(address, align=align) for address in addresses]
+        whole = _mask(range(lane.count))
+        values.append(parts[0] if len(parts) == 1 else builder.shuffle_vector(*parts, whole))
+    return values
+
+
+def write(context, builder, sig, args, values):
+    """Write lanes `values` to as many fields of an array, as `store` does one; the others: `read`.
+    Returns what a function without a result gives."""
+    lane = lane_of(*sig.args[:2])
+    align, half = lane.scalar.bitwidth // 8, lane.count // 2
+    fields = _addresses(context, builder, sig, args, len(values))
+    for addresses, value in zip(fields, values, strict=True):
+        if len(addresses) == 1:
+            builder.store(value, addresses[0], align=align)
+        else:
+            for k, address in enumerate(addresses):
+                part = _mask(range(k * half, (k + 1) * half))
+                builder.store(builder.shuffle_vector(value, value, part), address, align=align)
+    return context.get_dummy_value()
 
 
 def _mask(indices):
@@ -152,42 +185,21 @@ def _mask(indices):
 def load(typingctx, array, row, field):
     """Return the lanes (numbers of samples side by side) ``array[row, field, :]`` of a C-contiguous
     array (rows, fields, width). row: index, or two for twice the width; typingctx: numba's."""
-    lane = _lane_of(array, row)
-    if lane is None:
-        return None
-
-    def codegen(context, builder, sig, args):
-        align = lane.scalar.bitwidth // 8
-        values = [builder.load(a, align=align) for a in _addresses(context, builder, sig, args)]
-        if len(values) == 1:
-            return values[0]
-        return builder.shuffle_vector(values[0], values[1], _mask(range(lane.count)))
-
-    return lane(array, row, field), codegen
+    lane = lane_of(array, row)
+    return lane and (lane(array, row, field), lambda *context: read(*context)[0])
 
 
 @intrinsic
 def store(typingctx, array, row, field, value):
     """Write `value`, lanes (numbers of samples side by side) or one number for all, to ``array[row,
     field, :]``. row: index, or two different ones for twice the width; typingctx: numba's."""
-    lane = _lane_of(array, row)
-    if lane is None:
-        return None
 
     def codegen(context, builder, sig, args):
-        align = lane.scalar.bitwidth // 8
         vector = _as_lane(context, builder, args[3], sig.args[3], lane)
-        addresses = _addresses(context, builder, sig, args)
-        if len(addresses) == 1:
-            builder.store(vector, addresses[0], align=align)
-        else:
-            half = lane.count // 2
-            for k, address in enumerate(addresses):
-                part = _mask(range(k * half, (k + 1) * half))
-                builder.store(builder.shuffle_vector(vector, vector, part), address, align=align)
-        return context.get_dummy_value()
+        return write(context, builder, sig, args, [vector])
 
-    return types.void(array, row, field, value), codegen
+    lane = lane_of(array, row)
+    return lane and (types.void(array, row, field, value), codegen)
 
 
 def _unary(name):

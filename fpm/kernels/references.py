@@ -4,10 +4,14 @@ numba hands a named tuple on field by field, and an array as eleven numbers: a k
 World and a kind's arrays has some four hundred arguments, packed and unpacked at every call. By
 reference they are two."""
 
+from collections.abc import Callable
+
 from numba import types
-from numba.core.cgutils import alloca_once, gep_inbounds, intp_t, raw_memcpy, unpack_tuple
+from numba.core.cgutils import alloca_once, for_range_slice, gep_inbounds, intp_t, raw_memcpy
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import intrinsic, lower_getattr_generic, models, register_model
+from numba.extending import lower_getattr_generic, models, register_model
+
+from fpm.kernels.inlining import intrinsic
 
 
 class Reference(types.Type):
@@ -61,21 +65,32 @@ def local_copy(typingctx, reference):
     return reference(reference), codegen
 
 
-@intrinsic
-def call(typingctx, code, data, arguments):
-    """Call compiled code. code: its address; data: that of the named tuple that it takes first, by
-    reference; arguments: tuple of the others; typingctx: numba's."""
+def calls_of(number: int) -> Callable:
+    """Return what writes the code of a hook's calls, for `intrinsic`. number: of the hook. Its
+    arguments are a Calls by reference, and those of the kernels, which get as a last one the number
+    of the call among those of the hook."""
 
     def codegen(context, builder, sig, args):
-        arg_types = [types.voidptr, *sig.args[2]]
-        first = builder.inttoptr(args[1], context.get_value_type(types.voidptr))
-        values = [first, *unpack_tuple(builder, args[2])]
+        calls, values = sig.args[0], args[1:]
+        place = context.data_model_manager[calls.field("starts")].get_field_position("data")
+
+        def item(name, index):
+            array = _field(context, builder, calls, args[0], name)
+            return builder.load(builder.gep(builder.extract_value(array, place), [index]))
+
+        arg_types = [types.voidptr, *sig.args[1:], types.intp]
         signature = context.call_conv.get_function_type(types.none, arg_types)
-        function = builder.inttoptr(args[0], signature.as_pointer())
         packer = context.get_arg_packer(arg_types)
         result = alloca_once(builder, signature.args[0].pointee)
         no_error = signature.args[1](None)  # kernels raise none
-        builder.call(function, [result, no_error, *packer.as_arguments(builder, values)])
+        start, end = item("starts", intp_t(number)), item("starts", intp_t(number + 1))
+        with for_range_slice(builder, start, end, intp_t(1)) as (index, count):
+            row = builder.mul(index, intp_t(2))
+            code = builder.inttoptr(item("addresses", row), signature.as_pointer())
+            data = item("addresses", builder.add(row, intp_t(1)))
+            part = builder.inttoptr(data, context.get_value_type(types.voidptr))
+            arguments = packer.as_arguments(builder, [part, *values, count])
+            builder.call(code, [result, no_error, *arguments])
         return context.get_dummy_value()
 
-    return types.void(code, data, arguments), codegen
+    return codegen

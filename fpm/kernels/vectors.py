@@ -8,25 +8,26 @@ from collections.abc import Callable
 
 from llvmlite import ir
 from numba import config, types
-from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
+from numba.core.typing.templates import signature
+from numba.extending import lower_builtin, make_attribute_wrapper, models, register_model
 
-from fpm.kernels.inlining import InlinedCompiler, InlinedKernel
-from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
-
-OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
-"""Compiler options of every kernel: no branches for division by zero, no GIL, no allocation.
-
-Without allocation nothing counts references: a look into a tuple of arrays costs nothing."""
+from fpm.kernels.inlining import InlinedKernel, KernelCompiler, intrinsic, type_operator
+from fpm.kernels.lanes import ALL_LANES, Lane, lane_of, load, read, store, where_negative, write
 
 INLINE = {
-    **OPTIONS,
+    "error_model": "numpy",
+    "boundscheck": False,
+    "nogil": True,
+    "_nrt": False,
     "forceinline": True,
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,
-    "pipeline_class": InlinedCompiler,
+    "pipeline_class": KernelCompiler,
 }
-"""Options of what is compiled into its callers only, and never called from Python."""
+"""Compiler options of every kernel, which is compiled into its callers only, and never called from
+Python: no branches for division by zero, no GIL, no allocation.
+
+Without allocation nothing counts references: a look into a tuple of arrays costs nothing."""
 
 
 def kernel(function: Callable) -> Callable:
@@ -83,8 +84,7 @@ def _register_sum(op):
             pairs = zip(*(_components(builder, arg) for arg in args), strict=True)
             return _pack(context, builder, vector, [function(builder, pair) for pair in pairs])
 
-    cases = [signature(vector, vector, vector) for vector in VECTORS]
-    infer_global(op)(type(f"Vector_{op.__name__}", (ConcreteTemplate,), {"cases": cases}))
+    type_operator(op, [signature(vector, vector, vector) for vector in VECTORS])
 
 
 def _register_product():
@@ -100,7 +100,7 @@ def _register_product():
                 values = [function(builder, (args[0], v)) for v in _components(builder, args[1])]
                 return _pack(context, builder, vector, values)
 
-    infer_global(operator.mul)(type("Vector_mul", (ConcreteTemplate,), {"cases": cases}))
+    type_operator(operator.mul, cases)
 
 
 _register_sum(operator.add)
@@ -126,18 +126,26 @@ def larger(x, y):
     return where_negative(x - y, y, x)
 
 
-@kernel
-def get3(a, i, k):
-    """Return the vector in fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
-    return vector(load(a, i, k), load(a, i, k + 1), load(a, i, k + 2))
+@intrinsic
+def get3(typingctx, a, i, k):
+    """Return the vector in fields k, k+1, k+2 of row i of an array a (rows, fields, lanes);
+    typingctx: numba's, as in all that is written in LLVM."""
+
+    def codegen(context, builder, sig, args):
+        return _pack(context, builder, sig.return_type, read(context, builder, sig, args, 3))
+
+    lane = lane_of(a, i)
+    return lane and (Vector(lane)(a, i, k), codegen)
 
 
-@kernel
-def put3(a, i, k, v):
+@intrinsic
+def put3(typingctx, a, i, k, v):
     """Write a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
-    store(a, i, k, v.x)
-    store(a, i, k + 1, v.y)
-    store(a, i, k + 2, v.z)
+
+    def codegen(context, builder, sig, args):
+        return write(context, builder, sig, args, _components(builder, args[3]))
+
+    return v == Vector(lane_of(a, i)) and (types.void(a, i, k, v), codegen)
 
 
 @kernel

@@ -201,7 +201,7 @@ def test_progress_is_told_while_something_compiles(monkeypatch, ticks):
     monkeypatch.setattr("fpm.list_kinds_to_compile", lambda scene, record: [None])
     told = []
     warm_up(structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
-    assert told and told[0] == "compiling for these kinds of element, once: 0 s of some 3"
+    assert told and told[0] == "compiling for these kinds of element, once: 0 s of some 1"
 
 
 @pytest.mark.parametrize(

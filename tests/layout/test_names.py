@@ -57,7 +57,7 @@ of a material, a contact, a joint: locked one_sided unstrained unstressed
 of bounds (docs/terms.md): attained simulated unconverged undecided
 keys of configs, rows and results: analysed halved measured normalized not_analysed passed
     published skipped trusted weighted
-of numba: finalized
+of numba: finalized linking
 gerunds for what has come of it: bending ceiling closing crossing crowding damping docstring
     drawing encoding finding halving heading inlining kriging loading lumping mapping opening
     padding reading recording reopening rounding scaling screening setting settling spacing

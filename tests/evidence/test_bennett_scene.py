@@ -86,12 +86,12 @@ def test_the_linkage_may_start_deployed():
     ("parameters", "words"),
     [
         ({"start": 121.0}, ["let.left", "sqrt(psi"]),
-        ({"start": -1.0}, ["start", "-1", ">= 0"]),
+        ({"start": -1.0}, ["start", "-1", "from 0 to 180"]),
         ({"start": math.nan}, ["start", "nan"]),
         ({"start": 110.0, "roll": 30.0}, ["let.left"]),
         ({"a": -0.035}, ["a", "-0.035"]),
         ({"L": 0.04}, ["let.edge", "sqrt(L"]),
-        ({"elements": 1}, ["elements", "1", ">= 2"]),
+        ({"elements": 1}, ["elements", "1", "from 2 to 1000"]),
     ],
 )
 def test_impossible_parameters_are_refused(parameters, words):

@@ -163,6 +163,7 @@ def make(rate):
     ("formula", "results", "kept"),
     [
         ("rate * part.index[0]", ["2.0", "4.0"], 2),  # one text, two kernels
+        ("(lambda x: rate * x)(part.index[0])", ["2.0", "4.0"], 2),  # with all of numba's passes
         ("LIST[0] * rate * part.index[0]", ["2.0", "4.0"], 0),  # what no file tells
         ("TABLE[int(rate * part.index[0])]", ["3.0", "3.0"], 0),  # at an address of this process
         ("labs(int(-rate * part.index[0]))", ["2.0", "4.0"], 0),

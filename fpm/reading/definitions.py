@@ -33,6 +33,6 @@ def check_choice(key: str, value: object, choices: Iterable[str], addition: str 
     names = list(choices)
     if not isinstance(value, str) or value not in names:
         hint = did_you_mean(value, names) if isinstance(value, str) else ""
-        allowed = f"one of {', '.join(names) or '(there is none)'}{hint}{addition}"
+        allowed = f"one of {', '.join(names) or '(there is none)'}{addition}{hint}"
         raise SceneError(key, value, allowed)
     return value

@@ -15,7 +15,16 @@ from fpm.reading.quantity_expressions import QuantityExpression, unit_of
 from fpm.reading.responses import Response
 
 DIRECTIONS = ("rising", "falling", "either")
-_COUNT = NumberLimits(least=1, is_whole=True)
+_COUNT = NumberLimits(least=1, most=10_000, is_whole=True)
+
+
+def _count(key: str, value: object) -> int:
+    """A number of times, which is none with a point."""
+    if not isinstance(value, int):
+        raise SceneError(key, value, _COUNT.describe())
+    return int(_COUNT.check(key, value))
+
+
 _FIELDS = {"at": "instant", "about": "target", "within": "tolerance", "way": "direction"}
 """Fields of `Quantity` that some keys of a definition are; the others have the key's name."""
 
@@ -74,7 +83,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
     kind = kind_of(key, definition, KINDS, ", or an expression such as t1 - t2")
     target = definition[kind]
     if kind == "event":
-        number = _COUNT.check(f"{key}.number", definition.get("number", 1))
+        number = _count(f"{key}.number", definition.get("number", 1))
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
         return _add_long_name(quantity, definition.get("of", ""))
@@ -89,7 +98,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
     read = {
         **dict.fromkeys(("level", "about"), NumberLimits(unit=response.unit).check),
         "within": NumberLimits(unit=response.unit, above=0).check,
-        "number": _COUNT.check,
+        "number": _count,
         "way": lambda key, value: check_choice(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }

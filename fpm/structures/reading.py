@@ -167,7 +167,9 @@ def read(text: str, problems: Problems, is_typed: bool = False) -> Node:
         try:
             root = _Reader(yaml.parse(text, loader), problems, is_typed).document()
             break
-        except (yaml.YAMLError, UnicodeError) as error:
+        except StructureError:
+            raise
+        except (yaml.YAMLError, ValueError, OverflowError) as error:  # as of an escaped character
             if loader is loaders[-1]:
                 problems.say(*_why_not_yaml(error, text))
                 problems.stop()
@@ -193,11 +195,13 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 )  # fmt: skip
 
 
-def _why_not_yaml(error: yaml.YAMLError, text: str) -> tuple[int, str]:
+def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
     """The line (from 1; 0: unknown) where a text is not YAML, and why, by PyYAML's error."""
     if isinstance(error, yaml.reader.ReaderError):
         line = text.count("\n", 0, error.position) + 1
         return line, f"the character {chr(error.character)!r} is not text"
+    if not isinstance(error, yaml.MarkedYAMLError):
+        return 0, f"this is not YAML: {error}"
     mark, words = _reason(error)
     lines = ["", *text.splitlines()]
     line = mark.line + 1 if mark else 0
@@ -246,6 +250,10 @@ _FLOAT = r"[-+]?\d[\d_]*(\.[\d_]*)?[eE][-+]?\d+$|[-+]?\.\d[\d_]*([eE][-+]?\d+)?$
 _Types.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(_FLOAT), [*"-+0123456789."])
 
 
+_PLAIN = ("!", "tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
+"""Tags of mappings and lists that are those without a tag."""
+
+
 class _Reader:
     """Makes Nodes of the events of a YAML text, and stops at what is too large."""
 
@@ -286,6 +294,8 @@ class _Reader:
         if (anchor or tag) and not self.types:
             text = f"the anchor, alias or tag {anchor or tag!r} is not allowed"
             self._stop(line, f"{text}; allowed: a name under `let`")
+        if tag and not isinstance(event, yaml.ScalarEvent) and tag not in _PLAIN:
+            self.problems.say(line, f"the tag {tag!r} is not allowed; allowed: none")
         is_alias = isinstance(event, yaml.AliasEvent)
         if is_alias and anchor not in self.anchors:
             text = f"*{anchor} stands for what &{anchor} marks, and nothing above is marked so"
@@ -312,6 +322,11 @@ class _Reader:
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
             self.problems.say(line, f"a value cannot be read: {error}")
 
+    def _is_merge(self, key: yaml.Event, value: Node) -> bool:
+        items = value.items if isinstance(value.value, list) else [value]
+        is_plain = isinstance(key, yaml.ScalarEvent) and key.implicit[0]
+        return bool(self.types) and is_plain and all(item.is_table for item in items)
+
     def _table(self, line: int, depth: int) -> Node:
         table, bases = Node({}, line), []
         for event in self._rest():
@@ -327,8 +342,8 @@ class _Reader:
                 first = f"(first on line {table.lines[name]})"
                 text = f"{name} is defined twice {first}; allowed: each key once"
                 self.problems.say(key_line, text)
-            elif name == "<<" and self.types and all(e.is_table for e in value.items or [value]):
-                bases += value.items or [value]
+            elif name == "<<" and self._is_merge(event, value):
+                bases += value.items if isinstance(value.value, list) else [value]
             else:
                 table.entries[name], table.lines[name] = value, key_line
         for base in bases:  # what YAML calls a merge

@@ -15,7 +15,7 @@ from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, limits_of
 from deployable.campaign.results.ranges import ranges
 from deployable.intervals.scalars import fit_scalar
 from fpm.files.seals import unseal
@@ -139,7 +139,7 @@ def test_wrong_quantities_are_refused_before_any_run(definition, words):
 def drawn_ranges(folder):
     """The axes of the figure of a campaign's quantities."""
     runs = FittedRuns.read(folder)
-    surrogates = runs.surrogates(read_plan(folder.plan).experiment)
+    surrogates = runs.surrogates(limits_of(read_plan(folder.plan).experiment))
     return ranges(QuantityResults.read(folder), runs, surrogates).axes
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from deployable.campaign.config.loader import read, read_file, restore_types
@@ -77,3 +79,23 @@ def test_text_from_the_command_line_becomes_numbers_again():
     given = {"a": {"b": "0.2", "c": ["1e9", "x"], "d": 3}, "e": "auto", "f": ""}
     wanted = {"a": {"b": 0.2, "c": [1e9, "x"], "d": 3}, "e": "auto", "f": ""}
     assert restore_types(given) == wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a: !foo {b: 1}", "line 1: the tag '!foo' is not allowed"),
+        ("a:\n  - !!python/object:os.system [1]", "line 2: the tag"),
+        ('a: "\\U00110000"', "this is not YAML"),
+        ("? 0x" + "f" * 5000 + "\n: 1", "digits"),
+    ],
+)
+def test_what_only_some_readers_take_is_refused(text, words):
+    with pytest.raises(ConfigError, match=re.escape(words)):
+        read(text, "x")
+
+
+def test_only_a_plain_key_merges():
+    assert read("<<: {a: 1}\nb: 2", "x").data == {"a": 1, "b": 2}
+    assert read('"<<": {a: 1}', "x").data == {"<<": {"a": 1}}
+    assert read("<<: []\nb: 2", "x").data == {"b": 2}

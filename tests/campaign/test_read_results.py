@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import copy
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from deployable import campaign
+from deployable.campaign.files import read_json
 from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
+from deployable.campaign.report import from_results
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, limits_of
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 from deployable.campaign.results.run_samples import RunTable, describe_events, open_samples
 from deployable.campaign.text.numbers import tie_units
+from evidence.attack import victim
+from fpm.files.seals import DamagedError
 
 
 def test_runs_are_those_of_the_plan(finished):
@@ -65,7 +73,7 @@ def test_quantities_have_their_further_runs(rich):
         assert [row["lower"] for row in results.rows] == file["lower"].values.tolist()
         runs = FittedRuns.read(folder)
         assert results.further_runs == runs.refinement_count == further.sizes["run"]
-        surrogates = runs.surrogates(experiment)
+        surrogates = runs.surrogates(limits_of(experiment))
         errors = [max(s.error, 0.0) for s in surrogates]
         assert all(
             e <= float(told) * (1 + 1e-12) for e, told in zip(errors, file["error"], strict=True)
@@ -93,3 +101,30 @@ def test_units_stay_on_one_line_whatever_their_order(units):
     """So that a page is the same whatever the order of a set."""
     space = "\N{NO-BREAK SPACE}"
     assert tie_units("1.2 N m s/rad", units) == f"1.2{space}N{space}m{space}s/rad"
+
+
+@pytest.mark.parametrize("name", ["samples.nc", "bounds.nc", "quantities.nc", "refinement.nc"])
+def test_a_page_is_made_of_whole_results_only(rich, tmp_path, name):
+    folder = Path(shutil.copytree(rich[0].path, tmp_path / "rich"))
+    content = (folder / name).read_bytes()
+    half = len(content) // 2
+    (folder / name).write_bytes(content[:half] + bytes([content[half] ^ 1]) + content[half + 1 :])
+    with pytest.raises(DamagedError, match=name):
+        from_results(folder)
+    (folder / name).unlink()
+    with pytest.raises(FileNotFoundError, match=name):
+        from_results(folder)
+
+
+def test_a_choice_whose_goal_has_no_value_is_told(tmp_path):
+    raw = copy.deepcopy(victim.RAW) | {
+        "campaign": "none",
+        "quantities": {"t": {"event": "closes"}},
+        "requirements": {"shuts": {"t": {"happens": True}}},
+        "choose": {"parameters": {"a": [0.034, 0.036]}, "minimise": ["upper(t)"]},
+    }
+    campaign.run(raw, tmp_path, figures=False, notify=lambda message: None)
+    choice = read_json(tmp_path / "none/choice.json")
+    assert not choice["kept"] and choice["goals"][0]["value"] is None
+    assert choice["goals"][0]["at"] == {"a": None}
+    assert from_results(tmp_path / "none").facts["choice"]["goals"][0]["value"] is None

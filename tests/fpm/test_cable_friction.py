@@ -139,3 +139,18 @@ def test_friction_is_part_of_the_topology_and_checked():
     for friction in (-0.1, np.inf):
         with pytest.raises(fpm.SceneError, match="friction of cable rope"):
             atwood(3, 2, friction)
+
+
+def test_a_cable_without_tension_does_not_slip_whatever_is_beside():
+    slack, tight = (fpm.Scene(name) for name in ("slack", "tight"))
+    for scene, preload in ((slack, 0.0), (tight, 2.0)):
+        places = [(0.0, 0, 0), (0, 0, -1.0), (1.0, 0, 0)]
+        top, left, right = (int(p) for p in scene.add_particles(places, 1.0, 1.0))
+        scene.fix(top)
+        scene.fix(right)
+        scene.add_cable("rope", [(p, None) for p in (left, top, right)], 30.0, preload=preload,
+                        friction=0.2)  # fmt: skip
+        scene.add_point("left", left)
+    motion = {"duration": 0.05, "instants": 3, "step": 1e-3}
+    alone, beside = (fpm.simulate(scenes, **motion)[0] for scenes in ([slack], [slack, tight]))
+    assert len(alone.dataset()["event_time"]) == len(beside.dataset()["event_time"]) == 0

@@ -60,7 +60,7 @@ def answer(
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
         points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
         points += [] if safest is None else [*safest.worst]
-        points = model.find_missing(points)
+        points = model.find_missing([point for point in points if np.isfinite(point).all()])
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)

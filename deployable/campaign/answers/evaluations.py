@@ -14,7 +14,7 @@ from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
-from deployable.campaign.results.quantity_results import FittedRuns, number
+from deployable.campaign.results.quantity_results import FittedRuns, limits_of, number
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
@@ -94,10 +94,10 @@ class ModelEvaluator:
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
         """Describe a normalized point (k) as a dict for JSON: `at`, parameter values by name, in
-        their units; `ran`, whether a run was made there; `simulated`, the value in that run of the
-        quantity of index `q`, None without a run or a value."""
+        their units, None for a point that there is none of; `ran`, whether a run was made there;
+        `simulated`, the value in it of the quantity of index `q`, None without run or value."""
         box = self.experiment.box
-        values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        values = dict(zip(box.names, map(number, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
         has_run = bool(distance <= SAME_POINT)
         value = self.numbers[run, q] if has_run else np.nan
@@ -133,7 +133,7 @@ class ModelEvaluator:
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
         runs = FittedRuns(self.points, self.numbers, self.margins)
-        return runs.surrogates(self.experiment)
+        return runs.surrogates(limits_of(self.experiment))
 
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),

@@ -166,6 +166,7 @@ def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
         endless[key] = value
     elif isinstance(value, int) and abs(value) > 1 << 1000:  # no float holds it
         endless[key] = f"a number of some {value.bit_length() // 3.33:.0f} digits"
+        return math.inf
     elif isinstance(value, int) and abs(value) >= 1 << 63:
         return float(value)
     return value

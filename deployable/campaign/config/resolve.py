@@ -133,7 +133,7 @@ def _response_of_margin(name: str, definition: Mapping, config: Config) -> dict[
     if conflicts:
         raise RefusedError("", f"there is {' and '.join(conflicts)}; allowed: another name")
     openings = definition.get("along")
-    first, *followers = openings if isinstance(openings, list) else [openings]
+    first, *followers = openings if isinstance(openings, list) and openings else [openings]
     if not all(isinstance(opening, str) for opening in (first, *followers)):
         allowed = "the opening that is moved, or a list of those that are moved together"
         raise SceneError(f"margins.{name}.along", openings, allowed)

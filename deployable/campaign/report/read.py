@@ -20,7 +20,7 @@ from deployable.campaign.report.data import (
 )
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
-from deployable.campaign.results.quantity_results import FittedRuns
+from deployable.campaign.results.quantity_results import FittedRuns, read_limits
 from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds, read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
@@ -135,8 +135,9 @@ def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:
         names = samples.experiment.quantities
-        return dict(zip(names, runs.surrogates(samples.experiment), strict=True))
+        return dict(zip(names, runs.surrogates(limits), strict=True))
 
+    limits = read_limits(folder) if summary["quantities"] else []
     if summary["quantities"]:
         model = replace(model, quantities=surrogates(FittedRuns.read(folder)))
     if "choice" in summary:

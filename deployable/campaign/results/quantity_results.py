@@ -1,7 +1,7 @@
 """Quantities over the box as `quantities.nc` has them, and their surrogates, fitted to the runs of
 `samples.nc` and `refinement.nc`. Nothing else that shows or tells results knows that file."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +11,8 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.response_bounds import COMPONENTS, read_parameters
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
-from deployable.intervals.scalars import ScalarSurrogate, fit_scalar
+from deployable.intervals.scalars import fit_scalar
+from fpm.files.seals import check
 
 MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
@@ -139,17 +140,34 @@ class FittedRuns(NamedTuple):
             table = samples.table
         rows = fitted_rows(table.numbers)
         tables = [RunTable(*(column[rows] for column in table))]
-        tables += [read_refinement(folder)[0]] if refinements else []
+        if refinements:
+            check(folder.refinement, folder.refinement.name)  # which must exist
+            tables += [read_refinement(folder)[0]]
         rest = np.delete(table.numbers, rows, axis=0)
         table = RunTable.join(tables)
         count = len(table.points) - len(rows)
         return cls(table.points, table.numbers, table.margins, rest, count)
 
-    def surrogates(self, experiment: Experiment) -> list[ScalarSurrogate]:
-        """Fit the surrogate of each quantity of an experiment to the runs, in order."""
-        columns = zip(self.numbers.T, self.margins.T, experiment.quantity_list, strict=True)
-        end = experiment.solver.duration
+    def surrogates(self, limits: Iterable[tuple[float | None, float | None]]) -> list[Any]:
+        """Fit the `ScalarSurrogate` of each quantity to the runs, in order. limits: of each, its
+        physical lower bound and, of a time, the end of the runs (s); None: there is none."""
         return [
-            fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
-            for column, margin, q in columns
+            fit_scalar(self.points, column, latest, least, margin)
+            for column, margin, (least, latest) in zip(
+                self.numbers.T, self.margins.T, limits, strict=True
+            )
         ]
+
+
+def limits_of(experiment: Experiment) -> list[tuple[float | None, float | None]]:
+    """Return the limits of an experiment's quantities as `FittedRuns.surrogates` takes them."""
+    end = experiment.solver.duration
+    return [(q.least, end if q.is_time else None) for q in experiment.quantity_list]
+
+
+def read_limits(folder: Folder) -> list[tuple[float | None, float | None]]:
+    """Read the limits of a campaign's quantities, as of `limits_of`, from its `quantities.nc`."""
+    with open_netcdf(folder.quantities) as file:
+        end = Experiment.read(file.config).solver.duration
+        rows = zip(file["least"][:], file["is_time"][:], strict=True)
+        return [(number(least), end if is_time else None) for least, is_time in rows]

@@ -242,7 +242,8 @@ def note_slips(part, world, timing):
             tight = larger(load(part.state, c, cable.LONGER), last)
             least = STICK * load(part.state, c, cable.UNSTRAINED)
             for j in range(part.start[c] + 1, part.start[c + 1] - 1):
-                size = where_negative(tight, 0.0, absolute(load(part.slip, j, slips.SLIP)))
+                # Without any tension nothing was found to slip, and SLIP says nothing.
+                size = where_negative(-tight, absolute(load(part.slip, j, slips.SLIP)), 0.0)
                 previous = load(part.slip, j, slips.SLIP_BEFORE)
                 note_crossings(part.log, number, least - previous, least - size, timing)
                 store(part.slip, j, slips.SLIP_BEFORE, size)

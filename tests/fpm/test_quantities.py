@@ -304,7 +304,7 @@ def test_what_does_not_happen_is_no_number():
         ({"crossing": "x"}, "crossing and level"),
         ({"crossing": "x", "level": "a"}, r"a number \(m\)"),
         ({"crossing": "x", "level": 1, "way": "up"}, "one of rising"),
-        ({"crossing": "x", "level": 1, "number": 0}, "at least 1"),
+        ({"crossing": "x", "level": 1, "number": 0}, "from 1 to 10000"),
         ({"settling": "x", "within": 0}, "above 0"),
         ({"value": "x", "at": "later"}, "quantities that are times"),
         ({"event": "close"}, "did you mean closes"),

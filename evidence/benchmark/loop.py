@@ -42,13 +42,14 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
         raise RuntimeError("set NUMBA_DISABLE_JIT=1 before this module is used")
     for key, kernel in hooks.KERNELS.items():
         hooks.KERNELS[key] = in_part(_name_of(kernel), kernel)
-    for name, value in list(vars(loop).items()):
-        if isinstance(value, types.FunctionType) and value is not loop.run:
-            setattr(loop, name, in_part(_name_of(value), value))
     substitutes = {id(compiled_loop.prepare_call): lambda _, *rest: partial(loop.run, *rest)}
     substitutes |= _find_overloads()
     for name, operation in {**operations, **_find_rows(**operations)}.items():
         substitutes[id(getattr(vectors if hasattr(vectors, name) else lanes, name))] = operation
+    for name, value in list(vars(loop).items()):
+        is_part = isinstance(value, types.FunctionType) and value is not loop.run
+        if is_part and id(value) not in substitutes:
+            setattr(loop, name, in_part(_name_of(value), value))
     for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
         for name, value in list(vars(module).items()):
             if id(value) in substitutes:

@@ -1,4 +1,4 @@
-"""NumberLimits of a number: what states one, checks by them, and says them in words."""
+"""Limits of a number: what states one checks by them, and says them in words."""
 
 import re
 from dataclasses import dataclass

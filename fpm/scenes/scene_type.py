@@ -46,7 +46,7 @@ class Parameter:
 
     @property
     def limits(self) -> NumberLimits:
-        """NumberLimits of the parameter's values."""
+        """Limits of the parameter's values."""
         is_whole = self.kind == "integer"
         return NumberLimits(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
 

@@ -23,8 +23,9 @@ def kind_of(key: str, definition: object, kinds: Mapping[str, Any], addition: st
         allowed += "" if mandatory or optional else " alone"
         hints = ((entry, hint_new(entry, optional)) for entry in unknown_keys)
         allowed += "".join(f"; {entry}{hint}" for entry, hint in hints if hint)
-        place = ".".join([key, *map(str, unknown_keys[:1])])  # whose line is told
-        raise SceneError(place, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
+        if len(unknown_keys) == 1:  # whose line is told
+            key = f"{key}.{unknown_keys[0]}"
+        raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
     return name
 
 

@@ -129,9 +129,8 @@ def estimate_discretization_errors(
             )
         change = np.abs(finer_values - values).reshape(-1, 2)
         worst = 2 * np.arange(len(bounds)) + np.nan_to_num(change).argmax(axis=1)
-        finest = np.where(
-            lost_rows[worst], np.nan, finer_values[worst]
-        )  # at other places: no order
+        # Where the finer value is of another place, it tells no order.
+        finest = np.where(lost_rows[worst], np.nan, finer_values[worst])
         evaluate = partial(numbers, rows=worst)
         ratio = _find_ratio(model, level, values[worst], finest, evaluate)
         errors[name] = extrapolate_error(change, ratio)

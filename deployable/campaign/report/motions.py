@@ -44,7 +44,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
     and largest value of each response when its bounds differ most. folder: of the results."""
     folder = Folder(folder)
-    bounds, refinement = read_bounds(folder), read_refinement(folder)
+    bounds = read_bounds(folder)
     with open_samples(folder) as samples:
         ends = [
             (row.name, samples.extreme_runs(i, row.widest))
@@ -52,8 +52,8 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
         ]
         tables, extra_ids = [samples.table], []
         if quantities := list(samples.experiment.quantities):
-            if refinement:
-                tables, extra_ids = [samples.table, refinement[0]], refinement[1]
+            table, extra_ids = read_refinement(folder)
+            tables.append(table)
             ends = [*_ends_of(quantities, RunTable.join(tables).numbers), *ends]
         values = RunTable.join(tables).values
         labels, count = _label_runs(ends, values, samples.nominal), len(samples)

@@ -20,7 +20,7 @@ from deployable.campaign.report.data import (
 )
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
-from deployable.campaign.results.quantity_results import FittedRuns, read_limits
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds, read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
@@ -118,10 +118,7 @@ def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdi
     """The distinct runs and which meet the requirements, further ones too."""
     if not summary["quantities"]:
         return None
-    tables = [samples.table]
-    if refinement := read_refinement(folder):
-        tables.append(refinement[0])
-    table = RunTable.join(tables)
+    table = RunTable.join([samples.table, read_refinement(folder)[0]])
     points = np.round(table.points, 9) + 0.0
     rows = np.sort(np.unique(points, axis=0, return_index=True)[1])  # each run once
     values, numbers = table.values[rows], table.numbers[rows]
@@ -137,8 +134,8 @@ def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
         names = samples.experiment.quantities
         return dict(zip(names, runs.surrogates(limits), strict=True))
 
-    limits = read_limits(folder) if summary["quantities"] else []
-    if summary["quantities"]:
+    limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
+    if limits:
         model = replace(model, quantities=surrogates(FittedRuns.read(folder)))
     if "choice" in summary:
         record = read_json(folder.choice)["fitted"]

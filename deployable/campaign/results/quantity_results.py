@@ -1,7 +1,7 @@
 """Quantities over the box as `quantities.nc` has them, and their surrogates, fitted to the runs of
 `samples.nc` and `refinement.nc`. Nothing else that shows or tells results knows that file."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,6 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.results.response_bounds import COMPONENTS, read_parameters
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
 from deployable.intervals.scalars import fit_scalar
-from fpm.files.seals import check
 
 MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
@@ -32,13 +31,15 @@ class QuantityResults(NamedTuple):
     time that some runs lack and whose upper bound reaches it, else None. parameters: dicts of name,
     units, lower, nominal, upper; further_runs, check_runs: how many runs the search for the bounds
     added, and the estimate of errors made; errors (2, q): by mesh and step, of values and of event
-    margins, by which shares of the box are uncertain; None where these were not estimated."""
+    margins, by which shares of the box are uncertain; None where these were not estimated.
+    limits: of each, as of `limits_of`."""
 
     rows: list[dict[str, Any]]
     parameters: list[dict[str, Any]]
     further_runs: int
     check_runs: int
     errors: np.ndarray | None
+    limits: Sequence[tuple[float | None, float | None]] = ()
 
     @classmethod
     def read(cls, folder: Folder) -> "QuantityResults":
@@ -51,7 +52,9 @@ class QuantityResults(NamedTuple):
         names = [parameter["name"] for parameter in parameters]
         rows = [_row(data, i, names, duration) for i in range(len(data["quantity"]))]
         errors = [data[name] for name in ("error_limit", "error_border") if name in data]
-        return cls(rows, parameters, *counts, np.array(errors) if errors else None)
+        pairs = zip(data["least"], data["is_time"], strict=True)
+        limits = [(number(least), duration if is_time else None) for least, is_time in pairs]
+        return cls(rows, parameters, *counts, np.array(errors) if errors else None, limits)
 
 
 def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float) -> dict[str, Any]:
@@ -140,9 +143,7 @@ class FittedRuns(NamedTuple):
             table = samples.table
         rows = fitted_rows(table.numbers)
         tables = [RunTable(*(column[rows] for column in table))]
-        if refinements:
-            check(folder.refinement, folder.refinement.name)  # which must exist
-            tables += [read_refinement(folder)[0]]
+        tables += [read_refinement(folder)[0]] if refinements else []
         rest = np.delete(table.numbers, rows, axis=0)
         table = RunTable.join(tables)
         count = len(table.points) - len(rows)
@@ -163,11 +164,3 @@ def limits_of(experiment: Experiment) -> list[tuple[float | None, float | None]]
     """Return the limits of an experiment's quantities as `FittedRuns.surrogates` takes them."""
     end = experiment.solver.duration
     return [(q.least, end if q.is_time else None) for q in experiment.quantity_list]
-
-
-def read_limits(folder: Folder) -> list[tuple[float | None, float | None]]:
-    """Read the limits of a campaign's quantities, as of `limits_of`, from its `quantities.nc`."""
-    with open_netcdf(folder.quantities) as file:
-        end = Experiment.read(file.config).solver.duration
-        rows = zip(file["least"][:], file["is_time"][:], strict=True)
-        return [(number(least), end if is_time else None) for least, is_time in rows]

@@ -40,10 +40,8 @@ class RunTable(NamedTuple):
         return cls(*map(np.concatenate, zip(*tables, strict=True)))
 
 
-def read_refinement(folder: Folder) -> tuple[RunTable, list[str]] | None:
-    """Read the runs that answers added, and their ids; None where there is no `refinement.nc`."""
-    if not folder.refinement.exists():
-        return None
+def read_refinement(folder: Folder) -> tuple[RunTable, list[str]]:
+    """Read the runs that answers added, and their ids, from a campaign's `refinement.nc`."""
     with open_netcdf(folder.refinement) as file:
         return RunTable.read(file), file["run_id"][:].tolist()
 

@@ -6,7 +6,7 @@ from deployable.campaign.files import check_results
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import envelope, save, shares
-from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, read_limits
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.ranges import ranges
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify, report_seconds
@@ -35,5 +35,5 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
             save(shares(bounds), folder.overviews / "sensitivities")
         if "ranges" in names:
             runs, results = FittedRuns.read(folder), QuantityResults.read(folder)
-            figure = ranges(results, runs, runs.surrogates(read_limits(folder)))
+            figure = ranges(results, runs, runs.surrogates(results.limits))
             save(figure, folder.overviews / "ranges")

@@ -206,14 +206,18 @@ class ScalarSurrogate:
         `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; both NaN
         without values. climbs: number of best points from which a search goes on."""
         part = self._part(lower, upper)
-        key = (sign, climbs, *(corner.tobytes() for corner in part))
-        if key not in self._ends:
-            self._ends[key] = extreme(self.evaluate, sign, *part, self._trial_points, climbs)
-        return self._ends[key]
+        return self._find_once(self.evaluate, sign, *part, self._trial_points, climbs)
+
+    def _find_once(self, function: Function, sign, lower, upper, points, climbs):
+        """What `extreme` finds of a function of this surrogate; limits of the same quantity ask for
+        the same."""
+        key = (function.__name__, sign, lower.tobytes(), upper.tobytes(), climbs)
+        if key not in self._extremes:
+            self._extremes[key] = extreme(function, sign, lower, upper, points, climbs)
+        return self._extremes[key]
 
     @cached_property
-    def _ends(self) -> dict[tuple, tuple[float, np.ndarray]]:
-        """What `end` and `find_place` found: limits of the same quantity ask for the same."""
+    def _extremes(self) -> dict[tuple, tuple[float, np.ndarray]]:
         return {}
 
     @cached_property
@@ -240,12 +244,9 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        key = (happens, lower.tobytes(), upper.tobytes())
-        if key not in self._ends:
-            decision, points = self.occurrence.decision, self.occurrence.points
-            sign = 1.0 if happens else -1.0
-            self._ends[key] = extreme(decision, sign, lower, upper, points, climbs=1)
-        value, point = self._ends[key]
+        decision, points = self.occurrence.decision, self.occurrence.points
+        sign = 1.0 if happens else -1.0
+        value, point = self._find_once(decision, sign, lower, upper, points, climbs=1)
         return point if (value >= 0) == happens else None
 
 

@@ -96,10 +96,8 @@ STUDIES = {
                 "deployable/campaign/answers/discretization.py",
                 "evidence/tradeoff/measure",
             ),
-            plots=tuple(f"pareto_{case.name}" for case in CASES),
             parts=(
                 *(case.name for case in CASES),
-                "peers",
                 *(f"asked-{case.name}" for case in ACCURACY_CASES),
             ),
         ),
@@ -107,7 +105,7 @@ STUDIES = {
             "search",
             "Searching bounds of quantities that are known",
             uses=("deployable",),
-            parts=("boxes", "rivals", "fractions", "carts", "slides", "chains"),
+            parts=("carts", "slides", "chains"),
             quick=True,
         ),
         Study(
@@ -139,9 +137,8 @@ STUDIES = {
         ),
         Study(
             "benchmark",
-            "Measuring the solver, the workflow and, where they are installed, peers",
+            "Measuring the solver, the workflow and, where it is installed, Exudyn",
             uses=("evidence/benchmark",),
-            plots=("benchmark",),
             exclusive=True,
             quick=True,
         ),

@@ -59,8 +59,7 @@ def digest(*places: str) -> str:
 
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
-    "durations", "damping", "precision", "intervals", "cables", "latches", "slides", "motors",
-    "joints", "rigid-holds", "refusals",
+    "durations", "damping", "refusals",
 )  # fmt: skip
 
 STUDIES = {
@@ -76,8 +75,7 @@ STUDIES = {
         Study(
             "extremes",
             "Running the linkage at the ends of its parameters' ranges",
-            uses=("deployable/intervals", "evidence/extremes"),
-            plots=("stable-step", "errors"),
+            uses=("evidence/extremes",),
             parts=EXTREMES,
         ),
         Study(
@@ -122,9 +120,8 @@ STUDIES = {
         ),
         Study(
             "scaling",
-            "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
+            "Timing scissor masts of 1 to 100 units",
             uses=("evidence/scaling", "evidence/benchmark"),
-            plots=("cost",),
             exclusive=True,
             quick=True,
         ),

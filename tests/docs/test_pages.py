@@ -80,7 +80,7 @@ QUICK_PARTS = {
 # ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
 STUDIES_NOT_RUN = {
     "verification": "1 minute, and 2 to compile; coarser: tests/evidence/test_problems.py",
-    "extremes": "2.5 minutes; many groups: tests/evidence/test_extremes.py",
+    "extremes": "2 minutes; some cases: tests/evidence/test_extremes.py",
     "accuracy": "1.2 minutes; five choices: tests/evidence/test_accuracy.py",
     "tradeoff": "7 minutes, `asked-latch` 20 s; small cases: tests/evidence/test_tradeoff.py, "
     "tests/evidence/test_tolerance_rows.py",

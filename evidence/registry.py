@@ -82,7 +82,6 @@ STUDIES = {
             "accuracy",
             "Measuring what meshes, steps and lumpings cost and get wrong",
             uses=("evidence/accuracy",),
-            plots=("errors",),
         ),
         Study(
             "tradeoff",
@@ -129,7 +128,6 @@ STUDIES = {
             "calibration",
             "Fitting K_F to the paper's two numbers",
             uses=("deployable/intervals", "evidence/calibration"),
-            plots=("numbers", "misfit", "closures"),
             parts=("default", "meshes", "starts", "supports"),
         ),
         Study(

@@ -81,7 +81,7 @@ QUICK_PARTS = {
 STUDIES_NOT_RUN = {
     "verification": "1 minute, and 2 to compile; coarser: tests/evidence/test_problems.py",
     "extremes": "2 minutes; some cases: tests/evidence/test_extremes.py",
-    "accuracy": "1.2 minutes; five choices: tests/evidence/test_accuracy.py",
+    "accuracy": "1 minute; five choices: tests/evidence/test_accuracy.py",
     "tradeoff": "7 minutes, `asked-latch` 20 s; small cases: tests/evidence/test_tradeoff.py, "
     "tests/evidence/test_tolerance_rows.py",
     "measured": "20 minutes; two tests: tests/campaign/test_measured.py",

@@ -53,7 +53,6 @@ NOT_RUN = {
     "peers/": "a peer",
     "EXUDYN_PYTHON=": "with peers",
     "PEER_CHAOSPY=": "with a peer",
-    "python docs/extensions/structure_keys.py": "by tests/structures/test_structures_page.py",
     "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
     "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
     "python -m deployable attack": "an hour; tests/attack does a minute of it",

@@ -49,7 +49,6 @@ NOT_RUN = {
     "python3.11 -m venv": "of Exudyn",
     "exudyn/bin/pip": "Exudyn",
     "EXUDYN_PYTHON=": "with Exudyn",
-    "python docs/extensions/structure_keys.py": "by tests/structures/test_structures_page.py",
     "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
     "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
     "python -m deployable attack": "an hour; tests/attack does a minute of it",

@@ -11,7 +11,7 @@
 `deployable-intervals` is the same command, where the package is installed.
 
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
-the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md."""
+the config as a YAML file (or the sections that it needs, as JSON). `keys` prints all keys."""
 
 import argparse
 import sys

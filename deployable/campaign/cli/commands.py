@@ -55,7 +55,8 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
         "--require", action="store_true",
         help="end with status 3 unless all of the box meets all requirements",
     )  # fmt: skip
-    command(commands, "keys", _keys.__doc__, _keys)
+    keys = command(commands, "keys", _keys.__doc__, _keys)
+    keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
     structure = command(commands, "structure", _structure.__doc__, _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
     structure.add_argument(
@@ -177,8 +178,10 @@ def _are_met(campaign: Campaign, folder: Folder) -> bool:
 
 
 def _keys(options: argparse.Namespace) -> int:
-    """Print all keys of a config as a page of Markdown."""
-    print(table(whole()), end="")
+    """Print all keys of a campaign's config, or of a structure, as Markdown."""
+    from fpm.structures.keys_page import keys_page
+
+    print(keys_page() if options.of == "structure" else table(whole()), end="")
     return 0
 
 

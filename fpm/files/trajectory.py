@@ -265,7 +265,7 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
-            name: classic.NetcdfVariable(v.dims, v.values, v.attrs)
+            str(name): classic.NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
             for name, v in trajectory.variables.items()
         }
         trajectory = Contents(dict(trajectory.attrs), variables)

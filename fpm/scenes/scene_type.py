@@ -134,8 +134,9 @@ class SceneType:
         to the same bits; what they have in common is built once, if the structure is a text file,
         and its arrays must not be written to. samples: values by name, in their units."""
         values = [self._complete(parameters) for parameters in samples]
-        is_group = self.prepare is not None and len(samples) >= LEAST_GROUP
-        scenes = map(self.prepare(values), values) if is_group else [None] * len(values)
+        if self.prepare is None or len(samples) < LEAST_GROUP:
+            return [self.build(**x) for x in values]
+        scenes = map(self.prepare(values), values)
         return [scene or self.build(**x) for scene, x in zip(scenes, values, strict=True)]
 
     def _complete(self, parameters: Mapping[str, Any]) -> dict[str, Any]:

@@ -206,7 +206,7 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
     lines = ["", *text.splitlines()]
     line = mark.line + 1 if mark else 0
     if "colon" in words and line < len(lines):
-        indent = re.match(r"[ -]*", lines[line])[0]
+        indent = re.sub(r"[^ -].*", "", lines[line], flags=re.S)
         numbers = (line - 1, line) if "too many" in words else (line,)
         for number in numbers:  # a key and its value without a colon between
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])

@@ -181,7 +181,7 @@ def _node(value: Any) -> Node:
 class _TextDumper(yaml.SafeDumper):
     """Dumper that writes texts without quotes where they are read as these texts by a file."""
 
-    yaml_implicit_resolvers: ClassVar = {}
+    yaml_implicit_resolvers: ClassVar[dict] = {}
 
     def ignore_aliases(self, data: Any) -> bool:
         return True

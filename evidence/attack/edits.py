@@ -43,22 +43,6 @@ CAMPAIGNS = {
 }
 """Each way to keep runs, with what is always recorded and what is recorded on request."""
 
-LINKAGE = '''"""The Bennett linkage, from a text, with numbers of a helper and of a table."""
-from pathlib import Path
-from fpm import structures
-from fpm.scenes.scene_type import Parameter
-import helper
-PARAMETERS = {"a": Parameter(0.0352, "m", "half of a bar", 0.001, 1.0)}
-TEXT = structures.load(Path(__file__).with_name("bennett.yaml"))
-def build(a):
-    return TEXT.build(a=helper.longer(a), elements=2, E=helper.STIFF)
-'''
-HELPER = """from pathlib import Path
-STIFF = float(Path(__file__).with_name("table.csv").read_text())
-def longer(a):
-    return a * 1.01 + 0.0001
-"""
-
 
 class Edits:
     """A copy of the program at `place`, and campaigns that it has run. Of an edit there comes file,
@@ -71,8 +55,6 @@ class Edits:
         self.structure = place / "structure"
         self.structure.mkdir()
         shutil.copy(place / "config/structures/bennett.yaml", self.structure)
-        for name, text in (("linkage.py", LINKAGE), ("helper.py", HELPER), ("table.csv", "1e9\n")):
-            (self.structure / name).write_text(text, encoding="utf-8")
         child = [sys.executable, str(Path(__file__).with_name("edits_child.py"))]
         environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
         self._child = subprocess.Popen(
@@ -96,7 +78,8 @@ class Edits:
         """What the campaigns give in some folders, and the functions that were called or compiled.
 
         cache: the folder for what is compiled; options: what else is asked of the process."""
-        scene = {"file": str(self.structure / "linkage.py")}
+        values = {"elements": 2, "E": 1e9}
+        scene = {"file": str(self.structure / "bennett.yaml"), "parameters": values}
         raws = [
             {**raw, "campaign": name, "scene": scene}
             for name, raw in CAMPAIGNS.items()
@@ -244,7 +227,7 @@ NO_ANSWER = {"numbers": {}, "simulated": {}}
 """Of a process that did not end."""
 
 ROOMS = (
-    "fpm/", "structure/", "deployable/intervals/", "deployable/campaign/config/",
+    "fpm/", "deployable/intervals/", "deployable/campaign/config/",
     "deployable/campaign/plan/", "deployable/campaign/runs/", "deployable/campaign/samples/",
 )  # fmt: skip
 """Where something decides about runs, or what is kept of them."""

@@ -5,7 +5,6 @@ are imported (`PackageFiles`); one that has changed since is refused where somet
 
 import ast
 import hashlib
-import inspect
 import json
 import os
 import sys
@@ -15,7 +14,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from fpm.errors import ChangedError, SceneError
+from fpm.errors import ChangedError
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -169,97 +168,6 @@ def kernels() -> str:
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
-def find_user_sources(*starts: Path) -> set[Path]:
-    """Return the Python files `starts`, all files outside fpm that they import from beside or below
-    them, directly or not, and for each the file beside it named with `_kernels` behind (its
-    kernels). Imports within branches count too. Raises SceneError for a start that is no file."""
-    files: set[Path] = set()
-    queue = [path.resolve() for path in starts]
-    for path in queue:
-        if not path.is_file():
-            raise _no_file(str(path))
-    while queue:
-        path = queue.pop()
-        if path not in files:
-            files.add(path)
-            roots = {start.resolve().parent for start in starts}
-            candidates = (*_find_imports(path, roots), path.with_name(f"{path.stem}_kernels.py"))
-            neighbours = (file.resolve() for file in candidates if file.is_file())
-            queue += [file for file in neighbours if PACKAGE not in file.parents]
-    return files
-
-
-def digests(path: Path) -> dict[Path, str]:
-    """Return digests, by path, of a file outside of fpm and of the files beside it that it imports
-    (`find_user_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
-    if PACKAGE in path.parents:
-        return {}
-    return {file: tree_digest(file) for file in find_user_sources(path)}
-
-
-def file_of(definition: Callable) -> Path:
-    """Return the file that a function or class, `definition`, is from; SceneError if typed in."""
-    try:
-        return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
-    except (OSError, TypeError):
-        raise _no_file(repr(definition)) from None
-
-
-def _no_file(source: str) -> SceneError:
-    allowed = "code in a Python file: results and compiled code are named after its content"
-    return SceneError("source of a structure or kind", source, allowed)
-
-
-def _find_imports(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
-    """Files beside a file, or below the folders `roots`, that its imports would name, whether they
-    exist or not; of a package `__init__.py`, too."""
-    for name, level in _list_imports(path.read_bytes(), str(path)):
-        parts = name.split(".")
-        yield from _sibling_files(path.parent, parts, level)
-        for root in [path.parent, *path.parents][level : level + 1] if level else roots:
-            for count in range(1, len(parts) + 1):
-                place = root.joinpath(*parts[:count])
-                if count > 1 or (place / "__init__.py").is_file():
-                    yield place.with_suffix(".py")
-                    yield place / "__init__.py"
-
-
-def list_packages(path: Path) -> set[str]:
-    """Return the first parts of the names that the Python file at `path` imports ("numpy" of
-    numpy.linalg), without relative imports; and `__import__`, if it uses that."""
-    names = _list_imports(path.read_bytes(), str(path))
-    return {name.partition(".")[0] for name, level in names if not level}
-
-
-@cache
-def _list_imports(content: bytes, path: str) -> list[tuple[str, int]]:
-    """Names in the imports of a file with this content, each with its number of leading dots."""
-    imports = []
-    for node in ast.walk(ast.parse(content, path)):
-        if isinstance(node, ast.Import):
-            imports += [(alias.name, 0) for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            names = [base, *(f"{base}.{alias.name}".strip(".") for alias in node.names)]
-            imports += [(name, node.level) for name in names if name]
-        elif isinstance(node, ast.Name) and node.id == "__import__":
-            imports.append((node.id, 0))
-    return imports
-
-
-def _sibling_files(folder: Path, parts: list[str], level: int) -> Iterator[Path]:
-    """The files in a folder that an imported name, or a part of it from the left, may stand for."""
-    for count in range(1, len(parts) + 1):
-        *packages, name = parts[:count]
-        if level:  # from the folder itself, or those above it
-            right = folder.parents[level - 2] if level > 1 else folder
-            fits = right.joinpath(*packages) == folder
-        else:
-            fits = list(folder.parts[len(folder.parts) - len(packages) :]) == packages
-        if fits and name != "__init__":
-            yield folder / f"{name}.py"
-
-
 def syntax_digest(paths: Iterable[Path]) -> str:
     """Return the first 16 hex digits of a SHA-256 of the syntax trees of Python files, and of every
     byte of other files. Comments, formatting and docstrings do not count, nor folders and the order
@@ -271,12 +179,7 @@ def tree_digest(path: Path) -> str:
     """Return a SHA-256 (hex) of the syntax tree without docstrings of the Python file at `path`, so
     that comments do not count, or of another file's bytes. It is kept on disk, as to parse takes a
     hundred times longer than to read; a cache that can not be written is done without."""
-    return content_digest(path.read_bytes(), path)
-
-
-def content_digest(content: bytes, path: Path) -> str:
-    """Return a SHA-256 (hex) of a file by its `content`: for Python that of its syntax tree without
-    docstrings, else of the bytes. path: of the file, whose suffix says which."""
+    content = path.read_bytes()
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))

@@ -75,7 +75,7 @@ class SceneType:
     values: values of parameters, by name, at which `sample` is built.
     mesh: name of the parameter that sets the mesh, or None.
     content: digest of the structure's own files, hexadecimal.
-    files: paths of files that a YAML structure names, whose content counts in its digest, too.
+    files: paths of files that a structure's text names, whose content counts in its digest, too.
     prepare: takes values of all parameters by name, of several samples, and returns a function that
     builds the scene of one of them, or returns None where `function` is to build it; None: there is
     none."""

@@ -58,7 +58,7 @@ class Structure(StatementTable):
     """A structure stated in Python in the words of a text file (docs/structures.md).
 
     Nothing is checked before a scene is built, which raises StructureError with all that is wrong,
-    each by its key. As `STRUCTURE` of a Python file it can be a campaign's scene.
+    each by its key. `write` makes the text file that a campaign's scene can name.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Results of somebody else: opening them runs no program and follows no path of theirs."""
+"""Results of somebody else: opening them follows no path of theirs."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ import netCDF4
 import numpy as np
 import pytest
 
-from deployable.campaign import program_data
 from deployable.campaign.cli import main
-from deployable.campaign.config import sections
 from deployable.campaign.config.models import FigureChoice
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.errors import CampaignError
@@ -23,12 +21,10 @@ from deployable.campaign.files.external_links import _library
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import save
-from deployable.campaign.stages import STAGES
-from deployable.campaign.stages.workflow import Workflow, run
+from deployable.campaign.stages.workflow import run
 from fpm.files.seals import DamagedError, check, seal, unseal
 
 PAGE = ["--config", as_json(figures=FigureChoice())]
-PROGRAM = "import pathlib\npathlib.Path(__file__).with_suffix('.run').touch()\n"
 
 
 @pytest.fixture
@@ -52,59 +48,6 @@ def changed(path: Path, change) -> None:
     seal(path, facts)
 
 
-def names_program(program: Path):
-    """A change by which results are of a structure in a file."""
-
-    def change(file) -> None:
-        config = file["config"] if isinstance(file, dict) else json.loads(file.config)
-        config["scene"] |= {"name": program.stem, "file": str(program)}
-        if not isinstance(file, dict):
-            file.config = json.dumps(config)
-
-    return change
-
-
-@pytest.mark.parametrize("command", ["export", "page", "simulate", "bounds", "answers", "figures"])
-def test_a_program_that_only_results_name_is_not_run(theirs, tmp_path, capsys, command):
-    program = tmp_path / "evil.py"
-    program.write_text(PROGRAM, encoding="utf-8")
-    for path in (theirs.plan, *theirs.path.glob("*.nc")):
-        changed(path, names_program(program))
-    config = str(Path(__file__).parents[2] / "config" / "small.yaml")
-    arguments = ["--to", "csv"] if command == "export" else ["--config", config]
-    main([command, str(theirs.path), *arguments])
-    told = capsys.readouterr().err
-    assert not program.with_suffix(".run").exists()
-    if command != "figures":  # which needs no structure
-        assert f"{program}, which is a program and was not run" in told and "Traceback" not in told
-    if command == "export":
-        assert f"--trust {program}" in told
-        main([command, str(theirs.path), *arguments, "--trust", str(program)])
-        assert program.with_suffix(".run").exists()
-
-
-@pytest.mark.parametrize("name", ["secret.yaml", "secret.txt", "own.yaml/../secret.yaml"])
-@pytest.mark.parametrize("command", ["export", "page", "simulate", "bounds", "answers", "figures"])
-def test_no_file_that_only_results_name_is_read(rich, tmp_path, capsys, command, name):
-    whole, sections = rich
-    place = Folder(tmp_path / "theirs")
-    shutil.copytree(whole.path, place.path)
-    (tmp_path / "own.yaml").mkdir()
-    os.mkfifo(secret := tmp_path / Path(name).name)  # which whoever reads it waits for, or refuses
-    for path in (place.plan, *place.path.glob("*.nc")):
-        changed(path, names_program(tmp_path / name))
-    before = sorted(place.path.rglob("*"))
-    arguments = ["--to", "csv"] if command == "export" else ["--config", sections.get(command)]
-    assert main([command, str(place.path), *arguments]) == 1
-    told = capsys.readouterr().err
-    assert "which was not read, since only they name it; allowed: a config" in told
-    assert sorted(place.path.rglob("*")) == before  # nothing was made
-    trust = ["--trust", str(secret)]
-    if command == "export":
-        assert main([command, str(place.path), *arguments, *trust]) == 1
-        assert "no plain file" in capsys.readouterr().err
-
-
 def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, raw, capsys):
     whole, sections = rich
     raw["solver"]["duration"] = 0.003
@@ -120,28 +63,6 @@ def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, r
         assert "bounds.nc cannot be used: it is of another campaign than" in told
     assert main(["export", str(place.path), "--to", "csv"]) == 1
     assert "of another campaign than samples.nc" in capsys.readouterr().err
-
-
-def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
-    raw, theirs, tmp_path, monkeypatch
-):
-    program, linkage = tmp_path / "own.py", str(program_data.list_structures()["bennett"])
-    program.write_text(
-        f"from fpm import structures\nOF = structures.load({linkage!r})\n"
-        "PARAMETERS, MESH = OF.parameters, OF.mesh\n"
-        "def build(**parameters):\n    return OF.build(**parameters)\n",
-        encoding="utf-8",
-    )
-    raw["scene"] = {"file": str(program)} | {"parameters": raw["scene"]["parameters"]}
-    path = tmp_path / "own.yaml"
-    path.write_text(json.dumps(raw), encoding="utf-8")
-    jobs = Workflow.from_files([path]).sections("page")
-    changed(theirs.plan, names_program(program))
-    monkeypatch.setattr(sections, "_TRUSTED_FILES", set())  # as in the job's process
-    with pytest.raises(CampaignError, match="was not run"):
-        read_plan(theirs.plan).experiment.scene_type  # noqa: B018
-    STAGES["page"].sections_in(jobs)
-    assert read_plan(theirs.plan).experiment.scene_type.name == "own"
 
 
 def test_texts_are_no_formulas_of_spreadsheets_and_no_commands_of_terminals():

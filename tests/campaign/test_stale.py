@@ -146,26 +146,28 @@ def test_an_edit_of_what_is_compiled_leaves_no_number_as_it_was(edits):
     assert not [each for each in found if each["stale"]]
 
 
-HELPER = "structure/helper.py"
+STRUCTURE = "structure/bennett.yaml"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("room", "imports", "runs", "more"),
     [
-        (HELPER, (), 1, {}),
-        (HELPER, (), 1, {"holds": True}),
+        (STRUCTURE, (), 1, {}),
+        (STRUCTURE, (), 1, {"holds": True}),
         ("deployable/intervals", ("deployable.intervals",), 0, {}),
         ("fpm/elements/bars", ("fpm", "fpm.kernels.run", "fpm.elements.bars.beam_kernels"), 0, {}),
         ("fpm/reading", (), 1, {}),
     ],
-    ids=["helper", "held config", "intervals alone", "kernels before a run", "after a run"],
+    ids=["structure", "held config", "intervals alone", "kernels before a run", "after a run"],
 )
 def test_a_session_in_which_files_are_edited_gives_new_numbers_or_none(
     edits, room, imports, runs, more
 ):
-    if room == HELPER:
-        texts = {room: (edits.place / room).read_text().replace("1.01", "1.02")}
+    if room == STRUCTURE:
+        texts = {
+            room: (edits.place / room).read_text().replace("nu: {value: 0.3", "nu: {value: 0.2")
+        }
     else:  # any place of a module that is imported by then
         names = {f"{name.replace('.', '/')}.py" for name in imports}
         places = [each for each in edits.places[room] if not names or each[0] in names]
@@ -173,7 +175,7 @@ def test_a_session_in_which_files_are_edited_gives_new_numbers_or_none(
         texts = {name: edits.text(name, number)[0]}
     found = edits.session(texts, imports, runs, **more)
     assert not found["stale"], (texts.keys(), found)
-    if room == HELPER and not more:
+    if room == STRUCTURE and not more:
         assert found["says"] == "new"
     else:
         assert " changed since it was imported: start again" in found["says"]

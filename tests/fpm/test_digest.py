@@ -79,27 +79,6 @@ def test_every_file_counts_but_those_that_decide_no_number_that_is_kept(copied):
         path.write_text(text)
 
 
-ASK = {"solver/simulate.py", "solver/unpack.py", "structures/statement.py"}
-"""Of what makes runs, those that ask `reading` for what is recorded on request, and for the classes
-of uncertainty that parts may have, which no motion depends on."""
-
-
-def test_what_counts_imports_nothing_that_does_not():
-    """Else an edit of what does not count could change numbers through what does."""
-    for path in sources.PACKAGE.rglob("*.py"):
-        name = path.relative_to(sources.PACKAGE).as_posix()
-        level = 2 if sources._is_within(name, sources.READ) else 1
-        if name == "__init__.py" or sources._is_within(name, sources.DISPLAY):
-            continue
-        imports = {
-            each.removeprefix("fpm.").replace(".", "/")
-            for each, _ in sources._list_imports(path.read_bytes(), str(path))
-        }
-        without = [*(t.removesuffix(".py") for t in sources.DISPLAY if t != "errors.py")]
-        without += [*sources.READ] if level == 1 and name not in ASK else []
-        assert not [each for each in imports if sources._is_within(each, tuple(without))], name
-
-
 # -- names are of what was imported ----------------------------------------------------------------
 
 
@@ -185,24 +164,6 @@ def test_a_file_that_is_touched_or_new_and_unused_does_not_matter(package):
         code.digest()
 
 
-def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypatch):
-    """Else they are kept under the name of what the file says now."""
-    from fpm.kernels import compiled_loop
-
-    path = tmp_path / "tether_kernels.py"
-    path.write_text(
-        "from typing import NamedTuple\nfrom fpm.kernels.hooks import hook\n"
-        "class Tethers(NamedTuple):\n    rows: object\n"
-        "@hook(Tethers)\ndef forces(part, world, timing):\n    pass\n"
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    tethers = importlib.import_module("tether_kernels").Tethers
-    assert [found.name for found in compiled_loop.find_user_sources(tethers)] == [path.name]
-    edit(path, "pass", "return")
-    with pytest.raises(fpm.SceneError, match=r"tether_kernels\.py changed since it was imported"):
-        compiled_loop.find_user_sources(tethers)
-
-
 def test_a_structure_s_own_file_counts_for_it_alone():
     assert scene_type("bennett").digest != scene_type("pendulum").digest
 
@@ -240,59 +201,6 @@ def test_a_cache_that_can_not_be_written_does_not_matter(copied, monkeypatch):
     sources._tree_digest.cache_clear()
     assert digests(copied) == before
     assert len(before[0]) == 16
-
-
-@pytest.mark.parametrize(
-    "imports",
-    [
-        "import numpy, helper",
-        "import helper as other",
-        "from helper import VALUE",
-        "from . import helper",
-        "from .helper import VALUE",
-        "from ..room import helper",
-        "import house.room.helper",
-        "from house.room import helper",
-        "from house.room.helper import VALUE",
-        "def build():\n    from helper import VALUE",
-        "import between",
-    ],
-)
-def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
-    room = tmp_path / "house" / "room"
-    room.mkdir(parents=True)
-    others = {"helper": "VALUE = 1", "between": "import helper", "numpy_": "", "__init__": ""}
-    for name, text in others.items():
-        (room / f"{name}.py").write_text(text)
-    (room / "mast.py").write_text(imports)
-    found = {path.name for path in sources.find_user_sources(room / "mast.py")}
-    assert found - {"between.py", "__init__.py"} == {"mast.py", "helper.py"}
-
-
-@pytest.mark.parametrize(
-    "imports", ["from elsewhere import helper", "import elsewhere.helper", "from .. import helper"]
-)
-def test_a_file_beside_of_the_same_name_is_not_one_from_elsewhere(tmp_path, imports):
-    (tmp_path / "helper.py").write_text("")
-    (tmp_path / "mast.py").write_text(imports)
-    assert sources.find_user_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
-
-
-def test_kernels_beside_a_kind_count_with_it(tmp_path):
-    for name in ("spring", "spring_kernels", "other_kernels"):
-        (tmp_path / f"{name}.py").write_text("")
-    found = {path.name for path in sources.find_user_sources(tmp_path / "spring.py")}
-    assert found == {"spring.py", "spring_kernels.py"}
-
-
-def test_code_that_is_in_no_file_is_refused(tmp_path):
-    names = {"__name__": "typed_in"}
-    exec("def build(): pass\nclass Arrays: pass", names)
-    for thing in (names["build"], names["Arrays"]):
-        with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-            sources.find_user_sources(sources.file_of(thing))
-    with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-        sources.find_user_sources(tmp_path)
 
 
 def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):

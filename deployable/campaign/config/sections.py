@@ -8,9 +8,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-import os
 import re
-import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cache, cached_property, lru_cache
@@ -36,7 +34,7 @@ from deployable.campaign.config.models import (
     Verify,
 )
 from deployable.campaign.config.plausible import experiment_warnings
-from deployable.campaign.errors import CampaignError, HeldConfigError
+from deployable.campaign.errors import HeldConfigError
 from deployable.campaign.provenance import digest_code
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
@@ -56,31 +54,16 @@ _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """Load the `fpm` structure (`SceneType`) in `file`, which results may name from then on
-    (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
+    """Load the `fpm` structure (`SceneType`) in the text file `file`, or without one the shipped
+    structure called `name`. Raises `fpm.SceneError`."""
     if not file:
         if name not in (files := program_data.list_structures()):
             hint = f", or {name}.yaml as a file" if Path(f"{name}.yaml").is_file() else ""
             hint = hint or did_you_mean(name, files)
             raise SceneError("scene.name", name, f"one of {', '.join(files)}{hint}")
         file = str(files[name])
-    else:
-        trust(file)
-    if Path(file).suffix == ".py":  # which is run whenever it is read
-        return structures.load(file)
     structure = _structure_from_text(read_text(file), file)
     return structures.load(file) if structure.files else structure  # the text has not all of it
-
-
-_TRUSTED_FILES: set[str] = set()
-"""Files of structures that the user of this process has named."""
-
-
-def trust(file: str) -> None:
-    """Allow results, for the rest of this process, to name this structure's file, which is then
-    read, or executed if it is Python; else only a user's config makes one trusted."""
-    if "\0" not in file:
-        _TRUSTED_FILES.add(os.path.realpath(file))
 
 
 @lru_cache(maxsize=8)
@@ -121,7 +104,7 @@ def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
 @dataclass(frozen=True)
 class SceneChoice:
     """Structure of a campaign by name, with the parameter values that differ from its defaults.
-    file: path of its YAML or Python file, "" for one that is shipped."""
+    file: path of its text file, "" for one that is shipped."""
 
     name: str
     parameters: dict[str, Any]
@@ -212,16 +195,8 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
-        `CampaignError` for a file that results name but no config."""
-        file = self.scene.file
-        if file and os.path.realpath(file) not in _TRUSTED_FILES:
-            cause = "is a program and was not run" if file.endswith(".py") else "was not read"
-            raise CampaignError(
-                f"the results are of the structure {file}, which {cause}, since only they name it; "
-                f"allowed: a config that names it, or, of an export, --trust {shlex.quote(file)}"
-            )
-        return scene_type(self.scene.name, file)
+        """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`."""
+        return scene_type(self.scene.name, self.scene.file)
 
     @property
     def mechanics(self) -> str:

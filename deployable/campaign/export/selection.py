@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import fpm
 from deployable.campaign.config.loader import read, read_file
-from deployable.campaign.config.sections import Experiment, scene_type, trust
+from deployable.campaign.config.sections import Experiment, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.files import refuse_links
 from deployable.campaign.folder import Folder
@@ -91,7 +91,6 @@ def choose(
     run: str = "nominal",
     settings: Mapping[str, str] | None = None,
     duration: float | None = None,
-    trusted: Sequence[str] = (),
 ) -> SelectedRun:
     """Find a run to export: of a campaign's results, of a campaign's config, or of a structure;
     it is not simulated yet. Raises `CampaignError` if there is no such run, or results were made by
@@ -105,12 +104,8 @@ def choose(
     settings: values of parameters to replace, as texts by name, in the parameters' units; refused
         for results, whose runs are as they are.
     duration: simulated time (s); None: that of the config, or 1 s of a structure; refused for
-        results.
-    trusted: paths of structures' files that results may name: they are read, Python files
-        executed."""
+        results."""
     path = Path(source)
-    for file in trusted:
-        trust(file)
     if duration is not None and not 0 < duration < math.inf:
         raise CampaignError(f"--duration {duration:g}; allowed: a time above 0 (s)")
     if path.is_dir():

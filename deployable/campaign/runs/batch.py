@@ -43,7 +43,7 @@ _WORK: dict[str, Any] = {}
 """What the processes of a batch inherit, since it need not be sent to them then."""
 
 _BUILD_LOCK = Lock()
-"""Structures in Python may have state of their own, and know nothing of threads."""
+"""Held while scenes are built, since a structure keeps the models that it has made."""
 
 
 def run_batch(

@@ -8,14 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from deployable.campaign.config.sections import (
-    Campaign,
-    Experiment,
-    as_json,
-    digest,
-    from_data,
-    trust,
-)
+from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
 from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
@@ -106,9 +99,8 @@ class Stage:
 
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
         """Return the config sections that the stage depends on, by name. config: path of a YAML
-        file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
-        it names; folder: of the results, which tells the case, None for a campaign without
-        cases. Raises `CampaignError`."""
+        file, or the JSON of the sections that the workflow passes; folder: of the results, which
+        tells the case, None for a campaign without cases. Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             campaign = check.load_config([config])
@@ -122,7 +114,6 @@ class Stage:
             return self.sections_of(campaign)
         try:
             data, kinds = json.loads(config), get_type_hints(Campaign)
-            trust(data.get("structure") or "")
             return {name: from_data(kinds[name], data[name]) for name in self.sections}
         except (AttributeError, LookupError, TypeError, ValueError) as error:
             text = f"--config is no JSON of the sections that the stage needs: {error!r}"

@@ -56,11 +56,8 @@ class Workflow:
         return cls(load_config([], restore_types(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
-        """Write the config sections that a stage, by name, depends on, as JSON for its command;
-        with `structure`, the path of the user's structure."""
-        file = self.campaign.experiment.scene.file
-        structure = {"structure": file} if file else {}
-        return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
+        """Write the config sections that a stage, by name, depends on, as JSON for its command."""
+        return as_json(**STAGES[stage].sections_of(self.campaign))
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:

@@ -2,8 +2,7 @@
 
 Loop and kernels are compiled apart, each once for the types of its arrays, and the loop calls the
 kernels by their addresses (`hooks.Calls`). Their files stand in a folder that is named after a
-digest of all kernel sources as they were imported, and of the processor: an edited kernel never
-meets old code, what was imported before an edit is not kept under the name of what came after, and
+digest of all kernel sources, and of the processor: an edited kernel never meets old code, and
 machines can share a cache. Each file is written whole, with checksums: what is not as written is
 compiled again."""
 
@@ -44,7 +43,8 @@ from fpm.kernels.world import StepTime
 def source_digest() -> str:
     """Return a digest (16 hex digits) of numba's version and the kernel sources of fpm, after which
     the folder of compiled code is named."""
-    text = repr([numba.__version__, sources.kernels()])
+    code = sources.digest(sources.PACKAGE / "elements", sources.PACKAGE / "kernels")
+    text = repr([numba.__version__, code])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

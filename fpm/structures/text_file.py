@@ -158,7 +158,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
         prepare=file.prepare,
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh or None,
-        content=hashlib.sha256(content).hexdigest()[:16],
+        digest=hashlib.sha256(content).hexdigest()[:16],
         files=tuple(file.files),
     )
 

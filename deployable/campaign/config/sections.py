@@ -35,7 +35,7 @@ from deployable.campaign.config.models import (
 )
 from deployable.campaign.config.plausible import experiment_warnings
 from deployable.campaign.errors import HeldConfigError
-from deployable.campaign.provenance import digest_code
+from deployable.campaign.provenance import program_digest
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
@@ -200,8 +200,8 @@ class Experiment:
 
     @property
     def mechanics(self) -> str:
-        """Digest of the structure and of all code that computes runs, part of each run's id."""
-        return digest_code(self.scene_type.digest)
+        """Digest of the structure and of the program, part of each run's id."""
+        return digest([program_digest(), self.scene_type.digest])
 
     @cached_property
     def response_list(self) -> list[Any]:

@@ -19,7 +19,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files.contents import data_of, experiment_of, report_damage
 from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.folder import Folder
-from deployable.campaign.provenance import check_code, stamp
+from deployable.campaign.provenance import stamp
 from fpm.files.seals import DamagedError, check, check_content, read_bytes, whole_file
 
 __all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json", "refuse_links",
@@ -43,12 +43,10 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     """Context manager that yields a temporary path to write to, and at its end, without an error,
     seals the file (checksum and origin) and renames it to `path`. facts: texts by name for the
-    seal, besides name, program and date. Raises `fpm.errors.ChangedError` if the program's files
-    were edited since it was imported."""
+    seal, besides name, program and date."""
     facts = {"name": Path(path).name, **stamp(), **_FACTS.get(), **facts}
     with whole_file(path, facts) as file:
         yield file
-        check_code()
 
 
 def open_netcdf(path: str | Path) -> Any:

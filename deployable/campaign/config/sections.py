@@ -168,8 +168,8 @@ class Experiment:
     @classmethod
     def from_results(cls, data: Mapping) -> Experiment:
         """Make the experiment from `data`, its nested dicts in a result file, which may come from
-        anybody: names, after which files are called, and the allowed ranges of the solver's and the
-        design's numbers are checked. Raises `HeldConfigError` if it cannot be used."""
+        anybody: names, after which files are called, are checked. Raises `HeldConfigError` if it
+        cannot be used."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
@@ -177,12 +177,6 @@ class Experiment:
             is_named = is_named and all(map(str.isidentifier, experiment.intervals))
             if not is_named or "\0" in experiment.scene.name + experiment.scene.file:
                 raise ValueError("a name is none of a campaign, response, quantity or parameter")
-            for section in (experiment.solver, experiment.design):
-                for name, kind in get_type_hints(type(section), include_extras=True).items():
-                    number = getattr(section, name)
-                    keys = getattr(kind, "__metadata__", ()) if type(number) in (int, float) else ()
-                    if not all(key.allows(number) for key in keys):
-                        raise ValueError(f"{name} = {number:g} is out of its limits")
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the results hold a config that cannot be used: {error}"
             raise HeldConfigError(text) from None

@@ -13,7 +13,6 @@ import fpm
 from deployable.campaign.config.loader import read, read_file
 from deployable.campaign.config.sections import Experiment, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError
-from deployable.campaign.files import refuse_links
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.run_samples import open_samples
@@ -130,7 +129,6 @@ def choose(
 
 
 def _select_results_run(folder: Folder, run: str) -> SelectedRun:
-    refuse_links(folder.path)
     if (folder / "cases.json").exists():
         names = ", ".join(sorted(path.parent.name for path in folder.path.glob("*/samples.nc")))
         raise CampaignError(f"{folder.path} is of cases; allowed: the folder of one: {names}")

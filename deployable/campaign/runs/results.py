@@ -14,7 +14,6 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files.contents import EVENT_VARIABLES
-from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from fpm.files.seals import DamagedError, check
 from fpm.files.trajectory import Column
@@ -119,7 +118,6 @@ class Store:
         """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
             check(path, title(path))
-            refuse_outside(path)
         except DamagedError as error:
             self.damage[path] = error
         except FileNotFoundError:

@@ -10,12 +10,12 @@ from typing import Any, get_type_hints
 
 from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
-from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
+from deployable.campaign.files import HISTORY, check_results, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
-from fpm.files.seals import DamagedError, check, remove_temporary
+from fpm.files.seals import remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
@@ -70,10 +70,9 @@ class Stage:
         by name. Raises `CampaignError` for trouble with files, also files of several plans."""
         sections = {name: arguments[name] for name in self.sections}
         try:
-            refuse_links(folder.whole)
             for place in folder.stage_folders:
                 remove_temporary(place)
-            facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
+            facts = {"basis": self.basis(sections), **check_results(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, notify, **arguments)
         except SceneError as error:  # of the structure that the results name
@@ -122,20 +121,6 @@ class Stage:
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
         """Return the config sections of a campaign that the stage depends on, by name."""
         return {name: getattr(campaign, name) for name in self.sections}
-
-
-def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
-    """Return {"plan": digest} of the plan from which result files were made, for the seals of files
-    made from them; {} without names. folder: of the results; names: of these files, such as
-    "samples.nc". Raises `DamagedError` if one is damaged, or they are of different plans."""
-    check_results(folder, names)
-    plans = {name: check(folder / name, name).get("plan") for name in names}
-    for name, plan in plans.items():
-        if plan != (first := next(iter(plans.values()))):
-            raise DamagedError(
-                folder / name, f"it is of plan {plan}, {next(iter(plans))} of {first}"
-            )
-    return {"plan": next(iter(plans.values()))} if plans else {}
 
 
 def drawings(experiment: Experiment) -> list[str]:

@@ -3,12 +3,11 @@
 Read by the workflow as well, so that this module imports nothing heavy."""
 
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 from evidence.tradeoff.measure.cases import CASES
 from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES
-from fpm.kernels.sources import syntax_digest
+from fpm.kernels import sources
 
 ROOT = Path(__file__).parents[1]
 
@@ -47,14 +46,9 @@ class Study:
         return [report_digest] if self.parts else [report_digest, self.measuring_code()]
 
 
-@cache
 def digest(*places: str) -> str:
-    """Syntax digest of the Python files in folders, and of single files, below the root."""
-    files: set[Path] = set()
-    for place in places:
-        path = ROOT / place
-        files.update(path.rglob("*.py") if path.is_dir() else [path])
-    return syntax_digest(files)
+    """Digest of the source files in folders, and of single files, below the root."""
+    return sources.digest(*(ROOT / place for place in places))
 
 
 EXTREMES = (

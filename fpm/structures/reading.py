@@ -49,8 +49,17 @@ class StructureError(SceneError):
         return type(self), (self.source, self.problems)
 
 
+NO_PROGRAM = (
+    "a structure is a text file, and this is a Python file; allowed: a `.yaml` file, which the "
+    "method `write` of an `fpm.Structure` makes"
+)
+
+
 def read_text(path: str | Path) -> str:
-    """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError."""
+    """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError, also
+    for a Python file."""
+    if Path(path).suffix == ".py":
+        raise StructureError(str(path), [Problem(0, NO_PROGRAM)])
     try:
         return read_bytes(path, LARGEST).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except (OSError, ValueError) as error:

@@ -43,14 +43,11 @@ def test_examples_are_structures_alone_or_as_additions_to_the_first(text):
     found.build()
 
 
-def test_the_examples_in_python_run(tmp_path, monkeypatch):
+def test_the_first_example_in_python_runs(monkeypatch):
     monkeypatch.chdir(Path(__file__).parents[2])
     space: dict = {}
     exec(PYTHON[0], space)
     assert space["scene"].springs[0].stiffness == 0.2
-    path = tmp_path / "hanging.py"
-    path.write_text(PYTHON[2])
-    assert load(path).points == ("tip",)
 
 
 def test_the_first_structure_is_the_same_in_python(tmp_path, monkeypatch):
@@ -64,8 +61,6 @@ def test_the_first_structure_is_the_same_in_python(tmp_path, monkeypatch):
         assert content(scene) == content(expected)
     assert content(space["scene"]) != content(scene)
     assert space["flap"].scene_type.digest == load("flap.yaml").digest
-    Path("wing.py").write_text(f"{PYTHON[1]}\nSTRUCTURE = flap")
-    assert content(load("wing.py").build(k=0.2, stow=45)) == content(scene)
 
 
 def test_the_messages_of_the_page_are_those_of_the_program():

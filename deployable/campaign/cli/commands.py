@@ -86,10 +86,6 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     export.add_argument(
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
-    export.add_argument(
-        "--trust", action="append", default=[], metavar="FILE",
-        help="structure that results may name, and that is read, or run, then; may be repeated",
-    )  # fmt: skip
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
 
@@ -139,8 +135,6 @@ def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
         print(f"{prefix}warning: {text}")
     for text in doubt_texts(campaign.experiment.doubts):
         print(f"{prefix}{text}")
-    if campaign.experiment.scene.file.endswith(".py"):
-        print(f"{prefix}{campaign.experiment.scene.file} is a program, which was run")
 
 
 def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
@@ -203,8 +197,6 @@ def _structure(options: argparse.Namespace) -> int:
         text = f"structure {name!r} is not known; allowed: a file, or {error.allowed}"
         print(text if error.key == "scene.name" else error, file=sys.stderr)
         return 1
-    if name.endswith(".py"):
-        print(f"{name} is a program, which was run")
     print(describe(structure, options.duration))
     if options.no_picture:
         return 0
@@ -226,7 +218,7 @@ def _export(options: argparse.Namespace) -> int:
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
     try:
-        selection = choose(options.what, options.run, settings, options.duration, options.trust)
+        selection = choose(options.what, options.run, settings, options.duration)
         if selection.folder and not options.output:
             place = selection.folder / "exports"
         paths = export(selection, options.to, place, options.frames, options.colour)

@@ -232,3 +232,57 @@ def test_a_stated_rate_of_what_floats_gives_it_no_momentum(kind, rate):
     assert momenta.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
     total = (np.cross(start.position, momenta) + spins).sum(axis=0)
     assert total == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+WHEELS = """
+name: wheels
+points: {o: [0, 0, 0]}
+bodies:
+  hub: {mass: 1, centre: o, inertia: [0.01, 0.015, 0.02]}
+  wheel: {mass: 1, centre: o, inertia: [0.01, 0.015, 0.02]}
+joints:
+  h: {type: revolute, parts: [ground, hub], at: o, axis: z}
+  g: {type: revolute, parts: [hub, wheel], at: o, axis: z}
+curves: {even: {times: [0, 1], values: [0, 1]}}
+record: {o: {part: wheel, at: o}}
+"""
+TURNS = {
+    "free": "opening_rates: {a: {joint: h, rate: 50 rad/s}, b: {joint: g, rate: -102 rad/s}}",
+    "driven": "drives: {d: {part: hub, at: o, spin: [0, 0, 50]}}",
+    "led": "actions: {m: {type: motor, joint: g, turn: -102 rad, curve: even}}",
+    "latched": """
+opening_rates: {a: {joint: h, rate: 50 rad/s}, b: {joint: g, rate: -102 rad/s}}
+actions: {l: {type: latch, joint: g, angle: -31 rad, side: above}}""",
+}
+
+
+@pytest.mark.parametrize("rate", [98, -102, 900])
+def test_a_free_wheel_turns_by_its_rate_whatever_the_step(rate):
+    text = WHEELS[: WHEELS.index("  g:")].replace("  wheel: ", "  #")
+    text += f"record: {{o: {{part: hub, at: o}}}}\nopening_rates: {{a: {{joint: h, rate: {rate}}}}}"
+    for step in (1.0, 0.1, 0.03, 0.01):
+        (outcome,) = fpm.simulate(loads(text).build(), duration=1, instants=2, step=step)
+        assert outcome.openings["h"][-1] == pytest.approx(rate, abs=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.01])
+@pytest.mark.parametrize(
+    ("case", "hub", "wheel"),
+    [
+        ("free", 50, -102),
+        ("driven", 50, -50),
+        ("led", 51, -102),
+        # From 31/102 s on both have half of the momentum, J (50 - 52).
+        ("latched", 50 * 31 / 102 - (1 - 31 / 102), -31),
+    ],
+)
+def test_several_turns_in_a_step_are_counted(case, hub, wheel, step):
+    text = WHEELS + TURNS[case]
+    if case == "driven":
+        text = text.replace("  h: {type: revolute, parts: [ground, hub], at: o, axis: z}\n", "")
+    (outcome,) = fpm.simulate(loads(text).build(), duration=1, instants=11, step=step)
+    assert outcome.failure is None
+    assert outcome.openings["g"][-1] == pytest.approx(wheel, abs=1e-6)
+    if case != "driven":
+        assert outcome.openings["h"][-1] == pytest.approx(hub, abs=1e-6)

@@ -222,10 +222,11 @@ def record_points(parts, world, points, row, timing):
 
 
 @_call_each
-def work_due(parts, world, energies, row):
+def work_due(parts, world, energies, row, timing):
     """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
-    it. parts: arrays of each element type; world: solver state (World); energies: Record.energies;
-    row: index of the recorded instant."""
+    it, and the kinetic energy of what has no momenta, as drives do. parts: arrays of each element
+    type; world: solver state (World); energies: Record.energies; row: index of the instant; timing:
+    times of this step (s)."""
 
 
 @_call_each

@@ -22,6 +22,7 @@ from deployable.campaign.results.facts import (
     decisive,
     happens_only,
     mark_constant,
+    why_idle,
 )
 from deployable.campaign.results.quantity_results import add_total_error
 from deployable.campaign.results.templates import sentence
@@ -433,3 +434,26 @@ def test_no_number_is_minus_zero():
     assert number(-0.0) == "0" and quantity(-0.0, "rad") == "0 rad"
     assert with_error(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
     assert interval({"lower": -1e-9, "upper": 0.5, "error": 0.1, "units": "m"}) == "0.00 to 0.50 m"
+
+
+@pytest.mark.parametrize(("kind", "level", "lower", "upper", "least", "words"), [
+    ("at_most", 0.001, -0.243, -0.225, None, "is negative in all runs"),
+    ("at_least", -0.12, 0.1, 0.2, None, "is positive in all runs"),
+    ("at_least", 0.0, 0.1, 0.2, 0.0, "is never below 0"),
+    ("at_most", 0.12, 0.1, 0.2, 0.0, None),
+    ("at_most", 0.0, -0.2, -0.1, None, None),  # as of a place below the ground
+    ("at_most", 0.1, -0.2, 0.01, None, None),
+    ("at_least", 0.0, None, None, None, None),
+    ("happens", 1.0, -0.2, -0.1, 0.0, None),
+])  # fmt: skip
+def test_a_limit_that_cannot_fail_is_no_yes(kind, level, lower, upper, least, words):
+    limit = {"quantity": "hit", "kind": kind, "level": level, "units": "N m s", "margin": 0.2}
+    assert why_idle(limit, {"lower": lower, "upper": upper}, least) == words
+    limit |= {"error": 0.0} | ({"idle": words} if words else {})
+    row = {"name": "soft", "met": "all", "share": 1.0, "share_uncertainty": 0.0, "runs": 9}
+    facts = {"together": row, "requirements": [row | {"limits": [limit]}], "quantities": []}
+    text = sentence("headline", facts)
+    assert text.startswith("Yes") == (words is None) and (words or "Yes") in text
+    assert ("For a limit on its size, state" in text) == bool(words and words.endswith("runs"))
+    if level == 0.001:
+        assert text.endswith("state at_least −0.001 N m s.")

@@ -67,6 +67,11 @@ def facts_of(
         answer = read_json(folder / f"{name}.json")
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
+    least = {quantity.name: quantity.least for quantity in experiment.quantity_list}
+    for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
+        row = next(row for row in facts["quantities"] if row["name"] == limit["quantity"])
+        if reason := why_idle(limit, row, least[row["name"]]):
+            limit["idle"] = reason
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
         del choice["fitted"]
@@ -86,6 +91,19 @@ def facts_of(
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
+
+
+def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
+    """Return why a limit cannot fail, so that to meet it says nothing: its quantity has a physical
+    lower bound, or the other sign in all runs, as where the size of a signed number is meant; None
+    if it can fail. limit: its dict in the results; row: that of the quantity; least: that bound."""
+    sign = {"at_most": 1, "at_least": -1}.get(limit["kind"], 0)
+    if sign < 0 and least is not None and limit["level"] <= least:
+        return f"is never below {least:g}"
+    end = row["upper" if sign > 0 else "lower"]
+    if not sign or end is None or not sign * limit["level"] > 0 > sign * end:
+        return None
+    return f"is {'negative' if sign > 0 else 'positive'} in all runs"
 
 
 def mark_constant(facts: dict) -> None:

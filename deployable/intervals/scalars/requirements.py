@@ -241,7 +241,8 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
     so that most of the error of a share cancels in the gain. Uncertainties are those of the fits
     (`shares_of_box`) and twice the deviation by batches of lines, which are added while it exceeds
     a quarter of the gain and a twentieth of what fails. All is certain only if the worst case of
-    the halved box satisfies all limits; else three lines may be missed. free, nominal (k each): as elsewhere, normalized."""
+    the halved box satisfies all limits; else three lines may be missed. free, nominal (k each): as
+    elsewhere, normalized."""
     ends = np.array([nominal[j] - 1.0, nominal[j] + 1.0]) / 2.0
     start_axes = np.where(np.arange(len(free)) == j, False, free)
     cells = 8 if start_axes.any() else 1024
@@ -261,7 +262,8 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
             points, cache = points.reshape(-1, len(free)), {}
             found = _met(limits, points, cache, len(line), signs, weights)
             if signs[1:]:
-                found += _met(_rivals(limits), points, cache, len(line), (0,), weights)
+                rivals = _rivals(limits)
+                found += _met(rivals, points, cache, len(line), (0,), weights) if rivals else []
                 changes.append([_with_gains(np.mean(row - found[0], axis=0)) for row in found[1:]])
             shares = np.concatenate([shares, found[0]])
         fit_errors = np.abs(np.mean(changes, axis=0)).max(axis=0)

@@ -4,7 +4,7 @@
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -59,16 +59,17 @@ def answer(
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
     specs, base = list_limits(requirements, list(experiment.quantities)), base_plan.experiment
-    search = partial(_search, base, specs, verify.max_iterations)
-    best, safest, safe_ranges, trials = search(model, choose)
+    best, safest, safe_ranges, trials = _search(model, base, choose, specs, verify.max_iterations)
     judge, error = model, _error(model, choose, None if best.is_allowed else specs)
     nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
     for values in (best.values, np.array([nominal[name] for name in choose.parameters])):
-        is_open = not best.is_safe and abs(best.safety) < 1
-        if not verify.max_iterations or not (is_open or error > _LARGE * _spread(trials)):
+        is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread(trials)
+        if not verify.max_iterations or not is_open or model.account.allowance < len(design):
             break
-        judge, (best, *_) = _zoom(model, base, choose, search, values)
-        error, safest = _error(judge, choose, None if best.is_allowed else specs), None
+        local, candidate = _zoom(model, base, choose, specs, values)
+        if judge is model or (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety):
+            judge, best, safest = local, candidate, None
+            error = _error(judge, choose, None if best.is_allowed else specs)
     decides = find_deciding_parameters(trials, error)
     rows = []
     for i, (name, (low, high)) in enumerate(choose.parameters.items()):
@@ -102,7 +103,7 @@ def answer(
 
 
 def _search(
-    base: Experiment, specs: list[LimitSpec], iterations: int, model: ModelEvaluator, choose: Choose
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
     """What `_best` finds once the places that decide are simulated, or after so many iterations."""
     for iteration in range(iterations + 1):
@@ -117,11 +118,11 @@ def _search(
 
 
 def _zoom(
-    model: ModelEvaluator, base: Experiment, choose: Choose, search: Callable, values: np.ndarray
-) -> tuple[ModelEvaluator, tuple[Any, Any, list, list]]:
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list, values: np.ndarray
+) -> tuple[ModelEvaluator, Any]:
     """Search a part of the choices about `values`, with a design of its own and a surrogate of the
     runs there, whose errors are not those of the whole; and go on about the best while it lies at
-    an end of the part. Returns the evaluator over the last part, and what `search` finds there."""
+    an end of the part. Returns the evaluator over the last part, and the best choice there."""
     ranges = np.array(list(choose.parameters.values()), dtype=float)
     reach = _REACH * np.ptp(ranges, axis=1)
     for _ in range(_MOST_PARTS):
@@ -131,13 +132,13 @@ def _zoom(
         part = replace(choose, parameters={name: tuple(end) for name, end in names}, order=2)
         local = model.narrow(widen_intervals(base, part))
         local.add(design_points(local.experiment, part))
-        found = search(local, part)
+        best, *_ = _search(local, base, part, specs, iterations=1)
         model.absorb(local)
-        values = found[0].values
+        values = best.values
         is_end = np.abs(values[:, None] - ends) < 1e-3 * reach[:, None]
         if not (is_end & (ends != ranges)).any():
             break
-    return local, found
+    return local, best
 
 
 def _spread(trials: Sequence[Any]) -> float:

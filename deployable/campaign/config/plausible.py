@@ -34,8 +34,8 @@ def experiment_warnings(experiment: Any) -> list[str]:
 
 def requirement_warnings(campaign: Any) -> list[str]:
     """Return sentences on limits of a `Campaign` that are hardly meant: those below what a quantity
-    can be, times and speeds that no run can reach, times that none can exceed, lengths far beyond the structure's extent, angles of
-    more than a turn without a motor; [] if there is none."""
+    can be, times and speeds that no run can reach, times that none can exceed, lengths far beyond
+    the structure's extent, angles of more than a turn without a motor; [] if there is none."""
     from fpm.structures.plausible import extent
 
     experiment, texts = campaign.experiment, []

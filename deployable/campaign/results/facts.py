@@ -397,9 +397,11 @@ def gains(half: Mapping[str, float]) -> bool:
 def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
     """Name the parameters whose halved interval raises most the share of the box that meets all
     requirements, as far as the errors tell; [] if none does. halved: of `together`."""
-    found = {name: half for name, half in halved.items() if gains(half)}
-    least = max((half["gain"] - half["gain_uncertainty"] for half in found.values()), default=0.0)
-    return [name for name, x in found.items() if x["gain"] + x["gain_uncertainty"] >= least]
+    effective = {name: half for name, half in halved.items() if gains(half)}
+    least = max(
+        (half["gain"] - half["gain_uncertainty"] for half in effective.values()), default=0.0
+    )
+    return [name for name, x in effective.items() if x["gain"] + x["gain_uncertainty"] >= least]
 
 
 def scarcest(limits: Iterable[Mapping]) -> Mapping | None:

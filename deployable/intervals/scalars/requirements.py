@@ -260,18 +260,18 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
             points[:, :, j] = line
             points, cache = points.reshape(-1, len(free)), {}
-            found = _met(limits, points, cache, len(line), signs, weights)
+            parts = _met(limits, points, cache, len(line), signs, weights)
             if signs[1:]:
                 rivals = _rivals(limits)
-                found += _met(rivals, points, cache, len(line), (0,), weights) if rivals else []
-                changes.append([_with_gains(np.mean(row - found[0], axis=0)) for row in found[1:]])
-            shares = np.concatenate([shares, found[0]])
+                parts += _met(rivals, points, cache, len(line), (0,), weights) if rivals else []
+                changes.append([_with_gains(np.mean(row - parts[0], axis=0)) for row in parts[1:]])
+            shares = np.concatenate([shares, parts[0]])
         fit_errors = np.abs(np.mean(changes, axis=0)).max(axis=0)
         share, gain = _with_gains(shares.mean(axis=0))
         batches = _with_gains(shares.reshape(min(_BATCHES, count), -1, 2).mean(axis=1))
         errors = np.zeros(2) if count == 1 else 2 * batches.std(axis=0, ddof=1) / _BATCHES**0.5
-        enough = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
-        if 2 * count > most or count == 1 or errors.max() <= enough:
+        target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
+        if 2 * count > most or count == 1 or errors.max() <= target:
             break
         count *= 2
     lower, upper = -np.asarray(free, dtype=float), np.asarray(free, dtype=float)

@@ -353,14 +353,16 @@ def _width_error(
     part, width = surrogate._part(lower, upper), surrogate.range(lower, upper).width
     widths = [] if rival is None else [rival.range(lower, upper, climbs=1).width]
 
-    def shifted(points: np.ndarray, side: float) -> np.ndarray:
+    def evaluate_beside(points: np.ndarray, side: float) -> np.ndarray:
         occurrence = surrogate.occurrence
         is_there = occurrence.decision(points) >= side * occurrence.band(points)
         return np.where(is_there, surrogate.predict(points), np.nan)
 
     for side in (-1.0, 1.0):
         ends = (
-            extreme(partial(shifted, side=side), sign, *part, surrogate._trial_points, climbs=1)[0]
+            extreme(
+                partial(evaluate_beside, side=side), sign, *part, surrogate._trial_points, climbs=1
+            )[0]
             for sign in (1.0, -1.0)
         )
         widths.append(np.subtract(*ends))

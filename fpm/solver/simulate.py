@@ -11,7 +11,7 @@ from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
 from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
-from fpm.scenes.timestep import SAFETY, find_stable_step
+from fpm.scenes.timestep import SAFETY, find_curve_step, find_stable_step
 from fpm.solver import pack
 from fpm.solver.start import consistent_scene, consistent_scenes
 from fpm.solver.unpack import outcomes_of
@@ -67,7 +67,8 @@ def simulate(
     duration: simulated time (s), above 0.
     instants: number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
     step: time step (s), shortened so that whole steps make up the time between two instants; None:
-        `safety` times the smallest stable step of the scenes.
+        `safety` times the smallest stable step of the scenes, shortened to the finest feature of
+        their curves of time.
     safety: factor on the stable step, where no step is given.
     energy_tolerance: a sample fails where the error of its energy balance exceeds this fraction of
         the largest energy that it has had so far.
@@ -93,7 +94,8 @@ def simulate(
     limits = [None] * len(scenes)
     if step is None:
         limits = [find_stable_step(scene) for scene in scenes]
-        step = safety * min(limit.step for limit in limits)
+        step = min(find_curve_step(scene, duration) for scene in scenes)
+        step = min(step, *(safety * limit.step for limit in limits))
     division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
 

@@ -21,8 +21,9 @@ def find_failures(parts, world, record, row, n, tolerance):
     """Note in `record` the samples that fail at step n; returns whether all have failed for good. A
     sample fails when its energy balance has an error above `tolerance` times the largest energy it
     has had so far, when a number is not finite, or when a watched quantity is above its limit. An
-    error of the balance is forgiven once the run has held so much more energy that it is negligible
-    beside it, as where teeth with play first touch; it is final once it has grown. parts: arrays of
+    error of the balance is forgiven once it is over, as where a contact strikes (`events.edge`), or
+    the run has held so much more energy that it is negligible beside it, as where teeth with play
+    first touch; it is final once it has grown. parts: arrays of
     each element type; world: solver state (World); record: of the run (Record); row: index of this
     step's energies in it; n: number of steps done."""
     count = 0
@@ -43,7 +44,8 @@ def find_failures(parts, world, record, row, n, tolerance):
                 if is_balanced or world.unconditional[k]:
                     cause = k
         if is_valid:
-            if record.worst[s] <= NEGLIGIBLE * tolerance * record.scale[s]:
+            is_over = error <= tolerance * record.failed_scale[s]
+            if is_over or record.worst[s] <= NEGLIGIBLE * tolerance * record.scale[s]:
                 record.worst[s], record.failed_step[s] = 0.0, -1
             continue
         if record.failed_step[s] < 0:

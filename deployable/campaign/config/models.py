@@ -109,7 +109,8 @@ class Solver(ConfigSection):
     """Time step. `auto` takes the largest that is stable over the whole box, times `safety`, but no
     longer one than the time in which a curve of time rises or falls; either way it is shortened
     until the recording interval is a whole number of steps. One step serves all runs of a campaign,
-    so that a run does not depend on its neighbours."""
+    so that a run does not depend on its neighbours; with `auto` one whose energy does not balance
+    is repeated with half of it, up to three times."""
     safety: Annotated[float, Rule(above=0, most=1, unit="1")] = 0.9
     """Share of the stable step that `auto` uses."""
     energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005

@@ -11,7 +11,7 @@ IMBALANCE = -1
 """Cause of a failure: no watched quantity, but the energy balance."""
 
 
-NEGLIGIBLE, GROWN = 0.1, 100.0
+NEGLIGIBLE, GROWTH = 0.1, 100.0
 """Share of the tolerance, by the largest energy of the whole run, below which an error of the
 balance was none; and growth of an error since it was noted, from which on it is an instability."""
 
@@ -57,7 +57,7 @@ def find_failures(parts, world, record, row, n, tolerance):
             for k in range(world.most.shape[0]):
                 record.failed_peaks[k, s] = world.peaks[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
-        if cause == IMBALANCE and error <= GROWN * abs(record.failed_balance[s]):
+        if cause == IMBALANCE and error <= GROWTH * abs(record.failed_balance[s]):
             record.worst[s] = max(record.worst[s], error)
         else:
             record.worst[s] = math.inf

@@ -18,7 +18,7 @@ TORQUE, NO_LOAD = range(2)
 
 # Of a motor: moments, at the last forces and a step before, means over the kicks there; and at the
 # instant of the last forces.
-NOW = 2
+AT_INSTANT = 2
 STATE = 3
 
 
@@ -41,7 +41,7 @@ class TorqueMotors(NamedTuple):
 
 
 @kernel
-def falling(torque, speed, no_load):
+def reduced_torque(torque, speed, no_load):
     """Return the moment (N m) that is left of a torque (N m, lanes) at a speed (rad/s) of the
     hinge: none from its no-load speed no_load (rad/s) on, and all against its direction."""
     factor = 1.0 - where_negative(torque, -speed, speed) / no_load
@@ -58,9 +58,9 @@ def forces(part, world, timing):
         h = part.hinge[i]
         speed = follow_rate(part.openings, part.rates, i, h, timing)
         torque, no_load = load(part.numbers, i, TORQUE), load(part.numbers, i, NO_LOAD)
-        moment = falling(kick_mean(world, part.curve[i], timing) * torque, speed, no_load)
+        moment = reduced_torque(kick_mean(world, part.curve[i], timing) * torque, speed, no_load)
         torque = curve_value(world, part.curve[i], timing.time) * torque
-        store(part.state, i, NOW, falling(torque, speed, no_load))
+        store(part.state, i, AT_INSTANT, reduced_torque(torque, speed, no_load))
         store(part.state, i, MOMENT_BEFORE, load(part.state, i, MOMENT))
         store(part.state, i, MOMENT, moment)
         turn(part.openings, world.state, h, moment)
@@ -84,4 +84,4 @@ def record(part, world, row):
     motors (TorqueMotors); world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
-        store(part.track, row * count + i, 0, load(part.state, i, NOW))
+        store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))

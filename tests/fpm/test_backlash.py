@@ -82,6 +82,29 @@ def test_motions_with_backlash_are_right_to_the_second_order(scene, slope, start
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_the_first_touch_of_teeth_at_some_microjoules_is_no_instability():
+    scene = fpm.Scene("play")
+    ground, body = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, 1.0))
+    scene.fix(ground)
+    hinge = scene.add_hinge("A", (ground, body), (0, 0, 0), (0, 0, 1.0))
+    curve = scene.add_curve([0.0, 1.5], [0.0, 1.0], smooth=True)
+    scene.add(Motor(hinge, 20.0, 0.0, 0.0, 1.0, curve, backlash=0.1))
+
+    def slope(time, state):
+        u = min(time / 1.5, 1.0)
+        error = u * u * (3 - 2 * u) - state[0]
+        return [state[1], 20.0 * np.sign(error) * max(abs(error) - 0.05, 0.0)]
+
+    exact = solve_ivp(slope, (0, 2), [0, 0], rtol=1e-9, atol=1e-12, max_step=1e-3).y[0].max()
+    for step in (5e-3, 2.5e-3):
+        (outcome,) = fpm.simulate(
+            scene, duration=2, instants=401, step=step, energy_tolerance=0.005
+        )
+        assert outcome.failure is None
+        assert outcome.openings["A"].max() == pytest.approx(exact, rel=1e-4)
+
+
 def test_none_is_a_drive_train_without_backlash():
     """To the last digits: with a backlash of 0 the same is computed."""
     first, second = (

@@ -17,6 +17,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
 from deployable.campaign.results.quantity_results import FittedRuns, limits_of, number
+from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
@@ -32,6 +33,7 @@ class ModelEvaluator:
     absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
     NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
     `account`: of all runs that it makes, which are no more than that allows;
+    `finest_step`: the shortest (s) of its runs, below the plan's where some had to be repeated;
     `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
     some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
     quantity.
@@ -54,6 +56,7 @@ class ModelEvaluator:
         self.rest_counts, self.rest_count = np.zeros(len(plan.experiment.quantities), int), 0
         self.refinements: list[PlannedRun] = []
         self.simulated, self.account = 0, RunAccount()
+        self.finest_step = plan.time.step
 
     @classmethod
     def from_folder(
@@ -67,6 +70,8 @@ class ModelEvaluator:
         model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
         if len(plan.runs) <= MAX_PLAN_ROWS:
             model.account = RunAccount(known_ids=[run.id for run in plan.runs])
+        with open_samples(folder) as samples:
+            model.finest_step = samples.finest_step
         runs = FittedRuns.read(folder, refinements)
         model.points, model.numbers, model.margins = runs.points, runs.numbers, runs.margins
         model.rest_count, model.rest_counts = len(runs.rest), np.isfinite(runs.rest).sum(axis=0)
@@ -195,6 +200,8 @@ class ModelEvaluator:
                 warm_up(scene, self.notify, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.previous_columns(missing)))
             records |= store.read(group)
+        if plan is self.plan:
+            self.finest_step = min([self.finest_step, *(r.step for r in records.values())])
         self.simulated += simulation.count
         simulation.check()
         return [records[run.id] for run in runs]

@@ -17,6 +17,7 @@ from deployable.campaign.results.run_samples import (
     read_refinement,
 )
 from fpm.files.seals import DamagedError, check
+from fpm.solver.simulate import HALVINGS
 
 MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
@@ -119,6 +120,7 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
         duration=solver.duration,
         instants=solver.instants,
         step=samples.time_step,
+        halvings=HALVINGS,
         energy_tolerance=solver.energy_tolerance,
         record=experiment.record if bare else (),
         frames=frames,

@@ -163,6 +163,7 @@ def bounds_facts(
         },
         "bounds": attributes["bounds_kind"],
         "time_step": float(attributes["time_step"]),
+        "finest_step": samples.finest_step,
         "overlap": samples.overlap,
         "assembly_energy": samples.assembly_energy,
         "closures": [

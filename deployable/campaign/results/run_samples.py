@@ -55,8 +55,9 @@ def open_samples(folder: Folder) -> "Iterator[RunSamples]":
 
 
 class RunSamples:
-    """Runs of a campaign, of its open `samples.nc`. `experiment`: that they are of; `time_step`, in
-    s; `mechanics`: digest of structure and code; `contacts`: names of contacts, stops and latches;
+    """Runs of a campaign, of its open `samples.nc`. `experiment`: that they are of; `time_step`,
+    `finest_step` (s): the latter of runs that failed with the former and were repeated;
+    `mechanics`: digest of structure and code; `contacts`: names of contacts, stops and latches;
     `overlap`: largest one of the faces of a contact (rad); `assembly_energy`: strain energy at the
     start (J); `keeps_extremes`: whether there are only the least and largest values of the
     responses (`jobs.keep: extremes`). What may be large is read when it is first asked for."""
@@ -64,6 +65,7 @@ class RunSamples:
     def __init__(self, file: Any):
         self._file, self.experiment = file, Experiment.read(file.config)
         self.time_step, self.mechanics = float(file.time_step), file.mechanics
+        self.finest_step = float(getattr(file, "finest_step", self.time_step))
         self.contacts = file["contact"][:].tolist()
         self.overlap = float(file["overlap"][:].max())
         self.assembly_energy = float(getattr(file, "assembly_energy", 0.0))

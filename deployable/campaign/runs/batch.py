@@ -34,6 +34,7 @@ from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
+from fpm.solver.simulate import HALVINGS
 
 Failure = tuple[PlannedRun, str]
 
@@ -267,6 +268,7 @@ def simulate(
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
         record=sorted({*experiment.record, *columns}),
+        halvings=HALVINGS if solver.step == "auto" else 0,
     )
     seconds = clocks(time.thread_time) - start
     common = {

@@ -47,7 +47,8 @@ class RunRecord:
     (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
     numbers (q): quantities, NaN if absent; margins (q): by how much each exists, above 0 if it
     does, NaN if not known; overlap: largest overlap of the faces of a contact at the instants
-    (rad), below 0 where all stay apart, 0 without contacts."""
+    (rad), below 0 where all stay apart, 0 without contacts; step: time step (s), below that of the
+    plan where the run failed with it and was repeated."""
 
     time: np.ndarray
     values: np.ndarray
@@ -56,6 +57,7 @@ class RunRecord:
     numbers: np.ndarray
     margins: np.ndarray
     overlap: float
+    step: float
 
 
 class Store:

@@ -81,7 +81,8 @@ class Trajectories(Store):
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                record = RunRecord(curves.time, values, events, contacts, *numbers, overlap)
+                record = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
+                record = RunRecord(*record)
                 records[run.id] = self.check_record(record)
         return records
 
@@ -139,6 +140,7 @@ class Responses(Store):
             "values": ("f4", curves, values, {}),
             "run_id": (str, ("run",), ids, {}),
             "overlap": ("f8", ("run",), overlaps, {}),
+            "step": ("f8", ("run",), [outcome.step for outcome in outcomes], {}),
         }
         for name, column in zip(EVENT_VARIABLES, np.moveaxis(events, -1, 0), strict=True):
             variables[name] = "f8", ("run", "event"), column, {"fill_value": np.nan}
@@ -160,7 +162,7 @@ class Responses(Store):
         with report_damage(self.path(group)), netCDF4.Dataset(self.path(group)) as file:
             file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
-            values, overlaps = file["values"][:], file["overlap"][:]
+            values, overlaps, steps = (file[name][:] for name in ("values", "overlap", "step"))
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
             empty = np.zeros((len(group), 2, 0))
             numbers = file["quantities"][:] if self.quantities else empty
@@ -168,8 +170,8 @@ class Responses(Store):
             records = {}
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
-                overlap = float(overlaps[row])
-                record = RunRecord(time, values[row], run_events, contacts, *numbers[row], overlap)
+                last = float(overlaps[row]), float(steps[row])
+                record = RunRecord(time, values[row], run_events, contacts, *numbers[row], *last)
                 records[run.id] = self.check_record(record)
         return records
 

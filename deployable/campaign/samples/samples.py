@@ -40,6 +40,7 @@ def gather(
     store = open_store(jobs.keep, folder, plan.experiment)
     groups = store.groups(plan.unique_runs(), jobs.group)
     rows: dict[str, list[int]] = {}
+    finest = plan.time.step
     for row, run in enumerate(plan.runs):
         rows.setdefault(run.id, []).append(row)
     with (
@@ -60,8 +61,10 @@ def gather(
                 records = store.read(group)
             if "time" not in file.variables:
                 _define_curves(file, next(iter(records.values())), plan.experiment.intervals)
+            finest = min(finest, *(record.step for record in records.values()))
             pairs = sorted((row, id_) for id_ in records for row in rows[id_])
             _write_rows(file, [row for row, _ in pairs], [records[id_] for _, id_ in pairs])
+        file.finest_step = finest
 
 
 def _write_runs(file: Any, plan: Plan) -> None:

@@ -96,22 +96,21 @@ class _File:
         model = self._model(self._values(parameters), Problems(self.source))
         names, numbers = model.names, model.names.dependents([name])
         order = [number for number in names.order if number in numbers]
-        found = {
-            b.expression.text: b for b in names.bounds if not numbers.isdisjoint(b.full.values())
-        }
+        pairs = ((b, b.full.values()) for b in names.bounds)
+        bounds = {(b.expression.text, *x): b for b, x in pairs if not numbers.isdisjoint(x)}
         build = Builder(Problems(self.source))
         find_numbers(build, model, self._values(parameters), names.order)
 
         def evaluate(value: float) -> np.ndarray:
             find_numbers(build, model, self._values({**parameters, name: value}), order)
-            values = np.full(len(found), np.nan)  # of vectors, the coordinates are numbers as well
-            for k, bound in enumerate(found.values()):
+            values = np.full(len(bounds), np.nan)  # of vectors, the coordinates are numbers as well
+            for k, bound in enumerate(bounds.values()):
                 with suppress(SceneError, SkippedError, TypeError):
                     values[k] = float(build.number(bound, ""))
             return values
 
         with np.errstate(all="ignore"):
-            return find_turns(evaluate, len(found), lower, upper)
+            return find_turns(evaluate, len(bounds), lower, upper)
 
     def _values(self, parameters: Mapping) -> dict[str, float]:
         return {name: p.si(parameters[name]) for name, p in self.parameters.items()}

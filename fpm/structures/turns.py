@@ -31,9 +31,9 @@ def find_turns(
     extremes, bends = set(), set()
     for column, (series, size) in enumerate(zip(values.T, np.abs(values).max(axis=0), strict=True)):
         steps = np.diff(series)
-        moved = np.flatnonzero(np.abs(steps) > ROUNDING * size)  # not where it is flat
-        turns = np.flatnonzero(np.diff(np.sign(steps[moved])))
-        for first, last in zip(moved[turns], moved[turns + 1] + 1, strict=True):
+        rows = np.flatnonzero(np.abs(steps) > ROUNDING * size)  # not where it is flat
+        turns = np.flatnonzero(np.diff(np.sign(steps[rows])))
+        for first, last in zip(rows[turns], rows[turns + 1] + 1, strict=True):
             sign, ends = -np.sign(steps[first]), grid[[first, last]]
             loss = lambda x, k=column, s=sign: s * evaluate(x)[k]  # noqa: E731
             options = {"xatol": 1e-9 * (upper - lower)}
@@ -42,8 +42,8 @@ def find_turns(
         sides = np.abs(change[:-4]) + np.abs(change[4:])
         sharp = change[2:-2] > SHARP * sides + ROUNDING * size
         bends |= set(grid[np.flatnonzero(sharp & ~np.append(False, sharp[:-1])) + 3])
-    found: list[float] = []
+    places: list[float] = []
     for x in map(float, [*sorted(extremes), *sorted(bends)]):
-        if lower < x < upper and all(abs(x - y) > 2 * (grid[1] - grid[0]) for y in found):
-            found.append(x)
-    return found
+        if lower < x < upper and all(abs(x - y) > 2 * (grid[1] - grid[0]) for y in places):
+            places.append(x)
+    return places

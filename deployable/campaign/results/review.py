@@ -407,11 +407,9 @@ class _Sheet:
         if locks := [name for name in margin["locked"] if name not in openings]:
             is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
             reasons.append(f"{', '.join(locks)}, which {is_not} moved")
-        apart = [margin["openings"][0], *margin["apart"]] if margin["apart"] else []
-        if apart and not {name for p in peers if not p["apart"] for name in p["openings"]} >= {
-            *apart
-        }:
-            names = " and ".join(apart)
+        group = {margin["openings"][0], *margin["apart"]} if margin["apart"] else set()
+        if group - {name for p in peers if not p["apart"] for name in p["openings"]}:
+            names = " and ".join(name for name in margin["openings"] if name in group)
             reasons.append(f"nothing couples {names}, so that each needs a margin of its own")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")

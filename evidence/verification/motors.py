@@ -32,7 +32,6 @@ def open_z_fold(bench: Bench) -> None:
     stiffnesses = (1e5, 1e6) if bench.quick else (1e5, 1e6, 1e7)
     scenes = [folded_panels(stiffness) for stiffness in stiffnesses]
     outcomes = bench.simulate(scenes, duration=2.1, instants=2101, step=1e-4)
-    figure = bench.figure("Two panels on a loop", "time (s)", "opening of the root (°)")
     for stiffness, outcome in zip(stiffnesses, outcomes, strict=True):
         name, close = f"k = {stiffness:.0e} N/m", 100 / stiffness
         root = outcome.openings["root"]
@@ -46,7 +45,6 @@ def open_z_fold(bench: Bench) -> None:
         bench.check(f"largest pull, {name} (N)", pull, stiffness * slip, 1e-6, "k times the slip")
         worst = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
         bench.check_small(f"energy balance, {name}", worst, 1e-4, "no loss", "kinetic energy")
-        figure.curve(outcome.time, np.degrees(root), name)
 
 
 INERTIA = 0.5  # kg m²
@@ -85,7 +83,6 @@ def motors(bench: Bench) -> None:
     cases = [(0.0, 1.0, 0.3004), (2.0, 3.0, 0.5), (60.0, 10.0, 0.61237)]
     scenes = [driven_scene(*case) for case in cases]
     outcomes = bench.simulate(scenes, duration=1.0, instants=5001, step=2e-4)
-    figure = bench.figure("A motor on a ramp", "time (s)", "behind its target (rad)")
     for (damping, torque, release), outcome in zip(cases, outcomes, strict=True):
         time, openings, energies = outcome.time, outcome.openings, outcome.energies
         name = f"c = {damping:g} N m s/rad"
@@ -120,7 +117,6 @@ def motors(bench: Bench) -> None:
             bench.check_small(text, error, 5e-5, source, "1")
         worst = np.abs(energies["balance"]).max() / energies["kinetic"].max()
         bench.check_small(f"energy balance, {name}", worst, 1e-9, "exact", "kinetic energy")
-        figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")
 
 
 def backlash(bench: Bench) -> None:

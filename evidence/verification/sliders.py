@@ -137,7 +137,6 @@ def _compare(bench: Bench, text: str, exact: Callable, source: str) -> None:
     """Rows of all openings against `exact`, with the order in the step, and of the balance."""
     scene = loads(text).build()
     outcomes = [bench.simulate(scene, duration=2.0, instants=101, step=step)[0] for step in STEPS]
-    figure = bench.figure(bench.problem.capitalize(), "time (s)", "opening (rad; m)")
     for name, values in exact(outcomes[-1].time).items():
         size = np.ptp(values)
         errors = [np.abs(o.openings[name] - values).max() / size for o in outcomes]
@@ -145,8 +144,6 @@ def _compare(bench: Bench, text: str, exact: Callable, source: str) -> None:
         if errors[0] > 1e-9:  # else exact but for rounding, as under a constant force
             orders = observed_orders(errors)
             bench.check_at_least(f"{name}: order", orders.min(), 1.95, source)
-        figure.curve(outcomes[-1].time, outcomes[-1].openings[name], name)
-        figure.curve(outcomes[-1].time, values, "exact", True)
     energies = dict(outcomes[-1].energies)
     balance = np.abs(energies.pop("balance")).max()
     largest = max(np.abs(energy).max() for energy in energies.values())

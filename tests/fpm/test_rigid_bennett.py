@@ -41,7 +41,8 @@ def test_published_states_of_the_square_frame(row):
         deviations = [
             *np.abs(motion["rotation"][0] @ rigid.axis - axis) / 1e-3,
             abs(2 * abs(b[1]) - bd) / 1e-4, abs(2 * abs(a[0]) - ac) / 1e-4,
-            abs(b[2] - a[2] - height) / 1e-3, abs(math.degrees(motion["opening_b"][0]) - opening_b) / 0.1,
+            abs(b[2] - a[2] - height) / 1e-3,
+            abs(math.degrees(motion["opening_b"][0]) - opening_b) / 0.1,
             min(abs(turned + full - opening_a) for full in (0, 360)) / 0.1,
         ]  # fmt: skip
         worst.append(max(deviations))

@@ -38,7 +38,11 @@ for study in STUDIES.values():
                 "results/{study}/parts/{part}.json", study=study.name, part=study.parts
             ),
         output:
-            collect("results/{study}/{file}", study=study.name, file=["summary.json", "table.md"]),
+            collect(
+                "results/{study}/{file}",
+                study=study.name,
+                file=["summary.json", "table.md"],
+            ),
         log:
             f"results/{study.name}/logs/report.log",
         conda:

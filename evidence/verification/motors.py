@@ -123,7 +123,7 @@ BACKLASH, RADII = 0.1, (0.2, -0.1)
 SWING, SPEED = 0.3, 6.0  # of a drive: SWING sin(SPEED t)
 
 
-def driven(damping: float, backlash: float | None = BACKLASH) -> fpm.Scene:
+def driven_body(damping: float, backlash: float | None = BACKLASH) -> fpm.Scene:
     """A body on a motor whose drive train has backlash."""
     scene = fpm.Scene("driven")
     ground, body = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, INERTIA))
@@ -135,7 +135,7 @@ def driven(damping: float, backlash: float | None = BACKLASH) -> fpm.Scene:
     return scene
 
 
-def geared() -> fpm.Scene:
+def geared_pair() -> fpm.Scene:
     """Two bodies on a loop that has backlash, one of which turns."""
     scene = fpm.Scene("geared")
     rates = [(0, 0, 0), (0, 0, 3.0), (0, 0, 0)]
@@ -169,9 +169,9 @@ def geared_slope(_, state):
 def backlash(bench: Bench) -> None:
     """Backlash of drive trains, with damping and without, and of loops."""
     cases = {
-        "drive train": (driven(0.0), driven_slope(0.0), [0, 0]),
-        "drive train, damped": (driven(2.0), driven_slope(2.0), [0, 0]),
-        "loop": (geared(), geared_slope, [0, 0, 3.0, 0]),
+        "drive train": (driven_body(0.0), driven_slope(0.0), [0, 0]),
+        "drive train, damped": (driven_body(2.0), driven_slope(2.0), [0, 0]),
+        "loop": (geared_pair(), geared_slope, [0, 0, 3.0, 0]),
     }
     source = "equations of motion (solve_ivp)"
     for name, (scene, slope, start) in cases.items():

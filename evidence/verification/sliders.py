@@ -19,8 +19,8 @@ X = np.array([0.8, 0.0, -0.6])
 DIRECTIONS = {"axis": AXIS, "x": X, "y": np.cross(AXIS, X)}
 LEAD, START = -0.07, (0.4, -0.1, 0.2)
 STIFFNESS, DAMPING = (3.0, 2.0, 30.0, 20.0), (0.1, 0.05, 0.4, 0.3)
-SLIDING = "cylindrical", "planar", "screw", "pin in slot"
-KINDS = [(type, swap) for type in SLIDING for swap in (0, 1)]
+JOINTS = "cylindrical", "planar", "screw", "pin in slot"
+KINDS = [(type, swap) for type in JOINTS for swap in (0, 1)]
 
 
 def scene_of_all() -> fpm.Scene:
@@ -53,18 +53,20 @@ def points_of(q, type: str, swap: int) -> np.ndarray:
         return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
 
     root = turn(PIVOT, q[..., 0])
-    other = root @ turn(AXIS, -q[..., 1] if swap else q[..., 1])
-    way = np.zeros((*q.shape[:-1], 3), q.dtype)
+    frame_b = root @ turn(AXIS, -q[..., 1] if swap else q[..., 1])
+    shift_local = np.zeros((*q.shape[:-1], 3), q.dtype)
     for k, (_, direction) in enumerate(TYPES[type].openings):
-        way = way + (DIRECTIONS[direction] * q[..., k + 1, None] if direction else 0.0)
+        shift_local = shift_local + (
+            DIRECTIONS[direction] * q[..., k + 1, None] if direction else 0.0
+        )
     if type == "screw":
-        way = LEAD * q[..., 1, None] * AXIS
-    shift = np.einsum("...ij,...j->...i", -other if swap else root, way)
-    centres = root @ HUB, root @ ARM + shift + other @ OFFSET
+        shift_local = LEAD * q[..., 1, None] * AXIS
+    shift = np.einsum("...ij,...j->...i", -frame_b if swap else root, shift_local)
+    centres = root @ HUB, root @ ARM + shift + frame_b @ OFFSET
     return np.concatenate(
         [
             centre[..., None, :] + sign * np.swapaxes(frame * np.sqrt(length), -1, -2)
-            for centre, frame, mass in zip(centres, (root, other), MASSES, strict=True)
+            for centre, frame, mass in zip(centres, (root, frame_b), MASSES, strict=True)
             for length in [3 / mass * (sum(INERTIA) / 2 - np.array(INERTIA))]
             for sign in (1, -1)
         ],
@@ -85,8 +87,8 @@ def exact(time, type: str, swap: int) -> np.ndarray:
 
     def slopes(_, y):
         change, rates = y[:count] - start, y[count:]
-        rows, far = jacobian(change), 1e-4 / (1e-9 + np.abs(rates).max())
-        bend = (jacobian(change + far * rates) - jacobian(change - far * rates)) / (2 * far)
+        rows, span = jacobian(change), 1e-4 / (1e-9 + np.abs(rates).max())
+        bend = (jacobian(change + span * rates) - jacobian(change - span * rates)) / (2 * span)
         inertial = np.einsum("npi,n->pi", bend, rates)
         matrix = np.einsum("p,npi,mpi->nm", masses, rows, rows)
         force = np.einsum("p,npi,pi->n", masses, rows, GRAVITY - inertial)
@@ -115,12 +117,12 @@ def bodies(bench: Bench) -> None:
     bench.check_small("energy balance", _balance_error(outcome), 1e-3, "required", "energy")
 
 
-CRANK, TURNING, YOKE_MASS = 0.3, 0.01, 2.0
+CRANK, CRANK_INERTIA, YOKE_MASS = 0.3, 0.01, 2.0
 YOKE = f"""
 parameters: {{rate: {{value: 5, unit: rad/s}}}}
 points: {{o: [0, 0, 0], p: [{CRANK}, 0, 0]}}
 bodies:
-  crank: {{mass: 1, centre: o, points: [p], inertia: [0.1, 0.1, {TURNING}]}}
+  crank: {{mass: 1, centre: o, points: [p], inertia: [0.1, 0.1, {CRANK_INERTIA}]}}
   yoke: {{mass: {YOKE_MASS}, centre: p, inertia: [0.1, 0.1, 0.1]}}
 joints:
   axle: {{type: revolute, parts: [ground, crank], at: o, axis: z}}
@@ -143,7 +145,7 @@ def yoke(bench: Bench) -> None:
     bench.check_small("led: way in the slot", error, 1e-8, "r sin wt", "r")
 
     def slopes(_, y):
-        inertia = TURNING + YOKE_MASS * (CRANK * np.sin(y[0])) ** 2
+        inertia = CRANK_INERTIA + YOKE_MASS * (CRANK * np.sin(y[0])) ** 2
         pull = YOKE_MASS * CRANK**2 * np.sin(y[0]) * np.cos(y[0])
         return [y[1], -pull * y[1] ** 2 / inertia]
 
@@ -153,8 +155,8 @@ def yoke(bench: Bench) -> None:
         (outcome,) = bench.simulate(scene, duration=2.0, instants=101, step=step)
         options = {"t_eval": outcome.time, "rtol": 1e-11, "atol": 1e-12}
         turn = solve_ivp(slopes, (0, 2), [0.0, 5.0], "DOP853", **options).y[0]
-        ways = {"axle": turn, "guide": CRANK * np.cos(turn), "pin_slide": CRANK * np.sin(turn)}
-        misses = [np.abs(outcome.openings[n] - x).max() / np.ptp(x) for n, x in ways.items()]
+        motions = {"axle": turn, "guide": CRANK * np.cos(turn), "pin_slide": CRANK * np.sin(turn)}
+        misses = [np.abs(outcome.openings[n] - x).max() / np.ptp(x) for n, x in motions.items()]
         errors.append(max(misses))
     bench.check_small("spun: openings at 1.25 ms", errors[-1], 1e-3, source, "their ranges")
     bench.check_at_least("spun: order", observed_orders(errors).min(), 1.95, source)

@@ -3,7 +3,7 @@
 import pytest
 
 import fpm
-from evidence.verification.motors import RADII, driven, geared
+from evidence.verification.motors import RADII, driven_body, geared_pair
 from fpm.elements import SyncLoop
 from fpm.errors import SceneError
 from fpm.structures.text_file import loads
@@ -13,7 +13,7 @@ from fpm.structures.text_file import loads
 def test_none_is_a_drive_train_without_backlash():
     """To the last digits: with a backlash of 0 the same is computed."""
     first, second = (
-        fpm.simulate(driven(2.0, b), duration=0.2, instants=21, step=1e-3)[0].records
+        fpm.simulate(driven_body(2.0, b), duration=0.2, instants=21, step=1e-3)[0].records
         for b in (None, 0.0)
     )
     assert first["opening"].values == pytest.approx(second["opening"].values, abs=1e-12)
@@ -42,6 +42,6 @@ def test_what_is_refused(text, words):
 
 
 def test_a_loop_has_a_preload_or_a_backlash():
-    scene = geared()
+    scene = geared_pair()
     with pytest.raises(SceneError, match="none, with a backlash"):
         scene.add(SyncLoop("other", (0, 1), RADII, 10.0, preload=1.0, backlash=0.1))

@@ -10,11 +10,11 @@ from evidence.verification.sliders import (
     AXIS,
     GRAVITY,
     INERTIA,
+    JOINTS,
     KINDS,
     LEAD,
     MASSES,
     OFFSET,
-    SLIDING,
     START,
     X,
 )
@@ -38,7 +38,7 @@ def pair_on(type: str, opening=None, apart=0.0) -> fpm.Scene:
     return scene
 
 
-@pytest.mark.parametrize("type", SLIDING)
+@pytest.mark.parametrize("type", JOINTS)
 def test_the_stable_step_holds_and_openings_start_where_they_are_stated(type):
     """The frequency of a spring on each opening, as all the conditions leave it, is not above."""
     scene = pair_on(type)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .box import find_other_runs, match_points
+from .box import find_other_runs
 from .chebyshev import Surrogate
-from .designs import Design, fit
+from .designs import Design, complete_runs, fit
 from .estimates import estimate_decay, widen
 from .line_range import line_range
 from .samples import Samples, read_samples
@@ -82,8 +82,9 @@ def sensitivity_dataset(
     import xarray as xr
 
     data = read_samples(samples, responses)
-    surrogate = fit(design, data.values[match_points(design.points, data.points)])
-    error = _error(data, design, surrogate)
+    values, lost_error = complete_runs(design, data.points, data.values, data.failed_points)
+    surrogate = fit(design, values)
+    error = _error(data, design, surrogate) + lost_error
     influence = measure_sensitivity(surrogate)
     arrays = influence.width, influence.first, influence.total
     width, first, total = (np.moveaxis(array, 0, 1) for array in arrays)
@@ -141,9 +142,9 @@ def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
         "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"})
     }
     if len(indices):
-        rows = match_points(design.points, data.points)
+        runs, _ = complete_runs(design, data.points, data.values, data.failed_points)
         # one response after the other: products of larger matrices round in another way
-        values = [fit(design, data.values[rows, i]).coefficients for i in range(len(data.names))]
+        values = [fit(design, runs[:, i]).coefficients for i in range(len(data.names))]
         axes = ("response", "term", "time")
         variables["coefficient"] = (axes, values, {"long_name": "Chebyshev coefficients"})
     return xr.Dataset(variables, coords=data.coordinates(), attrs=samples.attrs)

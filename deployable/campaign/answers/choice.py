@@ -25,6 +25,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.results.quantity_results import QuantityResults, number
+from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
@@ -64,6 +65,9 @@ def answer(
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
+    lower, upper = _subbox(model, base_plan.experiment, choose, best.values)
+    points = model.failed_points
+    has_failed = bool(((points >= lower - 1e-9) & (points <= upper + 1e-9)).all(axis=1).any())
     error = _error(model, choose, None if best.is_allowed else specs)
     decides = find_deciding_parameters(trials, error)
     rows = []
@@ -76,8 +80,9 @@ def answer(
         rows.append(row)
     choice = {
         "parameters": rows,
-        "kept": best.is_allowed,
-        "safe": best.is_safe,
+        "kept": best.is_allowed and not has_failed,
+        "safe": best.is_safe and not has_failed,
+        "failures": describe_failures(model.failures, experiment.intervals),
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
         "limits": list(map(partial(_limit, model), specs, best.margins, best.worst)),
         "tried": [
@@ -126,24 +131,30 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
+    surrogates = [s.trend for s in model.surrogates()]
     names = list(model.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
     limits = [Limit(surrogates[spec.quantity], spec.kind, spec.level) for spec in specs]
 
-    def subbox(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        ends = {name: (i.lower, i.upper) for name, i in model.experiment.intervals.items()}
-        for name, value in zip(choose.parameters, values, strict=True):
-            ends[name] = choose.interval(name, float(value), experiment)
-        lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
-        return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
-
+    subbox = partial(_subbox, model, experiment, choose)
     problem = ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
     best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
     ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
     return best, problem.find_safest(trials), ranges, trials
+
+
+def _subbox(
+    model: ModelEvaluator, experiment: Experiment, choose: Choose, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper normalized corner (k) of the box about chosen values."""
+    box = model.experiment.box
+    ends = {name: (i.lower, i.upper) for name, i in model.experiment.intervals.items()}
+    for name, value in zip(choose.parameters, values, strict=True):
+        ends[name] = choose.interval(name, float(value), experiment)
+    lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
+    return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
 
 def _error(model: ModelEvaluator, choose: Choose, specs: list[LimitSpec] | None) -> float:

@@ -5,8 +5,14 @@ import os
 import sys
 from importlib.util import LazyLoader, find_spec, module_from_spec
 
-from deployable import check_fpm_module
-from deployable.one_thread import set_environment
+try:
+    from deployable import check_fpm_module
+    from deployable.one_thread import set_environment
+except ImportError:
+    sys.exit(
+        f"error: {os.getcwd()} has a folder or file named deployable, which Python takes for this "
+        "program: rename it, or use `python -P -m deployable` or `deployable-intervals`"
+    )
 
 set_environment()  # before numpy is loaded
 import numpy  # noqa: E402

@@ -4,6 +4,7 @@
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
 import json
+import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -27,6 +28,7 @@ from deployable.campaign.plan.runs import Runs
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text.numbers import duration_text
 from deployable.campaign.text.words import words_of
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
@@ -57,6 +59,7 @@ def answer(
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
     specs = list_limits(requirements, list(experiment.quantities))
+    start = time.monotonic()
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
         points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
@@ -65,6 +68,11 @@ def answer(
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
+        left = (time.monotonic() - start) / (iteration + 1) * (verify.max_iterations - iteration)
+        notify(
+            f"{experiment.name}: choosing, {len(model.points)} runs, round {iteration + 1} of at "
+            f"most {verify.max_iterations}, at most {duration_text(max(1.0, left))} left"
+        )
     lower, upper = _subbox(model, base_plan.experiment, choose, best.values)
     points = model.failed_points
     has_failed = bool(((points >= lower - 1e-9) & (points <= upper + 1e-9)).all(axis=1).any())

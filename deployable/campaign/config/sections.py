@@ -77,8 +77,8 @@ _TRUSTED_FILES: set[str] = set()
 
 
 def trust(file: str) -> None:
-    """Allow results, for the rest of this process, to name this structure's file, which is then
-    read, or executed if it is Python; else only a user's config makes one trusted."""
+    """Allow results, for the rest of this process, to name this structure's file in Python, which
+    is then executed; else only a user's config makes one trusted."""
     if "\0" not in file:
         _TRUSTED_FILES.add(os.path.realpath(file))
 
@@ -213,13 +213,13 @@ class Experiment:
     @cached_property
     def scene_type(self) -> Any:
         """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
-        `CampaignError` for a file that results name but no config."""
+        `CampaignError` for a program that results name but no config."""
         file = self.scene.file
-        if file and os.path.realpath(file) not in _TRUSTED_FILES:
-            cause = "is a program and was not run" if file.endswith(".py") else "was not read"
+        if file.endswith(".py") and os.path.realpath(file) not in _TRUSTED_FILES:
             raise CampaignError(
-                f"the results are of the structure {file}, which {cause}, since only they name it; "
-                f"allowed: a config that names it, or, of an export, --trust {shlex.quote(file)}"
+                f"the results are of the structure {file}, which is a program and was not run, "
+                "since only they name it; allowed: a config that names it, or, of an export, "
+                f"--trust {shlex.quote(file)}"
             )
         return scene_type(self.scene.name, file)
 

@@ -106,8 +106,7 @@ def choose(
         for results, whose runs are as they are.
     duration: simulated time (s); None: that of the config, or 1 s of a structure; refused for
         results.
-    trusted: paths of structures' files that results may name: they are read, Python files
-        executed."""
+    trusted: paths of structures' files in Python that results may name: they are executed."""
     path = Path(source)
     for file in trusted:
         trust(file)

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+_ROUNDING = 1e-12  # of a response's largest value: a difference of runs that is rounding
+
+
 @dataclass(frozen=True)
 class Sensitivity:
     """Influence of each of k parameters on responses, whose arrays (responses, instants) have the
@@ -73,7 +76,8 @@ def sensitivity_dataset(
     -------
     xarray.Dataset
         Over (response, parameter, time): ``width``, of the range when only this parameter varies,
-        in the response's units, ``first`` and ``total`` Sobol indices. Over (response, time):
+        in the response's units, ``first`` and ``total`` Sobol indices, all NaN at instants at which
+        the runs differ by rounding alone. Over (response, time):
         ``error``, the largest error of the polynomial at runs that it was not fitted to, within a
         short time (without such runs, by the decay of its coefficients): a width that is not above
         it may be the fit's noise. Over (response, parameter): ``width_overall``, the width where it
@@ -94,6 +98,10 @@ def sensitivity_dataset(
         weight = np.trapezoid(variance, data.time)
         parts = np.trapezoid(total[i] * variance, data.time)
         wide[i], shares[i] = area / (area.sum() or 1.0), parts / (weight or 1.0)
+    # Where runs differ by rounding alone, no parameter contributes anything.
+    limit = _ROUNDING * np.abs(values).max(axis=(0, 2))[:, None]
+    is_blank = (np.ptp(values, axis=0) <= limit)[:, None]
+    width, first, total = (np.where(is_blank, np.nan, part) for part in (width, first, total))
     curve, number = ("response", "parameter", "time"), ("response", "parameter")
     share = {"units": "1"}
     variables = {

@@ -397,6 +397,21 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     return quantity["name"] if is_kept else None
 
 
+def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:
+    """Return a limit with the margin that summary and page tell, its error, its place and the run
+    there: where its quantity happens (`is_partial`), if its requirement `row` fails only where that
+    does not happen, else the limit as it is. quantities: dicts of all quantities."""
+    name = happens_only(row, quantities)
+    if limit["margin"] is not None or limit["quantity"] != name:
+        return limit
+    quantity = next(quantity for quantity in quantities if quantity["name"] == name)
+    end, place = ("upper", "argmax") if limit["kind"] == "at_most" else ("lower", "argmin")
+    error = quantity.get("errors", {}).get("whole", quantity["error"])
+    margin = abs(limit["level"] - quantity[end])  # is kept by the error
+    worst = {"margin": margin, "error": error, "at": quantity[place], "ran": True}
+    return {**limit, **worst, "simulated": quantity[f"simulated_{end}"], "is_partial": True}
+
+
 def _keeps(quantity: Mapping, limit: Mapping) -> bool:
     """Whether a quantity's bounds keep a limit by their error."""
     error = quantity.get("errors", {}).get("whole", quantity["error"])

@@ -76,8 +76,8 @@ def sensitivity_dataset(
     -------
     xarray.Dataset
         Over (response, parameter, time): ``width``, of the range when only this parameter varies,
-        in the response's units, ``first`` and ``total`` Sobol indices, all NaN at instants at which
-        the runs differ by rounding alone. Over (response, time):
+        in the response's units, ``first`` and ``total`` Sobol indices, all 0 where the runs differ
+        by rounding alone. Over (response, time):
         ``error``, the largest error of the polynomial at runs that it was not fitted to, within a
         short time (without such runs, by the decay of its coefficients): a width that is not above
         it may be the fit's noise. Over (response, parameter): ``width_overall``, the width where it
@@ -101,7 +101,7 @@ def sensitivity_dataset(
     # Where runs differ by rounding alone, no parameter contributes anything.
     limit = _ROUNDING * np.abs(values).max(axis=(0, 2))[:, None]
     is_blank = (np.ptp(values, axis=0) <= limit)[:, None]
-    width, first, total = (np.where(is_blank, np.nan, part) for part in (width, first, total))
+    width, first, total = (np.where(is_blank, 0.0, part) for part in (width, first, total))
     curve, number = ("response", "parameter", "time"), ("response", "parameter")
     share = {"units": "1"}
     variables = {

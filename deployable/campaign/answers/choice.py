@@ -68,10 +68,10 @@ def answer(
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
-        left = (time.monotonic() - start) / (iteration + 1) * (verify.max_iterations - iteration)
+        seconds = (time.monotonic() - start) / (iteration + 1) * (verify.max_iterations - iteration)
         notify(
             f"{experiment.name}: choosing, {len(model.points)} runs, round {iteration + 1} of at "
-            f"most {verify.max_iterations}, at most {duration_text(max(1.0, left))} left"
+            f"most {verify.max_iterations}, at most {duration_text(max(1.0, seconds))} left"
         )
     lower, upper = _subbox(model, base_plan.experiment, choose, best.values)
     points = model.failed_points

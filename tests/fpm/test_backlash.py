@@ -1,15 +1,16 @@
 """Backlash of drive trains and loops: none, and what is refused."""
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import fpm
 from evidence.verification.motors import RADII, driven_body, geared_pair
-from fpm.elements import SyncLoop
+from fpm.elements import Motor, SyncLoop
 from fpm.errors import SceneError
 from fpm.structures.text_file import loads
 
 
-@pytest.mark.slow
 @pytest.mark.slow
 def test_the_first_touch_of_teeth_at_some_microjoules_is_no_instability():
     scene = fpm.Scene("play")

@@ -134,15 +134,17 @@ class _Test:
             self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
 
     def evaluate(self, points: np.ndarray, plan: Plan | None = None) -> np.ndarray:
-        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses."""
+        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses; NaN of those
+        that fail."""
         plan = plan or self.plan
         records = self.model.records(plan, runs_at(plan, points))
         self.runs += len(points)
-        curves = np.array([record.values[self.rows] for record in records])
+        blank = np.full((len(self.rows), len(self.instants)), np.nan)
+        curves = np.array([blank if r is None else r.values[self.rows] for r in records])
         least, largest = self.envelope
         self.envelope = (
-            np.minimum(least, curves.min(axis=0)),
-            np.maximum(largest, curves.max(axis=0)),
+            np.fmin(least, np.fmin.reduce(curves)),
+            np.fmax(largest, np.fmax.reduce(curves)),
         )
         return curves
 
@@ -295,6 +297,8 @@ def _describe_left(
     order = [*samples.argmin(axis=0), *samples.argmax(axis=0), *range(len(samples))]
     unit = samples[[*dict.fromkeys(order)][:_MOST_LEFT]]
     records = model.records(model.plan, runs_at(model.plan, unit))
+    is_sound = [record is not None for record in records]
+    unit, records = unit[is_sound], [*itertools.compress(records, is_sound)]
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
     if not model.experiment.quantities:
         return rows

@@ -20,6 +20,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns
+from deployable.campaign.plan.runs import failure_columns
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
@@ -163,4 +164,5 @@ def _refinement_columns(model: ModelEvaluator) -> dict[str, Any]:
         "value": np.array([run.values for run in runs]).reshape(-1, k),
         "quantities": numbers,
         "margin": margins,
+        **failure_columns(model.failures),
     }

@@ -157,9 +157,9 @@ def _spread(model: ModelEvaluator, count: int) -> np.ndarray:
 
 def _grow(model: ModelEvaluator, points: Sequence[np.ndarray]) -> bool:
     """Add runs at points (P, k), and tell whether there was one to be added."""
-    count = len(model.points)
+    count = len(model.points) + len(model.failures)
     model.add(points)
-    return len(model.points) > count
+    return len(model.points) + len(model.failures) > count
 
 
 def _is_rough(surrogate: Any) -> bool:

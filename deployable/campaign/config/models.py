@@ -115,6 +115,9 @@ class Solver(ConfigSection):
     energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005
     """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
+    failures: Annotated[float, Rule(least=0, most=1, unit="1")] = 0.1
+    """Share of the runs that may fail. Up to it failed runs are left out of the fits, and count as
+    failing every requirement; beyond it the campaign ends. The nominal run may not fail."""
 
     def __post_init__(self):
         if self.step != "auto" and self.step > self.duration:

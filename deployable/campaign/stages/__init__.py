@@ -78,7 +78,7 @@ class Stage:
         except SceneError as error:  # of the structure that the results name
             place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error
-        except (OSError, RuntimeError) as error:
+        except (MemoryError, OSError, RuntimeError) as error:
             file_error = error_of_files(error, folder.path)
             if file_error is None:
                 raise

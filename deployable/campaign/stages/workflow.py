@@ -284,7 +284,7 @@ def _simulate(campaign: Campaign, folder: Folder, notify: Notify) -> bool:
 def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     if isinstance(config, Campaign):
         return config
-    return check_config(config) if isinstance(config, Mapping) else load_config([config])
+    return check_config(config)
 
 
 def _stage(

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
@@ -24,12 +25,34 @@ from deployable.campaign.runs.store import open_store
 SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
+class FurtherRuns:
+    """Runs that answers made, beside those of the plan, within the box of an `experiment` and at
+    its values of all other parameters: `bounds`, their least and largest responses
+    (`intervals.RunBounds`), None without runs; `values`, of the interval parameters in each."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        self.experiment, self.bounds = experiment, None
+        self.values: list[list[float]] = []
+
+    def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
+        """Add a run of a plan for `model`, an experiment that may have other intervals."""
+        parameters = model.parameters(dict(zip(model.intervals, run.values, strict=True)))
+        values, box = [parameters[name] for name in self.experiment.intervals], self.experiment.box
+        nearest = box.from_unit(np.clip(box.to_unit(values), -1.0, 1.0))
+        inside = self.experiment.parameters(dict(zip(box.names, values, strict=True)))
+        if inside == parameters and np.allclose(nearest, values, rtol=1e-12, atol=0.0):
+            row = intervals.RunBounds.from_runs(record.values[None], np.array([len(self.values)]))
+            self.bounds = row.merge(self.bounds)
+            self.values.append(values)
+
+
 class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
     box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
     absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
     NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
-    `account`: of all runs that it makes, which are no more than that allows;
+    `account`: of all runs that it makes, which are no more than that allows; `further`: takes note
+    of each run by its plan, None: nothing does;
     `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
     some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
     quantity.
@@ -38,6 +61,7 @@ class ModelEvaluator:
     called with each message; threads: how many. It has no runs yet (but see `from_folder`)."""
 
     max_refinements: float = math.inf
+    further: FurtherRuns | None = None
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -167,6 +191,9 @@ class ModelEvaluator:
             records |= store.read(group)
         self.simulated += simulation.count
         simulation.check()
+        if self.further and plan is self.plan:
+            for run in runs:
+                self.further.add(plan.experiment, run, records[run.id])
         return [records[run.id] for run in runs]
 
 

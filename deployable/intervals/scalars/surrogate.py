@@ -271,8 +271,10 @@ def fit_scalar(
     if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
-    if isinstance(occurrence, FittedOccurrence) and occurrence.latest is None:
-        edge_fit = root_fit(points[happens], values[happens], occurrence.fit, margin[happens])
+    if occurrence.is_mixed and getattr(occurrence, "latest", None) is None:
+        is_known = isinstance(occurrence, FittedOccurrence)
+        margins = margin[happens] if is_known else occurrence.decision(points[happens])
+        edge_fit = root_fit(points[happens], values[happens], occurrence, margins)
         if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
             fit = edge_fit
     return ScalarSurrogate(

@@ -3,7 +3,7 @@ over a part of the box, and which parameter widens that."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -280,6 +280,23 @@ def fit_scalar(
     return ScalarSurrogate(
         fit, occurrence, -np.inf if least is None else least, np.inf if latest is None else latest
     )
+
+
+def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate]:
+    """Give quantities whose border only runs tell that of one which exists in the same runs, and
+    whose event margin is known, as an expression that of its part: copies, in order."""
+    borders = {
+        border.happens.tobytes(): border
+        for border in (surrogate.occurrence for surrogate in surrogates)
+        if isinstance(border, FittedOccurrence) and border.latest is None
+    }
+
+    def best(own: Occurrence) -> Occurrence:
+        found = borders.get(own.happens.tobytes(), own)
+        is_better = type(own) is Occurrence and found.open_fraction < own.open_fraction
+        return found if is_better else own
+
+    return [replace(surrogate, occurrence=best(surrogate.occurrence)) for surrogate in surrogates]
 
 
 def _occurrence(

@@ -152,10 +152,10 @@ _LARGEST = {
 def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, tuple]:
     """Variables (n) of the largest of values (n, T) over time, and of when it is."""
     text = f"largest {_LARGEST[name]}"
-    when = {"long_name": f"time of the {text}", "units": "s"}
+    attrs = {"long_name": f"time of the {text}", "units": "s"}
     return {
         f"largest_{name}": ("response", values.max(axis=1), {"long_name": text}),
-        f"largest_{name}_time": ("response", time[values.argmax(axis=1)], when),
+        f"largest_{name}_time": ("response", time[values.argmax(axis=1)], attrs),
     }
 
 
@@ -194,8 +194,8 @@ def add_errors(
     ``error_share_of_width`` are the sum's."""
     time, curves = bounds["time"].values, {"surrogate": bounds["error"].values}
     curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
-    found = Range(*(bounds[name].values for name in _RANGE))
-    return bounds.assign(_errors(time, found, curves)).assign_attrs(error_parts=list(curves))
+    bounds_range = Range(*(bounds[name].values for name in _RANGE))
+    return bounds.assign(_errors(time, bounds_range, curves)).assign_attrs(error_parts=list(curves))
 
 
 def _errors(time: np.ndarray, bounds: Range, curves: Mapping[str, np.ndarray]) -> dict[str, tuple]:
@@ -215,20 +215,25 @@ def include_runs(bounds: xr.Dataset, runs: RunBounds, values: np.ndarray) -> xr.
     surrogate) is at least the distance by which the bounds missed a run, at each instant the
     largest within 0.5 % of the duration. runs: least and largest values (n, T) of the R runs;
     values (R, k): of the parameters in these, in their units."""
-    time, before = bounds["time"].values, Range(*(bounds[name].values for name in _RANGE))
-    after = before.include(runs.low, runs.high, values[runs.low_run], values[runs.high_run])
-    missed = widen(time, np.maximum(before.lower - after.lower, after.upper - before.upper))
+    time, first_range = bounds["time"].values, Range(*(bounds[name].values for name in _RANGE))
+    wider_range = first_range.include(
+        runs.low, runs.high, values[runs.low_run], values[runs.high_run]
+    )
+    distance = widen(
+        time,
+        np.maximum(first_range.lower - wider_range.lower, wider_range.upper - first_range.upper),
+    )
     parts = np.atleast_1d(bounds.attrs.get("error_parts", []))
     curves = {name: bounds[f"error_{name}"].values for name in parts}
     if curves:
-        curves["surrogate"] = np.maximum(curves["surrogate"], missed)
-        variables = _errors(time, after, curves)
+        curves["surrogate"] = np.maximum(curves["surrogate"], distance)
+        variables = _errors(time, wider_range, curves)
     else:
-        error = np.maximum(bounds["error"].values, missed)
+        error = np.maximum(bounds["error"].values, distance)
         variables = {"error": (bounds["error"].dims, error, bounds["error"].attrs)}
-        variables |= _numbers(time, after, error)
+        variables |= _numbers(time, wider_range, error)
     for name in _RANGE:
-        variables[name] = (bounds[name].dims, getattr(after, name), bounds[name].attrs)
+        variables[name] = (bounds[name].dims, getattr(wider_range, name), bounds[name].attrs)
     return bounds.assign(variables)
 
 

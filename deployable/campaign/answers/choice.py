@@ -40,17 +40,17 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
-    further: FurtherRuns,
+    further_runs: FurtherRuns,
 ) -> None:
     """Find nominal values of chosen parameters whose worst case is best, by further runs, and write
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
     jobs: sections of the config; notify: called with each message; threads: how many simulate;
-    further: takes note of the runs."""
+    further_runs: takes note of the runs."""
     base_plan = read_plan(folder.plan)
     experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
-    model.further = further
+    model.further_runs = further_runs
     if base_plan.experiment.is_adaptive:
         results = QuantityResults.read(folder)
         count = base_plan.adaptive.rounds[-1].runs + results.further_runs + results.check_runs

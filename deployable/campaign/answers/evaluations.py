@@ -39,8 +39,8 @@ class FurtherRuns:
         parameters = model.parameters(dict(zip(model.intervals, run.values, strict=True)))
         values, box = [parameters[name] for name in self.experiment.intervals], self.experiment.box
         nearest = box.from_unit(np.clip(box.to_unit(values), -1.0, 1.0))
-        inside = self.experiment.parameters(dict(zip(box.names, values, strict=True)))
-        if inside == parameters and np.allclose(nearest, values, rtol=1e-12, atol=0.0):
+        expected = self.experiment.parameters(dict(zip(box.names, values, strict=True)))
+        if expected == parameters and np.allclose(nearest, values, rtol=1e-12, atol=0.0):
             row = intervals.RunBounds.from_runs(record.values[None], np.array([len(self.values)]))
             self.bounds = row.merge(self.bounds)
             self.values.append(values)
@@ -51,8 +51,8 @@ class ModelEvaluator:
     box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
     absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
     NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
-    `account`: of all runs that it makes, which are no more than that allows; `further`: takes note
-    of each run by its plan, None: nothing does;
+    `account`: of all runs that it makes, which are no more than that allows; `further_runs`:
+    takes note of each run by its plan, None: nothing does;
     `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
     some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
     quantity.
@@ -61,7 +61,7 @@ class ModelEvaluator:
     called with each message; threads: how many. It has no runs yet (but see `from_folder`)."""
 
     max_refinements: float = math.inf
-    further: FurtherRuns | None = None
+    further_runs: FurtherRuns | None = None
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -191,9 +191,9 @@ class ModelEvaluator:
             records |= store.read(group)
         self.simulated += simulation.count
         simulation.check()
-        if self.further and plan is self.plan:
+        if self.further_runs and plan is self.plan:
             for run in runs:
-                self.further.add(plan.experiment, run, records[run.id])
+                self.further_runs.add(plan.experiment, run, records[run.id])
         return [records[run.id] for run in runs]
 
 

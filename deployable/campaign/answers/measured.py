@@ -46,15 +46,15 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
-    further: FurtherRuns,
+    further_runs: FurtherRuns,
 ) -> None:
     """Find what of a campaign's box explains its measured curves, with the runs that this takes,
     and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
     requirements, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate; further: takes note of the runs. Raises `CampaignError`, also if a file of
-    measured curves has changed."""
+    how many simulate; further_runs: takes note of the runs. Raises `CampaignError`, also if a file
+    of measured curves has changed."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    model.further = further
+    model.further_runs = further_runs
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
     sources = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
@@ -118,7 +118,7 @@ class _Test:
             model.plan, experiment=experiment, time=choose_step(experiment), adaptive=None
         )
         self.model = ModelEvaluator(self.plan, model.jobs, folder, model.notify, threads)
-        self.model.further = model.further
+        self.model.further_runs = model.further_runs
         self.responses = list(settings.columns.values())
         self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
         self.rows = [list(base.responses).index(response) for response in self.responses]

@@ -35,14 +35,14 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
-    further: FurtherRuns,
+    further_runs: FurtherRuns,
 ) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
     need them, and write `quantities.nc` and `refinement.nc` into `folder`, that of a campaign's
     results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
-    with each message; threads: how many simulate; further: takes note of the runs."""
+    with each message; threads: how many simulate; further_runs: takes note of the runs."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    model.further = further
+    model.further_runs = further_runs
     attributes = read_bounds(folder, of_design=True).attributes
     model.account.ids |= set(str(attributes.get("check_ids", "")).split())  # are counted already
     tolerances: list[float] = []

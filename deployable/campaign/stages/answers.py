@@ -27,10 +27,10 @@ def work(
     def step(text: str) -> AbstractContextManager[None]:
         return report_seconds(f"{experiment.name}: {text}", notify)
 
-    answers, further = [], FurtherRuns(experiment)
+    answers, further_runs = [], FurtherRuns(experiment)
     if experiment.quantities:
         with step("searching the bounds of quantities"):
-            quantities.answer(folder, requirements, verify, jobs, notify, threads, further)
+            quantities.answer(folder, requirements, verify, jobs, notify, threads, further_runs)
     if requirements:
         answers.append("requirements")
         with step("finding what meets the requirements"):
@@ -38,12 +38,14 @@ def work(
     if choose.parameters:
         answers.append("choice")
         with step("choosing"):
-            choice.answer(folder, choose, requirements, verify, jobs, notify, threads, further)
+            choice.answer(folder, choose, requirements, verify, jobs, notify, threads, further_runs)
     if measured:
         answers.append("measured")
         with step("finding what explains the measured curves"):
-            tests.answer(folder, measured, requirements, verify, jobs, notify, threads, further)
+            tests.answer(
+                folder, measured, requirements, verify, jobs, notify, threads, further_runs
+            )
     with step("writing the answers"):
-        include_runs(folder, further.bounds, further.values)
+        include_runs(folder, further_runs.bounds, further_runs.values)
         summarise(folder, published, answers, review)
     notify(f"answers: {folder / 'summary.md'}")

@@ -291,10 +291,10 @@ def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate
         if isinstance(border, FittedOccurrence) and border.latest is None
     }
 
-    def best(own: Occurrence) -> Occurrence:
-        found = borders.get(own.happens.tobytes(), own)
-        is_better = type(own) is Occurrence and found.open_fraction < own.open_fraction
-        return found if is_better else own
+    def best(border: Occurrence) -> Occurrence:
+        rival = borders.get(border.happens.tobytes(), border)
+        is_better = type(border) is Occurrence and rival.open_fraction < border.open_fraction
+        return rival if is_better else border
 
     return [replace(surrogate, occurrence=best(surrogate.occurrence)) for surrogate in surrogates]
 

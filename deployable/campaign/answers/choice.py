@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import (
     Choose,
@@ -46,14 +46,17 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
+    further_runs: FurtherRuns,
 ) -> None:
     """Find nominal values of chosen parameters whose worst case is best, by further runs, and write
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
-    jobs: sections of the config; notify: called with each message; threads: how many simulate."""
+    jobs: sections of the config; notify: called with each message; threads: how many simulate;
+    further_runs: takes note of the runs."""
     base_plan = read_plan(folder.plan)
     experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
+    model.further_runs = further_runs
     if base_plan.experiment.is_adaptive:
         results = QuantityResults.read(folder)
         count = base_plan.adaptive.rounds[-1].runs + results.further_runs + results.check_runs

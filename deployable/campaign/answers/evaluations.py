@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
+from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
@@ -36,6 +37,27 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 _SPOTS = 4096  # at which the share of the box next to failed runs is counted
 
 
+class FurtherRuns:
+    """Runs that answers made, beside those of the plan, within the box of an `experiment` and at
+    its values of all other parameters: `bounds`, their least and largest responses
+    (`intervals.RunBounds`), None without runs; `values`, of the interval parameters in each."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        self.experiment, self.bounds = experiment, None
+        self.values: list[list[float]] = []
+
+    def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
+        """Add a run of a plan for `model`, an experiment that may have other intervals."""
+        parameters = model.parameters(dict(zip(model.intervals, run.values, strict=True)))
+        values, box = [parameters[name] for name in self.experiment.intervals], self.experiment.box
+        nearest = box.from_unit(np.clip(box.to_unit(values), -1.0, 1.0))
+        expected = self.experiment.parameters(dict(zip(box.names, values, strict=True)))
+        if expected == parameters and np.allclose(nearest, values, rtol=1e-12, atol=0.0):
+            row = intervals.RunBounds.from_runs(record.values[None], np.array([len(self.values)]))
+            self.bounds = row.merge(self.bounds)
+            self.values.append(values)
+
+
 class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
     box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
@@ -43,6 +65,7 @@ class ModelEvaluator:
     NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
     `account`: of all runs that it makes, which are no more than that allows;
     `finest_step`: the shortest (s) of its runs, below the plan's where some had to be repeated;
+    `further_runs`: takes note of each run by its plan, None: nothing does;
     `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
     some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
     quantity. `planned_failures` and `failures`: runs of the plan, and further ones, that failed.
@@ -53,6 +76,7 @@ class ModelEvaluator:
     max_refinements: float = math.inf
     planned_failures: Sequence[FailedRun] = ()
     failures: Sequence[FailedRun] = ()
+    further_runs: FurtherRuns | None = None
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -244,6 +268,10 @@ class ModelEvaluator:
             self.failures = [*self.failures, *(f for f in failures if f.run.id not in known_ids)]
             total = len(self.points) + self.rest_count + len(self.failed_points) + len(records)
             check_failures(plan, [*self.planned_failures, *self.failures], total)
+        if self.further_runs and plan is self.plan:
+            for run in runs:
+                if run.id in records:
+                    self.further_runs.add(plan.experiment, run, records[run.id])
         return [records.get(run.id) for run in runs]
 
 

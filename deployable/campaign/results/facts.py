@@ -258,10 +258,6 @@ def _response(
     row["trusted"] = _largest_trusted(bounds)
     if bounds.growth is not None:
         row["largest_growth_quarter"] = float(bounds.growth.max())
-    if bounds.violation is not None:
-        row["runs_outside_by"] = float(bounds.violation)
-        coverage = number(np.nan if bounds.coverage is None else bounds.coverage)
-        row["share_outside"] = None if coverage is None else 1.0 - coverage
     if COMPONENTS[0] in bounds.errors:
         errors = {
             name: _mean(bounds.errors[name], time) for name in COMPONENTS if name in bounds.errors

@@ -12,7 +12,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.runs import FailedRun
 from deployable.campaign.results.response_bounds import COMPONENTS, read_parameters
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
-from deployable.intervals.scalars import fit_scalar
+from deployable.intervals.scalars import fit_scalar, share_borders
 
 MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
@@ -157,12 +157,11 @@ class FittedRuns(NamedTuple):
     def surrogates(self, limits: Iterable[tuple[float | None, float | None]]) -> list[Any]:
         """Fit the `ScalarSurrogate` of each quantity to the runs, in order. limits: of each, its
         physical lower bound and, of a time, the end of the runs (s); None: there is none."""
-        return [
+        columns = zip(self.numbers.T, self.margins.T, limits, strict=True)
+        return share_borders([
             fit_scalar(self.points, column, latest, least, margin)
-            for column, margin, (least, latest) in zip(
-                self.numbers.T, self.margins.T, limits, strict=True
-            )
-        ]
+            for column, margin, (least, latest) in columns
+        ])  # fmt: skip
 
 
 def limits_of(experiment: Experiment) -> list[tuple[float | None, float | None]]:

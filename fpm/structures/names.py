@@ -86,9 +86,11 @@ class Bound:
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
         """Return the dimension of the expression. numbers: each NamedNumber of the file by full
         name. SkippedError if one that it refers to has none, being wrong itself."""
-        found = {name: numbers[full].dimension for name, full in self.full.items()}
-        dimensions = {name: one for name, one in found.items() if one is not None}
-        if len(dimensions) < len(found):
+        dimensions: dict[str, Dimension] = {}
+        for name, full in self.full.items():
+            if (dimension := numbers[full].dimension) is not None:
+                dimensions[name] = dimension
+        if len(dimensions) < len(self.full):
             raise SkippedError(self.expression.text)
         return self.expression.dimension(dimensions)
 

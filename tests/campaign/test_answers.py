@@ -257,6 +257,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
     monkeypatch.setattr(quantity_bounds, "_infill", lambda bench, ends, specs: points * len(ends))
     monkeypatch.setattr(quantity_bounds, "_spread", lambda *_: points)
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
     monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
     bench = Bench()
@@ -284,6 +285,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         quantity_bounds, "_infill", lambda bench, ends, specs: [np.array([float(x)]) for x in ends]
     )
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
     monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
     bench = Bench()

@@ -151,11 +151,11 @@ def test_trouble_with_files_has_its_remedy(tmp_path, monkeypatch, error, limit, 
 
 
 def test_a_folder_named_like_the_program_is_told(tmp_path):
-    """Where Python finds it first, as with an editable installation."""
+    """Where Python finds it first, and no editable installation stands in: without `site`."""
     (tmp_path / "deployable").mkdir()
     program = Path(deployable.__file__).parent / "__main__.py"
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    command = [sys.executable, str(program), "--version"]
+    command = [sys.executable, "-S", str(program), "--version"]
     (tmp_path / "deployable" / "__init__.py").touch()
     told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert told.returncode == 1 and "rename it" in told.stderr and "Traceback" not in told.stderr

@@ -204,9 +204,11 @@ def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):
         return np.stack([first, second, np.full(len(x), np.nan)], axis=1), None
 
     level = discretization.RefinementLevel(None, None, True)
-    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(
+        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
+    )
     found = discretization.estimate_discretization_errors(
-        SimpleNamespace(plan=None, evaluate=told), ends, ("mesh",)
+        SimpleNamespace(plan=None, evaluate=told, finest_step=1.0), ends, ("mesh",)
     )
     np.testing.assert_allclose(found["mesh"], [[0.2, 0.6], [1.4, 0.0], [np.nan, np.nan]])
 

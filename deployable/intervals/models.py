@@ -36,6 +36,9 @@ from .spline_equations import distinct
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
 
+AUTO_RUNS = 1000
+"""Most runs for which splines are tried where there is a polynomial: they cost their cube."""
+
 _ALIGNED_WINDOW = 0.02  # of the duration: few runs are near the edge of a part at one instant
 _PLAIN = {"lowest", "highest", "argmin", "argmax", "misfit"}  # of a spline: not of its runs
 
@@ -286,8 +289,10 @@ class AlignedModel(Model):
             others = find_other_runs(self.points[rows], design.points[:, self.order])
             self.tests[others] = True
         self.tests = rows[self.tests] if self.tests.any() else rows
-        tables = np.stack([samples.source[name].values for name in EVENT_NAMES], axis=-1)
-        runs = name_events(tables)
+        runs = [{} for _ in self.points]
+        if all(name in samples.source for name in EVENT_NAMES):
+            columns = [samples.source[name].values for name in EVENT_NAMES]
+            runs = name_events(np.stack(columns, axis=-1))
         self.parts = split_runs(self.points, samples.values, samples.time, runs)
         self.differ = first_difference(runs)
         if len(self.parts) > 1:  # where a part ends, runs inside the box are at its edge
@@ -373,7 +378,10 @@ class AutoModel(Model):
         if design is not None and len(design.multi_indices):
             self.fits.append(PolynomialModel(samples, design))
         aligned = None
+        is_small = len(samples.points) <= AUTO_RUNS or not self.fits
         with suppress(IntervalError):
+            if not is_small:
+                raise IntervalError("runs", len(samples.points), f"at most {AUTO_RUNS}")
             self.fits.append(SplineModel(samples, design))
             aligned = AlignedModel(samples, design)
             if aligned.attributes["aligned_events"]:

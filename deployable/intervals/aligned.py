@@ -153,7 +153,9 @@ class AlignedCurves:
                 self.until = min(self.until, last + max(share, 0.0) * self.reach)
                 mapped[:, :, block[0] :] = np.nan_to_num(mapped[:, :, block[0] :])
                 break
-            filled = spline.evaluate(self.points)
+            # Far beyond the runs that are known a cubic is anything.
+            part = mapped[rows][:, :, block]
+            filled = np.clip(spline.evaluate(self.points), part.min(axis=0), part.max(axis=0))
             mapped[:, :, block] = np.where(known[:, None, block], mapped[:, :, block], filled)
         self.mapped, self.spline = mapped, fit_spline(self.points, mapped, scales)
         if len(self.spline.points) < len(self.points):

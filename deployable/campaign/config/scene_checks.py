@@ -235,11 +235,9 @@ def _design_problems(campaign: Campaign) -> list[str]:
         return [sentence(f"design.{error.key}", error)]
     if has_none:
         return []
-    return (
-        _spline_problems(experiment, node_design)
-        if campaign.bounds.model in ("spline", "aligned")
-        else []
-    )
+    if campaign.bounds.model not in ("spline", "aligned"):
+        return []
+    return _spline_problems(campaign, node_design)
 
 
 def _spline_problems(campaign: Campaign, design: Any) -> list[str]:

@@ -8,9 +8,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
-FILES = {path: path.stat() for path in Path(__file__).parent.rglob("*.py") if path.is_file()}
-"""The program's files as they are before any other of them is imported."""
-
 ROOMS = ("intervals", "campaign")
 
 

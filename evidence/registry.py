@@ -3,12 +3,11 @@
 Read by the workflow as well, so that this module imports nothing heavy."""
 
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 from evidence.tradeoff.measure.cases import CASES
 from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES
-from fpm.kernels.sources import syntax_digest
+from fpm.kernels import sources
 
 ROOT = Path(__file__).parents[1]
 
@@ -47,20 +46,14 @@ class Study:
         return [report_digest] if self.parts else [report_digest, self.measuring_code()]
 
 
-@cache
 def digest(*places: str) -> str:
-    """Syntax digest of the Python files in folders, and of single files, below the root."""
-    files: set[Path] = set()
-    for place in places:
-        path = ROOT / place
-        files.update(path.rglob("*.py") if path.is_dir() else [path])
-    return syntax_digest(files)
+    """Digest of the source files in folders, and of single files, below the root."""
+    return sources.digest(*(ROOT / place for place in places))
 
 
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
-    "durations", "damping", "precision", "intervals", "cables", "latches", "slides", "motors",
-    "joints", "rigid-holds", "refusals",
+    "durations", "damping", "refusals",
 )  # fmt: skip
 
 STUDIES = {
@@ -76,15 +69,13 @@ STUDIES = {
         Study(
             "extremes",
             "Running the linkage at the ends of its parameters' ranges",
-            uses=("deployable/intervals", "evidence/extremes"),
-            plots=("stable-step", "errors"),
+            uses=("evidence/extremes",),
             parts=EXTREMES,
         ),
         Study(
             "accuracy",
             "Measuring what meshes, steps and lumpings cost and get wrong",
             uses=("evidence/accuracy",),
-            plots=("errors",),
         ),
         Study(
             "tradeoff",
@@ -96,10 +87,8 @@ STUDIES = {
                 "deployable/campaign/answers/discretization.py",
                 "evidence/tradeoff/measure",
             ),
-            plots=tuple(f"pareto_{case.name}" for case in CASES),
             parts=(
                 *(case.name for case in CASES),
-                "peers",
                 *(f"asked-{case.name}" for case in ACCURACY_CASES),
             ),
         ),
@@ -107,7 +96,7 @@ STUDIES = {
             "search",
             "Searching bounds of quantities that are known",
             uses=("deployable",),
-            parts=("boxes", "rivals", "fractions", "carts", "slides", "chains"),
+            parts=("carts", "slides", "chains"),
             quick=True,
         ),
         Study(
@@ -124,9 +113,8 @@ STUDIES = {
         ),
         Study(
             "scaling",
-            "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
+            "Timing scissor masts of 1 to 100 units",
             uses=("evidence/scaling", "evidence/benchmark"),
-            plots=("cost",),
             exclusive=True,
             quick=True,
         ),
@@ -134,14 +122,12 @@ STUDIES = {
             "calibration",
             "Fitting K_F to the paper's two numbers",
             uses=("deployable/intervals", "evidence/calibration"),
-            plots=("numbers", "misfit", "closures"),
             parts=("default", "meshes", "starts", "supports"),
         ),
         Study(
             "benchmark",
-            "Measuring the solver, the workflow and, where they are installed, peers",
+            "Measuring the solver, the workflow and, where it is installed, Exudyn",
             uses=("evidence/benchmark",),
-            plots=("benchmark",),
             exclusive=True,
             quick=True,
         ),

@@ -7,10 +7,6 @@
 
 Importing is cheap: numba and xarray are loaded when first needed."""
 
-# Before all others: it notes what they are imported from.
-import fpm.kernels.sources  # noqa: F401
-
-# isort: split
 from importlib import import_module
 from typing import Any
 

@@ -18,20 +18,6 @@ class SceneError(ValueError):
         return type(self), (self.key, self.value, self.allowed)
 
 
-class ChangedError(SceneError):
-    """Raised for a file that changed since this process read it, so that its digest would not be
-    one of the code that computes the results. file: its path."""
-
-    def __init__(self, file: str):
-        self.key, self.value = file, "changed since it was imported"
-        self.allowed = "the file as it was imported"
-        text = "start again, so that numbers and names are of one version"
-        ValueError.__init__(self, f"{file} changed since it was imported: {text}")
-
-    def __reduce__(self):
-        return type(self), (self.key,)
-
-
 class InstabilityError(RuntimeError):
     """Raised, or kept as `Outcome.failure`, for a run whose numbers mean nothing: its energy
     balance broke, numbers are not finite, or a watched quantity (such as strain) is too large.

@@ -8,10 +8,6 @@ meet in netCDF files. Rooms in the order of a campaign: `config`, `plan`, `runs`
 `stages` joins them to files, `workflow` and its rules the stages. What this package itself offers
 is imported on first use, so that `__main__` can set up numerics that are not loaded yet."""
 
-# Before all others: it notes what they are imported from.
-import deployable.campaign.provenance  # noqa: F401
-
-# isort: split
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

@@ -1,9 +1,8 @@
-"""What computed a result: the program, its code as it was imported, the machine and the packages.
+"""What computed a result: the program, its source files, the machine and the packages.
 
 netCDF files have it as the attribute `provenance`; seals of all results have it with the moment, so
 that the same results are the same but for their seals."""
 
-import hashlib
 import json
 import platform
 import subprocess
@@ -12,41 +11,16 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
-import deployable
 from fpm.kernels import sources
-
-PROGRAM = sources.PackageFiles(Path(__file__).parents[1], deployable.FILES)
-"""Of the program without the mechanics, from before anything of it was imported."""
-
-RUN_CODE = ("campaign/runs",)
-"""Rooms that decide what is kept of a run, beside the mechanics."""
-
-LOG_CODE = ("campaign/runs/progress.py",)
-"""What of them only says how far it is."""
 
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
 _ROOT = Path(__file__).parents[2]
 
 
 def program_digest() -> str:
-    """Digest (32 hexadecimal digits) of all code of the program and of `fpm`; comments, docstrings
-    and formatting do not change it. Results of different digests are not mixed."""
-    return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
-
-
-def digest_code(structure: str) -> str:
-    """Digest (16 hex digits) of all code that decides what is stored of a run, part of the run's
-    id; structure: digest of the structure's files and mechanics (`SceneType.digest`)."""
-    text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def check_code(reread: bool = False) -> None:
-    """Raise `fpm.errors.ChangedError` if files of the program were edited since it was imported, so
-    that results would not be of the code that their digests name. Looks at Python files imported
-    since the last call and at all data files; reread: whether at all Python files again, too."""
-    PROGRAM.check(reread)
-    sources.MECHANICS.check(reread)
+    """Digest (16 hex digits) of all source files of this program and of `fpm`, taken once in a
+    process. Runs and results of different digests are not mixed."""
+    return sources.digest(sources.PACKAGE, Path(__file__).parents[1])
 
 
 @cache

@@ -37,7 +37,7 @@ _SPREAD_SHARE = 0.05  # of the difference of runs: so far left-out errors tell o
 _ERROR_CEILING = 1e3  # times the band and the size: an error that is not known
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
-_STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
+_STATIONARY = 0.8  # of the hull's volume: a wave that leaves more does not pay
 _SAMPLES = 128  # points at which the fraction of the hull is counted
 _SPOTS = 48  # points of the box and of the hull at which the misfit is found for sliders
 _GAP_INSTANTS = 4  # instants on each side over which an error of interpolation counts
@@ -367,16 +367,15 @@ class _Waves:
         self.runs += len(points)
         return curves
 
-    def fits(self, number: int, most: int) -> list[CurveFit]:
+    def fits(self, number: int) -> list[CurveFit]:
         """Curves of all tests in the hull, after further runs there and, at its centre, with half
-        the step. number: of the wave; most: largest number of runs of each test."""
+        the step. number: of the wave."""
         fits = []
         for t, test in enumerate(self.tests):
             hull = self.hull[:, self.places[t][: test.dimension]]
             half, center = np.ptp(hull, axis=0) / 2, hull.mean(axis=0)
             spread = _design(half > 0, comb(test.dimension + 2, 2), number)
             points = np.concatenate([center[None], center + half * spread])
-            points = points[: max(most - len(self.points[t]), 1)]
             middle = self.add(t, points)[0]
             change = _STEP_FACTOR * _lobes(self.finer(t, center) - middle)
             places = test.times - test.limits[:, 0].mean()
@@ -420,14 +419,13 @@ class _Waves:
                 return True
         return False
 
-    def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
+    def narrow(self, level: float | None, waves: int) -> tuple[_Problem, float, list]:
         """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
         problem, the least misfit that its errors allow, and points (size) that are not excluded.
-        waves: largest number of waves; most: of runs of each test, besides those already made."""
+        waves: number of waves after which only those go on that narrow the hull, to twice it."""
         least, pool, self.hull = 0.0, [], self.widest
-        most += max(map(len, self.points)) - waves  # each wave makes one more
-        for number in range(waves):
-            problem = _Problem(self.fits(number, most), self.k)
+        for number in range(2 * waves):
+            problem = _Problem(self.fits(number), self.k)
             self.problems = [*(self.problems if number else []), (self.hull, problem)]
             rng = np.random.default_rng(number)
             starts = [rng.uniform(*self.hull) for _ in range(_STARTS)]
@@ -448,9 +446,11 @@ class _Waves:
             if not pool:
                 return problem, least, []
             pool = self.extremes(problem, limit, pool, np.eye(problem.size)[self.inputs])
-            is_precise = self.shrink(pool, (problem.errors / problem.bands).max() / limit)
+            error = (problem.errors / problem.bands).max() / limit
+            is_steady = self.shrink(pool)
+            is_precise = error <= (4 * _PRECISE if is_steady else _PRECISE)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
-            if is_precise or is_met or min(map(len, self.points)) >= most:
+            if is_precise or is_met or (is_steady and number + 1 >= waves):
                 break
         if not pool and self.attained <= (1.0 if level is None else level):
             pool = [self.best]
@@ -469,17 +469,16 @@ class _Waves:
         is_inside = (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all()
         return outer, self.attained if is_inside else misfit
 
-    def shrink(self, pool: Sequence[np.ndarray], error: float) -> bool:
-        """Narrow the hull to about the points (size) of a pool, and tell whether the largest
-        `error`, in bands, is small enough for that, or a wave no longer pays."""
+    def shrink(self, pool: Sequence[np.ndarray]) -> bool:
+        """Narrow the hull to about the points (size) of a pool, and tell whether that left most of
+        its volume."""
         low, high = np.min(pool, axis=0), np.max(pool, axis=0)
         wider = _WIDER * (high - low)
         hull = np.clip([low - wider, high + wider], *self.hull)
         hull[:, self.sensors] = self.hull[:, self.sensors]
         volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
         self.hull = hull
-        is_steady = volumes[0] > _STATIONARY * volumes[1]
-        return bool(error <= (4 * _PRECISE if is_steady else _PRECISE))
+        return bool(volumes[0] > _STATIONARY * volumes[1])
 
     def islands(
         self, problem: _Problem, starts: list[np.ndarray], level: float
@@ -525,7 +524,7 @@ def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
 
 def calibrate(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-    hull: np.ndarray, data: Sequence[TestRuns] = (), waves: int = 6, most: int = 120,
+    hull: np.ndarray, data: Sequence[TestRuns] = (), waves: int = 6,
     notify: Callable = lambda text: None,
 ) -> Calibration:  # fmt: skip
     """Find what of a box explains all tests, with runs where that is open; if the tests are
@@ -536,18 +535,18 @@ def calibrate(
     its box and starts, that returns the curves (N, n, R) of runs there; finer: function of the
     number of a test and coordinates (p) that returns the curves (n, R) of a run there with half the
     step; hull: part of the box (2, k) in which to look, -1 to 1; data: runs of each test that were
-    made before, none if it is empty; waves, most: largest numbers of waves of runs, and of runs of
-    each test, twice both where no point explains; notify: called with messages."""
+    made before, none if it is empty; waves: number of waves of runs, up to twice as many while they
+    narrow the hull, and as many again where no point explains; notify: called with messages."""
     state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
-        problem, least, pool = state.narrow(1.0, waves, most)
+        problem, least, pool = state.narrow(1.0, waves)
         is_refuted = least > 1.0
         if not is_refuted or not state.is_contradicted(attempt):
             break
     else:
         is_refuted, pool = False, []
     if is_refuted:
-        problem, least, pool = state.narrow(None, waves, most)
+        problem, least, pool = state.narrow(None, waves)
         is_refuted = state.attained > 1.0
         pool = pool if is_refuted else []
     least = min(least, state.attained, inf if is_refuted else 1.0)

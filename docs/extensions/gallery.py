@@ -1,4 +1,5 @@
-"""The gallery: every structure of the library, moving, made by the export when the site is built.
+"""Pages that are made when the site is built: the lists of keys, and the gallery, where every
+structure of the library moves.
 
 `-D gallery_moves=0` draws stills instead, which simulates nothing."""
 
@@ -103,8 +104,12 @@ def draw_examples(folder: Path) -> list[str]:
 
 
 def make(app):
-    """Make pictures and page before the sources are read, and tell which structure's are made."""
+    """Make pictures and pages before the sources are read, and tell which structure's are made."""
     from sphinx.util.display import status_iterator
+
+    from deployable.campaign.config.keys import table
+    from deployable.campaign.config.read import whole
+    from fpm.structures.keys_page import keys_page
 
     folder, moves = Path(app.srcdir) / "made", bool(int(app.config.gallery_moves))
     folder.mkdir(exist_ok=True)
@@ -117,10 +122,11 @@ def make(app):
             found.items(), summary, length=len(found), stringify_func=lambda item: item[0]
         )
 
-    text = page(folder, moves, follow)
-    target = folder / "gallery.md"
-    if not target.exists() or target.read_text(encoding="utf-8") != text:
-        target.write_text(text, encoding="utf-8")
+    made = {"config-keys.md": table(whole()), "structure-keys.md": keys_page()}
+    for name, text in (made | {"gallery.md": page(folder, moves, follow)}).items():
+        target = folder / name
+        if not target.exists() or target.read_text(encoding="utf-8") != text:
+            target.write_text(text, encoding="utf-8")
 
 
 def setup(app):

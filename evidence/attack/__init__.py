@@ -1,7 +1,7 @@
-"""Attacks on the program: what happens to it, its files and its configs that nobody wants.
+"""Attacks on the program: what happens to it and its files that nobody wants.
 
     python -m deployable attack --minutes 60
 
-kills processes, fills the disk, damages and swaps files, mutates configs, says structures in other
-words, and changes the code to see whether the tests notice.
+kills processes, fills the disk, damages and swaps files, says structures in other words,
+and changes the code to see whether the tests notice.
 `ledger` counts; docs/trust.md tells what came out, and what is promised."""

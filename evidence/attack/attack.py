@@ -10,7 +10,6 @@ import time
 from pathlib import Path
 
 from deployable.campaign.files import write_text
-from evidence.attack.configs import attack_by_config, attack_runs, mutate_config
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
 from evidence.attack.metamorphic.attack import attack_by_pairs
@@ -18,7 +17,7 @@ from evidence.attack.mutants import Hunt
 from evidence.attack.processes import attack_by_full_disk, attack_by_kill
 from evidence.attack.victim import Victim
 
-KINDS = ("files", "kills", "disks", "configs", "pairs", "mutants")
+KINDS = ("files", "kills", "disks", "pairs", "mutants")
 
 
 def attack(
@@ -49,10 +48,6 @@ def _attack_once(
         attack_by_kill(victim, target, ledger, rng)
     elif kind == "disks":
         attack_by_full_disk(victim, target, ledger, rng)
-    elif kind == "configs":
-        text = mutate_config(rng)
-        if case := attack_by_config(text, target, ledger, rng.random() < 0.05):
-            attack_runs(case, text, target, ledger)
     elif kind == "pairs":
         attack_by_pairs(ledger, rng)
     else:

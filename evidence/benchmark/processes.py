@@ -21,3 +21,16 @@ def python(*arguments: str, **variables: str) -> str:
         env=environment(**variables), check=True, stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     return process.stdout
+
+
+IMPORT = """
+import json, time
+start = time.perf_counter()
+import numpy, numba, xarray, netCDF4, matplotlib, snakemake
+print(json.dumps(time.perf_counter() - start))
+"""
+
+
+def import_seconds() -> float:
+    """Seconds in which a process imports what a campaign needs, the best of three."""
+    return min(float(python("-c", IMPORT)) for _ in range(3))

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from evidence.calibration.plan import GRID, MESHES
+from evidence.calibration.plan import MESHES
 from evidence.calibration.scans import CLOSE, DURATION, PAPER, Numbers, Scan
 from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import default
@@ -95,69 +95,31 @@ def findings(scans: list[Scan]) -> dict:
     """How sharp the fit is, and what explains it; numbers for summary.json and table.md."""
     main, k = scans[0], default("K_F")
     numbers = main.numbers_at(k)
-    stiffnesses = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
-    first, second = numbers.closure(0), numbers.closure(1)
-    return {
+    twice = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
+    near = [n for n in main.numbers if abs(n.K_F - k) <= 0.1 + 1e-9]
+    is_at_second = main.fits & main.at_second_closure
+    facts = {
         "K_F of the scene (N/rad)": k,
         "misfit there": numbers.misfit,
         "least misfit": main.best.misfit,
         "K_F of the least misfit (N/rad)": main.best.K_F,
-        "K_F with a misfit within 20 % of the least (N/rad)": spans(
-            main.K_F, main.mask_within(0.2)
-        ),
         "K_F that fits (N/rad)": spans(main.K_F, main.fits),
-        "K_F that fits, largest differences at the second closure (N/rad)": spans(
-            main.K_F, main.fits & main.at_second_closure
-        ),
-        **_agreement(scans),
-        "least K_F with the second closure of all samples within 1 s (N/rad)": min(
-            stiffnesses, default=None
-        ),
-        "first closure of the samples (s)": [float(first.min()), float(first.max())],
-        "second closure of the samples (s)": [float(second.min()), float(second.max())],
-        "closings of the rigid linkage (s)": rigid_closings(k).tolist(),
-        **_ranges(main, k),
-        "share of starts and meshes that fit, by K_F": {
-            f"{x:g}": round(float(y), 3) for x, y in zip(GRID, _share(scans), strict=True)
-        },
-    }
-
-
-def _comparable(scans: list[Scan]) -> list[Scan]:
-    """All starts and meshes over the same K_F; the default reading was scanned more finely."""
-    main = scans[0]
-    comparable = [s for s in scans if np.array_equal(s.K_F, GRID)]
-    return [*comparable, Scan(main.reading, [main.numbers_at(x) for x in GRID])]
-
-
-def _share(scans: list[Scan]) -> np.ndarray:
-    """Share of the starts and meshes that fit, for each K_F of GRID."""
-    return np.mean([s.fits for s in _comparable(scans)], axis=0)
-
-
-def _agreement(scans: list[Scan]) -> dict:
-    """Where most starts and meshes agree."""
-    share = _share(scans)
-    second_share = np.mean([s.fits & s.at_second_closure for s in _comparable(scans)], axis=0)
-    return {
-        "K_F that fits with at least 60 % of starts and meshes (N/rad)": spans(GRID, share >= 0.6),
         "the same, largest differences at the second closure (N/rad)": spans(
-            GRID, second_share >= 0.6
+            main.K_F, is_at_second
         ),
-        "largest share of starts and meshes that fit": float(share.max()),
-        "K_F of that (N/rad)": float(GRID[share.argmax()]),
+        "least K_F with the second closure of all samples within 1 s (N/rad)": min(
+            twice, default=None
+        ),
+        "closings of the rigid linkage (s)": rigid_closings(k).tolist(),
     }
-
-
-def _ranges(main: Scan, k: float) -> dict:
-    """How far both numbers go close to the scene's K_F."""
-    neighbours = [n for n in main.numbers if abs(n.K_F - k) <= 0.1 + 1e-9]
-    return {
-        f"{name} for K_F within 0.1 N/rad of the scene's ({UNITS[name]})": [
-            f([n.largest[name] for n in neighbours]) for f in (min, max)
-        ]
-        for name in PAPER
-    }
+    for index, word in enumerate(("first", "second")):
+        times = numbers.closure(index)
+        facts[f"{word} closure of the samples (s)"] = [float(times.min()), float(times.max())]
+    for name in PAPER:
+        values = [n.largest[name] for n in near]
+        key = f"{name} for K_F within 0.1 N/rad of the scene's ({UNITS[name]})"
+        facts[key] = [min(values), max(values)]
+    return facts
 
 
 def spans(values: np.ndarray, mask: np.ndarray) -> list[list[float]]:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from evidence.calibration.scans import SIDE, Reading
-from evidence.linkage.geometry import bennett_geometry
+from evidence.calibration.scans import Reading
+from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import default
 
 STARTS = (1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0)
@@ -64,10 +64,11 @@ def start_of_half_angle(degrees: float) -> float:
     The reading of mu_B = 22.5° as the angle from which the paper starts."""
     from scipy.optimize import brentq
 
-    geometry = bennett_geometry(default("L"), SIDE, default("roll"), default("mu"))
+    linkage = RigidBennett(lambda_deg=default("roll"), mu_deg=default("mu"))
 
-    def excess(opening):
-        axis = geometry.pose(opening).rotation[0, :, 0]  # of bar AB; x = 0 is the plane at B
+    def excess(beta):
+        axis = linkage.motion(beta)["rotation"][0] @ linkage.axis  # of bar AB; B is at x = 0
         return math.degrees(math.asin(abs(axis[0]))) - degrees
 
-    return math.degrees(geometry.folded_opening_b - brentq(excess, 0.0, geometry.folded_opening_b))
+    beta = brentq(excess, linkage.beta_deployed, linkage.beta_folded)
+    return math.degrees(linkage.folded_opening_b - linkage.motion(beta)["opening_b"][0])

@@ -109,10 +109,6 @@ class Scan:
         """The numbers of the scan's value next to K_F."""
         return min(self.numbers, key=lambda n: abs(n.K_F - K_F))
 
-    def mask_within(self, share: float) -> np.ndarray:
-        """Where the misfit is at most (1 + share) times the least misfit, (values,) bool."""
-        return self.misfit <= (1 + share) * self.misfit.min()
-
 
 def scene(reading: Reading, a: float, stiffness: float) -> fpm.Scene:
     """The linkage of side a (m) and K_F (N/rad) under a reading."""

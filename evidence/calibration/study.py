@@ -1,4 +1,4 @@
-"""The study that fits K_F: its parts, its records, its tables and plots."""
+"""The study that fits K_F: its parts, its records, its tables."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from evidence.calibration import figures, plan
+from evidence.calibration import plan
 from evidence.calibration.findings import checks, findings, spans
 from evidence.calibration.scans import CLOSE, PAPER, Numbers, Scan, from_plain, scan
 from evidence.linkage.runs import default
@@ -33,11 +33,6 @@ def report(parts: Mapping[str, list[dict]]) -> Report:
         checks(scans),
         {"findings": facts, "readings": [record(s) for s in scans]},
         tables(facts, scans),
-        {
-            "numbers": figures.numbers(scans),
-            "misfit": figures.misfit(scans),
-            "closures": figures.closures(scans),
-        },
     )
 
 
@@ -98,15 +93,9 @@ def _line(scan: Scan, k: float) -> tuple[str, ...]:
 
 
 def _pretty(x: object) -> str:
-    if isinstance(x, dict):
-        return ", ".join(f"{key}: {_pretty(y)}" for key, y in x.items())
+    """A number, a range "first to last", or several of either."""
     if isinstance(x, list):
-        return _pretty_list(x)
-    return "none" if x is None else f"{x:.4g}" if isinstance(x, int | float) else str(x)
-
-
-def _pretty_list(x: list) -> str:
-    """A range "first to last", or several."""
-    if len(x) == 2 and not isinstance(x[0], list):
-        return _pretty(x[0]) if x[0] == x[1] else f"{_pretty(x[0])} to {_pretty(x[1])}"
-    return ", ".join(map(_pretty, x)) or "none"
+        if len(x) == 2 and not isinstance(x[0], list) and x[0] != x[1]:
+            return f"{_pretty(x[0])} to {_pretty(x[1])}"
+        return ", ".join(dict.fromkeys(map(_pretty, x))) or "none"
+    return "none" if x is None else f"{x:.4g}"

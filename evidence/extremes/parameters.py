@@ -1,11 +1,12 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
+from collections.abc import Callable
 from functools import partial
 
-from evidence.extremes.attempts import must_refuse
+import fpm
 from evidence.extremes.judge import CURVE_ACCURACY, RATTLE, WHIP, judge
 from evidence.linkage.runs import build
-from evidence.rows import Row
+from evidence.rows import Row, refusal
 
 
 def materials() -> list[Row]:
@@ -68,4 +69,13 @@ def refusals() -> list[Row]:
         {"start": 121.0}, {"inertia": 0.5}, {"inertia": 1e3}, {"a": 0.6}, {"damping": -1.0},
     )  # fmt: skip
     names = [", ".join(f"{k} = {v:g}" for k, v in parameters.items()) for parameters in wrong]
-    return [must_refuse(n, partial(build, **p)) for n, p in zip(names, wrong, strict=True)]
+    return [_must_refuse(n, partial(build, **p)) for n, p in zip(names, wrong, strict=True)]
+
+
+def _must_refuse(name: str, make: Callable[[], object]) -> Row:
+    """The row of what must be refused when a scene is built."""
+    try:
+        make()
+    except fpm.SceneError as error:
+        return refusal(name, error)
+    return Row(name, "built", passed=False, source="fpm.SceneError")

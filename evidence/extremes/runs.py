@@ -1,6 +1,5 @@
-"""Extremes of how a run is made: starts, meshes, durations, damping, precision, intervals."""
+"""Extremes of how a run is made: starts, meshes, durations, damping."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -10,15 +9,13 @@ from deployable.campaign.config.sections import scene_type
 from evidence.extremes.judge import attempt, compare, judge, persist
 from evidence.linkage.runs import (
     BALANCE,
-    build,
     closing_time,
     curves,
-    distance,
     first_closing,
     imbalance,
 )
 from evidence.linkage.runs import simulate as run
-from evidence.rows import Row, at_most, info, refusal
+from evidence.rows import Row, at_most, refusal
 
 CLOSURE = 120.0
 """Opening at B (degrees) between the folded bundle and closure."""
@@ -125,81 +122,3 @@ def damping() -> list[Row]:
         row = at_most(name, error, 2e-3, "damped oscillator, closed form", note)
         rows.append(replace(row, passed=row.passed and energy_error <= BALANCE))
     return rows
-
-
-def precision() -> list[Row]:
-    """Single against double precision: sixteen lanes against eight of the same register."""
-    duration = closing_time()
-    scenes = [build(a=0.035 * (1 + 1e-3 * i), elements=8) for i in range(16)]
-    outcomes, cost = {}, {}
-    for dtype in (np.float64, np.float32):
-        fpm.simulate(scenes, duration=1e-4, instants=2, dtype=dtype)  # compile
-        start = time.process_time()
-        outcomes[dtype] = fpm.simulate(
-            scenes, duration=duration, instants=401, dtype=dtype, step=2.5e-5, energy_tolerance=1.0
-        )
-        cost[dtype] = time.process_time() - start
-    double, single = outcomes[np.float64][0], outcomes[np.float32][0]
-    window = double.time < 0.98 * first_closing(double)
-    position, velocity = distance(curves(single), curves(double), window)
-    energy_error = imbalance(single)
-    failure = fpm.simulate(scenes[0], duration=duration, instants=401, dtype=np.float32)[0].failure
-    source = "the same 16 runs in 64 bits"
-    gain = 1 - cost[np.float32] / cost[np.float64]
-    note = f"velocity of B {velocity:.2g}, energy from nowhere {energy_error:.2g}"
-    row = at_most("32-bit floats: error of BD", position, 1e-4, source, note)
-    good = row.passed and energy_error <= BALANCE
-    rows = [
-        replace(row, passed=bool(good or failure)),
-        info("32-bit floats: share of cpu time saved", gain, note="half is the most there is"),
-    ]
-    if failure:
-        rows.append(refusal("32-bit floats", failure))
-    return rows
-
-
-WIDE = {"K_F": (2.5, 7.5), "a": (0.0175, 0.0525), "E": (0.5e9, 1.5e9)}
-"""Intervals of ± 50 %."""
-
-
-def box_of(**ends: tuple[float, float]):
-    """The box of some parameters' intervals."""
-    from deployable.intervals import Box
-
-    return Box(tuple(ends), *zip(*ends.values(), strict=True))
-
-
-def bounds_of_bd(box, order: int):
-    """Bounds of BD (m) over a box by tensor Chebyshev roots of an order, and the number of runs."""
-    from deployable.intervals import find_surrogate_range, fit, make_design
-
-    design = make_design("tensor_roots", box, order)
-    values = curves_of_bd(box.names, box.from_unit(design.points))
-    return find_surrogate_range(fit(design, values)), len(design.points)
-
-
-def curves_of_bd(names, values) -> np.ndarray:
-    """BD (n, 201) m of the linkage over 0.2 s with these values (n, k) of the parameters."""
-    scenes = [build(**dict(zip(names, map(float, row), strict=True))) for row in values]
-    return np.array([curves(o)["BD"] for o in fpm.simulate(scenes, duration=0.2, instants=201)])
-
-
-def deviation(bounds, lower: np.ndarray, upper: np.ndarray) -> float:
-    """Largest distance of bounds from others (t,)."""
-    return float(max(np.abs(lower - bounds.lower).max(), np.abs(upper - bounds.upper).max()))
-
-
-def intervals() -> list[Row]:
-    """Wide intervals and intervals of no width, through the interval library."""
-    rows = []
-    for parameter, ends in WIDE.items():
-        bounds, _ = bounds_of_bd(box_of(**{parameter: ends}), 8)
-        scan = curves_of_bd((parameter,), np.linspace(*ends, 33)[:, None])
-        worst = deviation(bounds, scan.min(0), scan.max(0)) / float(np.ptp(scan))
-        text = f"interval {parameter} ± 50 %, order 8: bounds of BD"
-        rows.append(at_most(text, worst, 0.01, "33 runs across the interval"))
-    box = box_of(K_F=(5.0, 5.0), a=(0.035, 0.035))
-    bounds, count = bounds_of_bd(box, 3)
-    (curve,) = curves_of_bd(box.names, [[5.0, 0.035]])
-    worst, name = (deviation(bounds, curve, curve), "intervals of zero width: bounds of BD (m)")
-    return [*rows, at_most(name, worst, 1e-12, "the run itself", f"{count} run")]

@@ -73,7 +73,8 @@ class RigidBennett:
         axis_a, axis_b = (edge_a[1] - edge_a[0]) / length_a, (edge_b[1] - edge_b[0]) / length_b
         self.__dict__.update(
             centre=0.5 * (end_a + end_b), hinge_a=edge_a.mean(axis=0), hinge_b=edge_b.mean(axis=0),
-            axis_a=axis_a, axis_b=axis_b, hinge_length_a=length_a, hinge_length_b=length_b,
+            axis=axis, axis_a=axis_a, axis_b=axis_b,
+            hinge_length_a=length_a, hinge_length_b=length_b,
             from_link=np.linalg.inv(np.stack([axis_a, axis_b, np.cross(axis_a, axis_b)], axis=-1)),
             mass=mass, second_moment=axes @ np.diag(moments) @ axes.T,
             beta_deployed=math.atan2(axis_b[2], axis_b[1]),

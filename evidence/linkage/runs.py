@@ -47,7 +47,6 @@ def simulate(
     duration: float,
     *,
     safety: float = 0.9,
-    dtype=np.float64,
     instants: int = INSTANTS,
     **parameters,
 ) -> fpm.Outcome:
@@ -57,7 +56,6 @@ def simulate(
         duration=duration,
         instants=instants,
         safety=safety,
-        dtype=dtype,
         energy_tolerance=BALANCE,
     )
     return outcome

@@ -1,14 +1,13 @@
-"""The study of scaling: masts of 1 to 100 units beside the linkage; joints alone and coupled."""
+"""The study of scaling: masts of 1 to 100 units beside the linkage."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 
-from evidence import plots
 from evidence.results import Report, table
-from evidence.rows import Row, at_most, info, set_group
-from evidence.scaling import joints, masts
+from evidence.rows import Row, at_most, info
+from evidence.scaling import masts
 from evidence.scaling.masts import Size
 
 MOST_GROWTH = 1.25
@@ -22,35 +21,20 @@ MOST_BALANCE = 1e-4
 MOST_GAP, MOST_TILT = 1e-11, 1e-9
 """Of joints, m and rad: what the linkage keeps as a rule (fpm/elements/joints/hinge_arrays.py)."""
 
-MAX_PAIRS = 4.0
-"""Times what a hinge costs that is solved alone."""
 
-
-@dataclass(frozen=True)
-class CostMeasurement:
-    """The linkage and the masts, and seconds a step, joint and sample by case."""
-
-    sizes: list[Size]
-    joints: dict[str, float]
-
-
-def measure_all(quick: bool = False) -> CostMeasurement:
-    """Run all sizes and cases."""
-    if quick:
-        return CostMeasurement(masts.measure((1, 10, 20), 1000, 1), joints.measure(2000, 1))
-    return CostMeasurement(masts.measure(), joints.measure())
+def measure_all(quick: bool = False) -> list[Size]:
+    """Run all sizes."""
+    return masts.measure((1, 10, 20), 1000, 1) if quick else masts.measure()
 
 
 PARTS = {"sizes": measure_all}
 
 
-def report(parts: Mapping[str, CostMeasurement]) -> Report:
-    """What the study claims, all sizes as a table, and a plot."""
-    m = parts["sizes"]
-    rows = [*set_group("masts", mast_rows(m.sizes)), *set_group("joints", joint_rows(m.joints))]
-    extra = {"sizes": [asdict(size) for size in m.sizes], "joints": m.joints}
-    text = "\n## Sizes\n\n" + sizes_table(m.sizes)
-    return Report(rows, extra, text, {"cost": draw(m.sizes)})
+def report(parts: Mapping[str, list[Size]]) -> Report:
+    """What the study claims, and all sizes as a table."""
+    sizes = parts["sizes"]
+    text = "\n## Sizes\n\n" + sizes_table(sizes)
+    return Report(mast_rows(sizes), {"sizes": [asdict(size) for size in sizes]}, text)
 
 
 def growth(sizes: Sequence[Size]) -> float:
@@ -83,16 +67,6 @@ def mast_rows(sizes: Sequence[Size]) -> list[Row]:
     return rows
 
 
-def joint_rows(costs: Mapping[str, float]) -> list[Row]:
-    """What a joint costs in a system of many, against one alone."""
-    (name, single), *rest = costs.items()
-    rows = [info(name, 1e9 * single, "ns per joint, step and sample")]
-    for name, cost in rest:
-        note = f"{1e9 * cost:.3g} ns per joint, step and sample"
-        rows.append(at_most(f"{name}, over hinges alone", cost / single, MAX_PAIRS, "", note))
-    return rows
-
-
 def sizes_table(sizes: Sequence[Size]) -> str:
     """All sizes as a table."""
     header = ["units", "elements", "joints", "step (s)", "µs a step of 8 samples"]
@@ -106,14 +80,3 @@ def sizes_table(sizes: Sequence[Size]) -> str:
         for size in sizes
     ]  # fmt: skip
     return table(header, rows)
-
-
-def draw(sizes: Sequence[Size]):
-    """Cost of a step by the number of units, and the line that ten units begin."""
-    chart = plots.Chart("Cost of a step", "units", "µs a step of 8 samples", logarithmic=True)
-    subset = [size for size in sizes if size.units]
-    units = np.array([size.units for size in subset])
-    chart.curve(units, [1e6 * size.cost for size in subset], "scissor mast")
-    start = min(subset, key=lambda size: abs(size.units - MIN_UNITS))
-    chart.curve(units, 1e6 * start.cost * units / start.units, "linear", reference=True)
-    return chart.figure

@@ -14,6 +14,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache, partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ _SUFFIX = re.compile(
     rf"(?P<before>(?:\*\*|/)\s*[-+]?\s*)?(?<![\w.])"
     rf"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>{CHAIN})(?P<after>\s*\*\*)?"
 )
-_OPERATORS = {
+_OPERATORS: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
@@ -137,7 +138,7 @@ class Expression:
         """Whether the expression is made of plain numbers only, without names and units."""
         return not self.names and self.dimension({}).bare
 
-    def value(self, names: Mapping[str, Value]) -> Value:
+    def value(self, names: Mapping[str, Value]) -> Any:
         """Return the value of the expression in SI units, of vectors an array (3,). names: value in
         SI units of each name in it. ExpressionError if the result is not finite."""
         try:
@@ -147,7 +148,7 @@ class Expression:
             raise
         except (ArithmeticError, ValueError):
             number = math.nan
-        parts = (number,) if type(number) is float else number.tolist()
+        parts = number.tolist() if isinstance(number, np.ndarray) else (number,)
         if not all(map(math.isfinite, parts)):
             raise ExpressionError("no finite number")
         return number
@@ -305,7 +306,7 @@ def _of_vectors(name: str, values: list[Dimension], zero: bool) -> Dimension:
     if name == "rotate" and (any(values[2][:3]) or values[2].vector or values[2].bare > zero):
         raise ExpressionError("rotate turns by an angle with a unit, such as 45 deg or 0.5 rad")
     if name in ("cross", "dot"):
-        return product(*values)._replace(vector=name == "cross")
+        return product(values[0], values[1])._replace(vector=name == "cross")
     powers = NUMBER if name == "unit" else values[0]
     return powers._replace(vector=name != "norm")
 

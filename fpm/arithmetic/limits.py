@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 from fpm.errors import SceneError
 
@@ -36,7 +37,7 @@ class NumberLimits:
             words += f" of at most {most}"
         return words + f" ({unit})" * (unit not in ("", "1"))
 
-    def check(self, key: str, value: object, noun: str = "") -> float:
+    def check(self, key: str, value: Any, noun: str = "") -> float:
         """Return a finite number within the limits, an int if whole; SceneError if `value` is none.
         key, noun: what messages call it, as in `describe`."""
         is_number = isinstance(value, int | float) and not isinstance(value, bool)

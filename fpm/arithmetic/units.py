@@ -54,13 +54,14 @@ BARE = Dimension(bare=True)
 
 def power(dimension: Dimension, exponent: float) -> Dimension:
     """Return the dimension of a quantity of a given dimension raised to `exponent`, a number."""
-    return Dimension(*(exponent * p for p in dimension.powers), dimension.bare)
+    kg, m, s = dimension.powers
+    return Dimension(exponent * kg, exponent * m, exponent * s, dimension.bare)
 
 
 def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
     """Return the dimension of the product of two quantities (sign 1), or of their quotient (-1)."""
-    powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
-    return Dimension(*powers, first.bare and second.bare, first.vector or second.vector)
+    kg, m, s = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
+    return Dimension(kg, m, s, first.bare and second.bare, first.vector or second.vector)
 
 
 class Unit(NamedTuple):
@@ -129,7 +130,7 @@ def unit(text: str) -> Unit:
     while rest.strip():
         match = _FACTOR.match(rest)
         if not match:
-            word = re.match(r"\s*/?\s*([A-Za-z]*)", rest)[1] or rest.strip()
+            word = re.sub(r"^\s*/?\s*([A-Za-z]*).*", r"\1", rest, flags=re.S) or rest.strip()
             parts = re.findall(_NAME, word) if re.fullmatch(f"(?:{_NAME})+", word) else []
             hint = f" (did you mean {' '.join(parts)}?)" if parts else did_you_mean(word, NAMES)
             raise UnitError(

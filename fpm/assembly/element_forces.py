@@ -45,6 +45,7 @@ class ElementForces:
         batch = Batch([part_scene], kinds, *rest)
         self.parts, self._history = batch.parts(), batch.filled_blocks()
         self.world = batch.world()
+        self.world.state[:, layout.P : layout.P + 3] = 0.0  # poses are not reached by steps
         timing = StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP)
         self._call = prepare_call("act", self.parts, self.world, timing)
         deformations = kind.deformations(part_scene)

@@ -53,8 +53,7 @@ class Series(NamedTuple):
     labelled elements, in `unit` (as "N m"), over t instants or, if time_dim is "travel_position",
     over positions along a joint's travel; long_name: what it is, in words; dimension, labels: name
     of the dimension of the k columns (None: values are (t,)), and the name of each; time_dim: name
-    of the dimension of t; code: digest of the code that computed it, kept with it where a change of
-    that code does not rename the run, "": none."""
+    of the dimension of t."""
 
     values: np.ndarray
     unit: str
@@ -62,7 +61,6 @@ class Series(NamedTuple):
     dimension: str | None = None
     labels: tuple[str, ...] = ()
     time_dim: str = "time"
-    code: str = ""
 
     def merge(self, series: "Series") -> "Series":
         """Return a Series: columns and labels of `series` (same t rows), then those of this one."""

@@ -6,7 +6,7 @@ else the kinds in a scene record have the names that the kinds give them; all ot
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,8 +26,6 @@ _PARAMETER = "parameter_"
 
 LED_OVER = "travel_position"
 """The dimension of what is recorded of travels: positions of an opening moved quasi-statically."""
-CODE = "code"
-"""Attribute of a variable that was recorded on request: digest of the code that read it."""
 
 Column = tuple[str, str]
 """Of what is recorded beside points and energies: a variable, and a label along its dimension."""
@@ -61,8 +59,7 @@ class Curves:
     instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
     name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
     `eventful`, index among that element's `events`; eventful: elements that have events;
-    dropped_events: number of events that were not kept; step: time step (s); codes: of variables
-    that were recorded on request and read from a file, digest of the code that computed each."""
+    dropped_events: number of events that were not kept; step: time step (s)."""
 
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
@@ -72,7 +69,6 @@ class Curves:
     eventful: tuple[Eventful, ...]
     dropped_events: int
     step: float
-    codes: Mapping[str, str] = field(default_factory=dict, kw_only=True)
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
@@ -190,10 +186,9 @@ def _energies(outcome) -> dict[str, classic.NetcdfVariable]:
 def _record_variables(outcome) -> dict[str, classic.NetcdfVariable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
-    for name, (values, unit, long_name, dimension, labels, axis, code) in outcome.records.items():
+    for name, (values, unit, long_name, dimension, labels, axis) in outcome.records.items():
         dims = (axis,) if dimension is None else (axis, dimension)
-        extra = {CODE: code} if code else {}
-        variables[name] = _variable(dims, values, unit, long_name, **extra)
+        variables[name] = _variable(dims, values, unit, long_name)
         if dimension is not None:
             variables |= _names(dimension, labels, dimension)
     return variables
@@ -265,7 +260,7 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
-            name: classic.NetcdfVariable(v.dims, v.values, v.attrs)
+            str(name): classic.NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
             for name, v in trajectory.variables.items()
         }
         trajectory = Contents(dict(trajectory.attrs), variables)
@@ -349,7 +344,6 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             ),
             dropped_events=int(attributes.get("events_dropped", 0)),
             step=float(attributes["time_step"]),
-            codes={n: v.attributes[CODE] for n, v in variables.items() if CODE in v.attributes},
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

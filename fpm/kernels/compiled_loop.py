@@ -2,8 +2,7 @@
 
 Loop and kernels are compiled apart, each once for the types of its arrays, and the loop calls the
 kernels by their addresses (`hooks.Calls`). Their files stand in a folder that is named after a
-digest of all kernel sources as they were imported, and of the processor: an edited kernel never
-meets old code, what was imported before an edit is not kept under the name of what came after, and
+digest of all kernel sources, and of the processor: an edited kernel never meets old code, and
 machines can share a cache. Each file is written whole, with checksums: what is not as written is
 compiled again."""
 
@@ -30,36 +29,22 @@ import numpy as np
 from numba import types
 from numba.core.codegen import CodeLibrary, initialize_llvm
 
-from fpm.errors import ChangedError, SceneError
+from fpm.errors import SceneError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
-from fpm.kernels.hooks import ENTRIES, HASHES, KERNELS, NAMES, Calls, entry_of
+from fpm.kernels.hooks import ENTRIES, KERNELS, NAMES, Calls, entry_of
 from fpm.kernels.inlining import EntryCompiler, InlinedKernel
 from fpm.kernels.references import Reference
 from fpm.kernels.vectors import INLINE
 from fpm.kernels.world import StepTime
 
 
-def find_user_sources(arrays: type) -> dict[Path, str]:
-    """Return digests, by path, of the files outside of the package fpm on which the compiled code
-    of an element type depends: where its arrays and kernels are defined, and files beside these
-    that they import. arrays: class of the named tuple that its kernels take. Raises ChangedError if
-    a file changed since the kernels were imported."""
-    kernels = [k.py_func for (part, _), k in KERNELS.items() if part is arrays]
-    digests: dict[Path, str] = {}
-    for definition in (arrays, *kernels):
-        digests |= sources.digests(sources.file_of(definition))
-    for path, digest in HASHES.get(arrays, {}).items():
-        if digests.get(path, digest) != digest:
-            raise ChangedError(str(path))
-    return digests
-
-
 @functools.cache
 def source_digest() -> str:
     """Return a digest (16 hex digits) of numba's version and the kernel sources of fpm, after which
     the folder of compiled code is named."""
-    text = repr([numba.__version__, sources.kernels()])
+    code = sources.digest(sources.PACKAGE / "elements", sources.PACKAGE / "kernels")
+    text = repr([numba.__version__, code])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -91,10 +76,9 @@ def cache_folder() -> Path:
 def cache_file(name: str, form: str, arrays: type | None = None) -> Path:
     """Return a file of compiled code (it may not exist). name: of the loop's function, or class;
     form: of the arguments (`form_of`); arrays: class of the named tuple of an element type, None:
-    the loop's own. Raises ChangedError if a source of the type changed since it was imported."""
-    user_digests = sorted(find_user_sources(arrays).items()) if arrays else []
+    the loop's own."""
     constants = [_constants_of(KERNELS[arrays, hook]) for hook in _hooks(arrays)] if arrays else []
-    text = repr([form, [d for _, d in user_digests], constants])
+    text = repr([form, constants])
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     return cache_folder() / f"{name}-{digest}.npz"
 
@@ -252,8 +236,14 @@ def compile_from_start(name: str, parts: Sequence[tuple], world: tuple, rest: tu
     joints, which take longest, last. Only the form of arrays counts, not their size."""
     table = Calls(np.zeros(1, np.int64), np.zeros((0, 2), np.int64))
     _loop(name, (table, world, *rest))
-    for part in parts:
+    for part in filter(_is_kept, parts):
         _kernels(part, world, form_of(world))
+
+
+def _is_kept(part: tuple) -> bool:
+    """Whether compiled kernels of an element type are kept on disk."""
+    kernels = [KERNELS[type(part), hook] for hook in _hooks(type(part))]
+    return all(_constants_of(kernel) is not None for kernel in kernels)
 
 
 def is_compiled(part: tuple, world: tuple) -> bool:
@@ -295,19 +285,19 @@ def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
                 **dict.fromkeys(("row", "number"), types.intp),
                 **dict.fromkeys(("energies", "points"), lanes),
             }
-            code, is_portable, is_own = {}, True, bool(find_user_sources(arrays))
+            code, is_portable = {}, True
             for hook in hooks:
                 function, arguments = entry_of(arrays, hook)
                 kinds = [Reference(numba_type(part)), *(argument_types[a] for a in arguments)]
                 library, code[hook] = _compile(function, kinds)
-                if is_own and PYTHON.search(library.get_llvm_str()):
+                if not is_kept and PYTHON.search(library.get_llvm_str()):
                     allowed = "kernels that raise no error and use nothing of Python"
                     raise SceneError(f"kernel of {arrays.__name__}", hook, allowed)
                 is_portable &= not library.has_dynamic_globals
             return code, is_portable
 
         hooks, path = _hooks(arrays), cache_file(arrays.__name__, form, arrays)
-        is_kept = all(_constants_of(KERNELS[arrays, hook]) is not None for hook in hooks)
+        is_kept = _is_kept(part)
         READY[arrays, form] = _make_ready(path, compile_kernels, is_kept) if hooks else {}
     return READY[arrays, form]
 
@@ -330,7 +320,10 @@ def _loop(name: str, arguments: tuple) -> int:
 
 def _constants_of(kernel: Callable) -> list | None:
     """What a function that made a kernel gave it, and the kernels that it calls likewise: numbers
-    and texts, by which compiled code is known; None: also something else, which none is."""
+    and texts, by which compiled code is known; None: also something else, which none is, or it is
+    defined outside of this package."""
+    if not kernel.py_func.__code__.co_filename.startswith(f"{sources.PACKAGE}{os.sep}"):
+        return None
     constants: list = [kernel.py_func.__qualname__]
     for cell in kernel.py_func.__closure__ or ():
         value = cell.cell_contents

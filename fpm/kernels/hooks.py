@@ -8,27 +8,19 @@ a new mix of known kinds compiles nothing, and a scene pays nothing for what it 
 import functools
 import inspect
 from collections.abc import Callable
-from contextlib import suppress
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
-from fpm.errors import SceneError
 from fpm.kernels.inlining import intrinsic
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
 from fpm.kernels.references import calls_of, local_copy
-from fpm.kernels.sources import digests, file_of
 from fpm.kernels.vectors import kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
 """The kernel for a named tuple and the name of a hook."""
-
-HASHES: dict[type, dict[Path, str]] = {}
-"""Of a named tuple the files outside of the mechanics that its kernels come from, with their
-digests when these were imported."""
 
 NAMES: list[str] = []
 """Names of all hooks."""
@@ -52,10 +44,6 @@ def hook(arrays: type, name: str | None = None) -> Callable:
             if (arrays, key) in KERNELS:
                 raise ValueError(f"{arrays.__name__} has a kernel for {key} already")
             KERNELS[arrays, key] = entry
-        with suppress(SceneError):  # typed in: refused when it is to be compiled
-            source_digests = HASHES.setdefault(arrays, {})
-            for path, digest in digests(file_of(getattr(routine, "py_func", routine))).items():
-                source_digests.setdefault(path, digest)
         return routine
 
     return register
@@ -234,10 +222,11 @@ def record_points(parts, world, points, row, timing):
 
 
 @_call_each
-def work_due(parts, world, energies, row):
+def work_due(parts, world, energies, row, timing):
     """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
-    it. parts: arrays of each element type; world: solver state (World); energies: Record.energies;
-    row: index of the recorded instant."""
+    it, and the kinetic energy of what has no momenta, as drives do. parts: arrays of each element
+    type; world: solver state (World); energies: Record.energies; row: index of the instant; timing:
+    times of this step (s)."""
 
 
 @_call_each

@@ -19,7 +19,8 @@ IJ = 1  # inverse principal inertias (3)
 MASS = 4  # mass, for gravity and damping
 KICK = 5  # velocity that a force gives in this step's kick: time of the kick by inverse mass
 HALF = 6  # half the turn that an angular momentum gives in a step: 0.5 step J^-1 (3)
-PARTICLE = 9
+BY_SPIN = 9  # 1 where a drive moves it: its angular velocity stands for the angular momentum
+PARTICLE = 10
 
 # A recorded point at an instant.
 POSITION, VELOCITY = 0, 3  # (3 each)

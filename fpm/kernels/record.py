@@ -41,7 +41,7 @@ def kinetic_energies(world):
     total = 0.0 * load(start, 0, layout.X)
     kick = total
     for i in range(start.shape[0]):
-        # Held particles have no inverse mass; their given motion carries no energy of the scene.
+        # Held particles have no inverse mass: drives add the energy of those that they move.
         inertia = load(particles, i, layout.IM) * load(particles, i, layout.MASS)
         mass, inverse = load(particles, i, layout.MASS) * inertia, get3(particles, i, layout.IJ)
         linear = dot(get3(start, i, layout.V), get3(state, i, layout.V))
@@ -85,23 +85,23 @@ def record_after(parts, world, record, row, timing):
         put3(points, index, layout.VELOCITY, v + cross(turn, arm))
     hooks.record_points(parts, world, points, row, timing)
     hooks.record_step(parts, world, row, timing)
-    hooks.work_due(parts, world, record.energies, row)
     kinetic, kick = kinetic_energies(world)
     store(record.energies, row, layout.KINETIC, kinetic)
-    balance(world, record.energies, row, kick)
+    hooks.work_due(parts, world, record.energies, row, timing)
+    balance(world, record.energies, row, kinetic, kick)
 
 
 @kernel
-def balance(world, energies, row, kick):
+def balance(world, energies, row, kinetic, kick):
     """Store the error of the energy balance (J) since the start in column BALANCE of row `row` of
     `energies`: stored energy less work given, plus losses, less the same at the start. World.sums
-    gets the scale of comparison (J): the kinetic energy plus the sizes of all other stored energies
-    (where such is zero, and so its sign, is a matter of definition) plus 1e-6 of `kick`. world:
-    solver state; energies: Record.energies, whose other columns of the row are read; row: index of
-    the instant; kick: half the energy (J) of the change of momenta in the step, as what an impact
-    starts has no kinetic energy between its half steps yet."""
+    gets the scale of comparison (J): the `kinetic` energy of what no drive moves plus the sizes of
+    all other stored energies (where such is zero, and so its sign, is a matter of definition) plus
+    1e-6 of `kick`. world: solver state; energies: Record.energies, whose other columns of the row
+    are read; row: index of the instant; kick: half the energy (J) of the change of momenta in the
+    step, as what an impact starts has no kinetic energy between its half steps yet."""
     stored_energy = load(energies, row, layout.KINETIC)
-    size = stored_energy  # of either sign: where a step is not stable, velocities alternate
+    size = kinetic  # of either sign: where a step is not stable, velocities alternate
     accounts = layout.ACCOUNTS + world.accounts.shape[1]
     for k in range(accounts, energies.shape[1]):
         energy = load(energies, row, k)

@@ -6,12 +6,19 @@ found by one fixed-point round from the start of the step (isotropic particles: 
 gyroscopic term of the others is the change of R_mid^T p). What the round leaves is of third order
 in the angle turned in a step, like the error of the step itself. Two of the particle's axes are
 kept and turned by Rodrigues' formula with its sine and cosine series; the third is their product.
+Turns beyond MOST_BY_SERIES, up to several whole ones in a step, take more terms.
 Less than that would need roots, more (a quaternion, three axes) is more memory to move in every
 step. Sources: implicit midpoint rule for the free rigid body, e.g. Hairer, Lubich, Wanner,
 Geometric Numerical Integration, VII.5."""
 
+import math
+
+from fpm.kernels.lanes import any_negative, floor, sqrt, where_negative
 from fpm.kernels.layout import D2, D3
 from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
+
+MOST_BY_SERIES = 0.2
+"""Half the angle (rad) of a turn up to which the short series are exact to 2e-9."""
 
 
 @kernel
@@ -44,6 +51,15 @@ def turn_frame(state, i, axes, half):
     # With a the length of half: sin(2a)/a and (1 - cos(2a))/a², to t³.
     sine = 2.0 - t * (4.0 / 3.0 - t * (4.0 / 15.0 - t * (8.0 / 315.0)))
     cosine = 2.0 - t * (2.0 / 3.0 - t * (4.0 / 45.0 - t * (2.0 / 315.0)))
+    short = MOST_BY_SERIES**2 - t
+    if any_negative(short):  # less whole turns, 2a is at most pi
+        share = 1.0 - math.pi * floor(sqrt(t) * (1.0 / math.pi) + 0.5) / sqrt(t)
+        s, c, square = 0.0 * t + 1.0, 0.0 * t + 1.0, 4.0 * t * share * share
+        for k in range(24, 0, -2):
+            s = 1.0 - square * s / (k * (k + 1.0))
+            c = 1.0 - square * c / ((k + 1.0) * (k + 2.0))
+        sine = where_negative(short, 2.0 * share * s, sine)
+        cosine = where_negative(short, 2.0 * share * share * c, cosine)
     xy, xz, yz = cosine * (x * y), cosine * (x * z), cosine * (y * z)
     sx, sy, sz = sine * x, sine * y, sine * z
     a, b, c = axes

@@ -148,7 +148,7 @@ def read_margin(spec: Any) -> Any:
     if not (factors or output):
         allowed = "an opening on which something acts that a margin counts; here nothing does"
         raise _error(spec, spec.kind, path.openings[0], allowed)
-    text = f"margin of {path.openings[0]}, {standard.title}, {evidence}"
+    text = f"margin of {' and '.join(path.openings)}, {standard.title}, {evidence}"
     subjects = (*path.openings, spec.data["standard"], evidence, *_names(spec, "without"))
     load = (output, resists["TL"])
     return spec.response(subjects, "", "1", text, tuple(columns), abscissa, (load, *factors))

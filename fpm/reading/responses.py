@@ -219,7 +219,8 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
 
 def _latch(spec: Definition) -> Response:
     """What every run records of a latch; impacts are those of latches that hold exactly."""
-    kinds = (RigidLatch,) if spec.kind == "latch_impact" else (Latch, RigidLatch)
+    is_impact = spec.kind == "latch_impact"
+    kinds = (RigidLatch,) if is_impact else (Latch, RigidLatch)
     latches = {latch.label(spec.scene): latch for k in kinds for latch in k.find(spec.scene)}
     value, hinges = spec.data[spec.kind], spec.scene.hinges
     labels = [label for label, latch in latches.items() if hinges[latch.hinge].name == value]
@@ -228,7 +229,9 @@ def _latch(spec: Definition) -> Response:
     variable = spec.kind
     if hinges[latches[label].hinge].slides:
         unit, variable = SLIDE_UNITS[unit], f"slide_{variable.replace('moment', 'force')}"
-    return spec.response((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
+    component, columns = spec.data.get("component", "norm"), ((variable, label),)
+    component = spec.one_of(("norm", "signed"), "component", component) if is_impact else ""
+    return spec.response((label,), component, unit, f"{text} of latch {label}", columns)
 
 
 def parts_on(scene: Scene, hinge: str) -> list[str]:
@@ -403,6 +406,7 @@ KINDS = {
                    lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
     **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
+    "latch_impact": ResponseType(_latch, optional=("component",)),
     **{name: _read_record(v) for name, v in VARIABLES.items() if v.response_form},
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),

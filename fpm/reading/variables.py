@@ -20,7 +20,6 @@ from fpm.elements.openings.opening import PARTS, SLIDE_UNITS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column
-from fpm.kernels import sources
 from fpm.reading import bars, margins
 from fpm.reading.clearance import find_clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
@@ -355,7 +354,7 @@ def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, S
         dimension, axis = f"{name}_{variable.dim_suffix}", variable.time_dim
         values = np.stack(curves, axis=1)
         unit, text = variable.unit_of(recording.scene, labels), variable.long_name
-        series[name] = Series(values, unit, text, dimension, labels, axis, sources.digest_reading())
+        series[name] = Series(values, unit, text, dimension, labels, axis)
     return series
 
 

@@ -113,9 +113,9 @@ class Curve:
             else:
                 rest.append(((u0 + u1) / 2, function((u0 + u1) / 2)))
         places, values = np.transpose(points)
-        powers = np.array([*powers, np.zeros(len(NODES) + 1)])
-        degree = np.flatnonzero(powers.any(axis=0)).max(initial=1)
-        return Curve(start + places * (end - start), values, powers[:, : degree + 1])
+        table = np.array([*powers, np.zeros(len(NODES) + 1)])
+        degree = np.flatnonzero(table.any(axis=0)).max(initial=1)
+        return Curve(start + places * (end - start), values, table[:, : degree + 1])
 
     def value(self, time: float | np.ndarray) -> np.ndarray:
         """Return the values at times (s), in the shape of `time`."""

@@ -27,7 +27,8 @@ PER_SCENE, PER_STATEMENT = 0.4e-3, 0.05e-3
 hinge, a spring on it."""
 
 
-COMPILE, COMPILE_OTHER = {None: 1.2, Hinge: 2.5, Joint: 4.0}, 0.6
+COMPILE: dict[type | None, float] = {None: 1.2, Hinge: 2.5, Joint: 4.0}
+COMPILE_OTHER = 0.6
 """Seconds to compile the time loop (None) and some kinds, and each other kind."""
 
 

@@ -387,15 +387,15 @@ class Scene:
         values: at them, in the unit of what refers to the curve, constant beyond both ends; smooth:
         whether it is a smooth cubic, not straight, between them. SceneError for times that do not
         increase, not as many values, or values whose differences overflow."""
-        times, values = np.asarray(times, float), np.asarray(values, float)
-        if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
-            raise SceneError("times", times.tolist(), "increasing times, one for each value")
+        places, heights = np.asarray(times, float), np.asarray(values, float)
+        if places.shape != heights.shape or places.ndim != 1 or np.any(np.diff(places) <= 0):
+            raise SceneError("times", places.tolist(), "increasing times, one for each value")
         with np.errstate(over="ignore"):
-            slopes = np.diff(values) / (np.diff(times) if smooth else 1.0)
+            slopes = np.diff(heights) / (np.diff(places) if smooth else 1.0)
         if not np.isfinite(slopes).all():
             allowed = "values that do not differ by more than numbers can"
-            raise SceneError("values", float(np.abs(values).max()), allowed)
-        self.curves.append((Curve.smooth if smooth else Curve.table)(times, values))
+            raise SceneError("values", float(np.abs(heights).max()), allowed)
+        self.curves.append((Curve.smooth if smooth else Curve.table)(places, heights))
         return len(self.curves) - 1
 
     def curve(self, index: int) -> Curve:
@@ -444,7 +444,7 @@ class Scene:
         it. point: position (3,) at the start, m; None: the particle's. In a scene whose parts were
         forced together (fpm.assembly), both are positions before that."""
         position, frame = self.unstrained_position, self.unstrained
-        if frame is None:
+        if position is None or frame is None:
             position, frame = self.position, self.frame
         point = position[particle] if point is None else point
         return VirtualBeam.to_point(particle, position[particle], frame[particle], point)

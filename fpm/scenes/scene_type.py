@@ -1,6 +1,5 @@
 """Structures from which scenes are built, and their parameters."""
 
-import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,7 +9,6 @@ from typing import Any
 from fpm.arithmetic.limits import NumberLimits
 from fpm.elements import energies_of
 from fpm.errors import SceneError
-from fpm.kernels import sources
 from fpm.scenes.scene import Scene
 
 LEAST_GROUP = 4
@@ -74,8 +72,8 @@ class SceneType:
     function: builds the Scene from all parameters, given by keyword.
     values: values of parameters, by name, at which `sample` is built.
     mesh: name of the parameter that sets the mesh, or None.
-    content: digest of the structure's own files, hexadecimal.
-    files: paths of files that a YAML structure names, whose content counts in its digest, too.
+    digest: of what the structure's text and its curves say, 16 hex digits.
+    files: paths of files that a structure's text names, whose content counts in its digest, too.
     prepare: takes values of all parameters by name, of several samples, and returns a function that
     builds the scene of one of them, or returns None where `function` is to build it; None: there is
     none."""
@@ -89,7 +87,7 @@ class SceneType:
     cables: tuple[str, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     mesh: str | None = None
-    content: str = ""
+    digest: str = ""
     files: tuple[Path, ...] = ()
     prepare: Callable[[Sequence[Mapping]], Callable[[Mapping], Scene | None]] | None = None
 
@@ -110,13 +108,6 @@ class SceneType:
     def __post_init__(self) -> None:
         object.__setattr__(self, "description", join_lines(self.description))
 
-    @property
-    def digest(self) -> str:
-        """Digest (16 hex digits) of what decides this structure's runs: the mechanics' code and the
-        structure's content. Raises ChangedError if code changed since its import."""
-        content = f"{sources.digest_mechanics()} {self.content}"
-        return hashlib.sha256(content.encode()).hexdigest()[:16]
-
     def build(self, **parameters) -> Scene:
         """Return the scene at values of parameters, by keyword in their units; others take their
         defaults. Raises SceneError for wrong names and values, and parts that do not fit."""
@@ -134,8 +125,9 @@ class SceneType:
         to the same bits; what they have in common is built once, if the structure is a text file,
         and its arrays must not be written to. samples: values by name, in their units."""
         values = [self._complete(parameters) for parameters in samples]
-        is_group = self.prepare is not None and len(samples) >= LEAST_GROUP
-        scenes = map(self.prepare(values), values) if is_group else [None] * len(values)
+        if self.prepare is None or len(samples) < LEAST_GROUP:
+            return [self.build(**x) for x in values]
+        scenes = map(self.prepare(values), values)
         return [scene or self.build(**x) for scene, x in zip(scenes, values, strict=True)]
 
     def _complete(self, parameters: Mapping[str, Any]) -> dict[str, Any]:

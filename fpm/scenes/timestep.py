@@ -52,12 +52,14 @@ def deformation_modes(
     """Return the r springs (Deformations) that stand for a scene's elements at the start; index
     (r,) of each one's element type among the scene's; and names of all elements, at the index in
     Deformations.element. step (s): if finite, dampers C are springs of 4 C/step, too."""
-    blocks, kind_of, names = [], [], []
+    blocks: list[Deformations] = []
+    kind_of: list[np.ndarray] = []
+    names: list[str] = []
     for number, kind in enumerate(kinds_of([scene])):
-        parts = [kind.deformations(scene)]
+        springs = kind.deformations(scene)
+        parts = [] if springs is None else [springs]
         if step < np.inf and (part := kind.dampings(scene)) is not None:
             parts.append(part._replace(stiffness=4.0 * part.stiffness / step))
-        parts = [part for part in parts if part is not None]
         for part in parts:
             blocks.append(part._replace(element=part.element + len(names)))
             kind_of.append(np.full(len(part.element), number))

@@ -24,8 +24,8 @@ def find_doubts(group: str, args: Any, size: float) -> Iterator[str]:
     does not show: boxes that are too dense, drag on too much area. group: its section, as "drags";
     args: values of its keys; size: largest extent of the structure (m)."""
     box = getattr(args, "box", None)
-    is_solid = box is not None and MAX_SLENDERNESS * np.min(box) > np.max(box)  # no line or sheet
-    if is_solid:
+    # A line or a sheet has no density.
+    if box is not None and MAX_SLENDERNESS * np.min(box) > np.max(box):
         edges = " x ".join(f"{edge:.4g}" for edge in box)
         yield from find_dense(args.name, args.mass, float(np.prod(box)), f"a box of {edges} m")
     if group == "drags" and args.area > MAX_AREAS * size**2 > 0:

@@ -336,7 +336,7 @@ class ListKey(Key):
     no two alike. units: whether {each: REPEAT, through: [...]} in the list may stand for the values
     in all units (numbered copies) of the repeat of that name; then values may be alike."""
 
-    kind: Key | None = None
+    kind: Key = Key()
     least: int = 1
     most: int = MOST
     units: bool = False
@@ -384,7 +384,7 @@ class MapKey(Key):
     `kind`. single: whether one such value may be given for all; it is the key's value then."""
 
     group: str = "parts"
-    kind: Key | None = None
+    kind: Key = Key()
     single: bool = False
 
     @property

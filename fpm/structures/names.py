@@ -78,7 +78,7 @@ class Bound:
     expression: Expression
     full: dict[str, str]
 
-    def value(self, numbers: Mapping[str, Value]) -> Value:
+    def value(self, numbers: Mapping[str, Value]) -> Any:
         """Return the value of the expression in SI units. numbers: values (SI units) of all named
         numbers of the sample, by full name."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
@@ -86,8 +86,9 @@ class Bound:
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
         """Return the dimension of the expression. numbers: each NamedNumber of the file by full
         name. SkippedError if one that it refers to has none, being wrong itself."""
-        dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
-        if None in dimensions.values():
+        found = {name: numbers[full].dimension for name, full in self.full.items()}
+        dimensions = {name: one for name, one in found.items() if one is not None}
+        if len(dimensions) < len(found):
             raise SkippedError(self.expression.text)
         return self.expression.dimension(dimensions)
 

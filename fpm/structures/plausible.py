@@ -3,7 +3,7 @@
 Limits are far from what deployable structures are made of, so that a slip of units (mm for m, g/cm³
 for kg/m³, Pa for GPa) shows, and no structure that is meant does."""
 
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator
 
 import numpy as np
@@ -74,8 +74,8 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     for kind in (Latch, RigidLatch):
         for latch in kind.find(scene):
             sentences += _latch(scene, latch, duration)
-    for kind in (elements.Release, elements.RigidRelease):
-        for release in kind.find(scene):
+    for release_kind in (elements.Release, elements.RigidRelease):
+        for release in release_kind.find(scene):
             sentences += _release(scene, release, duration)
     sentences = list(dict.fromkeys(sentences))
     rest = len(sentences) - MOST
@@ -213,8 +213,8 @@ def _rigid(scene: Scene) -> Iterator[str]:
     ends = scene.supports.items()
     support_names = [f"support {name}" for name, arm in ends if scene.fixed[arm.particle].all()]
     keys = sorted(dict.fromkeys(names), key=lambda key: key.startswith("joint"))
-    names = np.array(names)
-    blockers = [key for key in keys if dependence(rows[names != key])[0] < rows.shape[1]]
+    labels = np.array(names)
+    blockers = [key for key in keys if dependence(rows[labels != key])[0] < rows.shape[1]]
     owners = [*support_names, *blockers] or keys
     text = ", ".join(owners[:MOST]) + ", ..." * (len(owners) > MOST)
     yield (
@@ -231,7 +231,8 @@ def _stuck(scene: Scene) -> Iterator[str]:
     is_strained = scene.assembly is not None or scene.unstrained is not None
     if drivers or scene.curves or is_strained or _is_moved(scene):
         return
-    pushes, bounds = Counter[int](), Counter[int]()
+    pushes: dict[int, float] = defaultdict(float)
+    bounds: dict[int, float] = defaultdict(float)
     for spring in (*TorsionSpring.find(scene), *TableSpring.find(scene)):
         pushes[spring.hinge] += _moment(spring, scene.hinges[spring.hinge].opening)
     for friction in (*Friction.find(scene), *RigidFriction.find(scene)):
@@ -289,11 +290,11 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
     if SIDES[latch.side] * travel < 0 and abs(travel) > max(latch.capture_range, 1e-9):
-        side = "above" if latch.side == "below" else "below"
+        other = "above" if latch.side == "below" else "below"
         yield (
-            f"{head} catches from {latch.side}, but its joint starts {side} it, at "
+            f"{head} catches from {latch.side}, but its joint starts {other} it, at "
             f"{opening_text(hinge, start)}, and can be caught on the way back only: take `side: "
-            f"{side}`"
+            f"{other}`"
         )
     yield from _drive(scene, latch.hinge, travel, head, duration)
 

@@ -49,8 +49,17 @@ class StructureError(SceneError):
         return type(self), (self.source, self.problems)
 
 
+NO_PROGRAM = (
+    "a structure is a text file, and this is a Python file; allowed: a `.yaml` file, which the "
+    "method `write` of an `fpm.Structure` makes"
+)
+
+
 def read_text(path: str | Path) -> str:
-    """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError."""
+    """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError, also
+    for a Python file."""
+    if Path(path).suffix == ".py":
+        raise StructureError(str(path), [Problem(0, NO_PROGRAM)])
     try:
         return read_bytes(path, LARGEST).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except (OSError, ValueError) as error:
@@ -206,7 +215,7 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
     lines = ["", *text.splitlines()]
     line = mark.line + 1 if mark else 0
     if "colon" in words and line < len(lines):
-        indent = re.match(r"[ -]*", lines[line])[0]
+        indent = re.sub(r"[^ -].*", "", lines[line], flags=re.S)
         numbers = (line - 1, line) if "too many" in words else (line,)
         for number in numbers:  # a key and its value without a colon between
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])

@@ -105,12 +105,12 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
         arm = scene.position[particle] - scene.position.mean(axis=0)
         block[:3, :3], block[3:, 3:] = np.eye(3), np.eye(3) / size
         block[:3, 3:] = -np.cross(np.eye(3), arm) / size
-    motion = motion.reshape(6 * count, 6 * len(moving))
+    motions = motion.reshape(6 * count, 6 * len(moving))
     slopes = rules.jacobian(ParticlePoses(scene.position, scene.frame))
-    joints = size * rules.weight(size)[:, None] * (slopes @ motion)
+    joints = size * rules.weight(size)[:, None] * (slopes @ motions)
     fixed = np.argwhere(scene.fixed & ~is_fixed[:, None])
     dofs = fixed @ (6, 1)
-    supports = np.where(dofs % 6 < 3, 1.0, size)[:, None] * motion[dofs]
+    supports = np.where(dofs % 6 < 3, 1.0, size)[:, None] * motions[dofs]
     support_names = {arm.particle: name for name, arm in scene.supports.items()}
     names = [f"support {support_names.get(p, f'of particle {p}')}" for p, _ in fixed]
     kinds = np.where(rules.is_on_second == 0, "support", "joint")

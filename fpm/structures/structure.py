@@ -58,7 +58,7 @@ class Structure(StatementTable):
     """A structure stated in Python in the words of a text file (docs/structures.md).
 
     Nothing is checked before a scene is built, which raises StructureError with all that is wrong,
-    each by its key. As `STRUCTURE` of a Python file it can be a campaign's scene.
+    each by its key. `write` makes the text file that a campaign's scene can name.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class Structure(StatementTable):
         """Write the structure as a YAML file, which loads to the same scenes, at `path`. Raises
         StructureError for a wrong structure, and where curves are not those of the same names in
         the folder of `path`."""
-        if loads(text := self.text(), str(path)).content != self.scene_type.content:
+        if loads(text := self.text(), str(path)).digest != self.scene_type.digest:
             reason = "other files of curves are there; allowed: the folder of the structure"
             raise StructureError(str(path), [Problem(0, reason)])
         Path(path).write_text(text, encoding="utf-8")
@@ -181,7 +181,7 @@ def _node(value: Any) -> Node:
 class _TextDumper(yaml.SafeDumper):
     """Dumper that writes texts without quotes where they are read as these texts by a file."""
 
-    yaml_implicit_resolvers: ClassVar = {}
+    yaml_implicit_resolvers: ClassVar[dict] = {}
 
     def ignore_aliases(self, data: Any) -> bool:
         return True

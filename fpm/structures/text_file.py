@@ -109,9 +109,9 @@ class _File:
         return {**self.__dict__, "_models": {}}
 
 
-def load_text(path: Path) -> SceneType:
-    """Return the structure (SceneType) in the YAML file at `path`. Raises StructureError, which
-    lists all that is wrong with the file."""
+def load(path: str | Path) -> SceneType:
+    """Return the structure in the YAML file at `path` as a SceneType object, whose `build` makes
+    its scenes. Raises StructureError, which lists all that is wrong with the file."""
     return loads(read_text(path), str(path))
 
 
@@ -158,7 +158,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
         prepare=file.prepare,
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh or None,
-        content=hashlib.sha256(content).hexdigest()[:16],
+        digest=hashlib.sha256(content).hexdigest()[:16],
         files=tuple(file.files),
     )
 

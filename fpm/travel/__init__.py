@@ -19,7 +19,8 @@ from fpm.travel.components import (
     find_reels,
     springs_of,
 )
+from fpm.travel.path import Path
 from fpm.travel.travel import Travel, sweep
 
-__all__ = ["STRAIN", "Travel", "classes_of_kinds", "component_classes", "find_reels",
+__all__ = ["STRAIN", "Path", "Travel", "classes_of_kinds", "component_classes", "find_reels",
            "springs_of", "sweep"]  # fmt: skip

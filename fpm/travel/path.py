@@ -54,6 +54,9 @@ straight."""
 DRIFT_TOLERANCE = 1e-9
 """Share of the largest rate of a condition, in a motion of the whole, below which it has none."""
 
+COUPLING_TOLERANCE = 0.1
+"""By how much the rate of a coupled opening may differ from that of the one that leads it."""
+
 FREEDOM_TOLERANCE = 1e-3
 """By how much the rates of openings may differ, as a share of the largest, with other masses: where
 they differ by more, it is not the opening alone that decides the motion."""
@@ -259,6 +262,15 @@ class Path:
             allowed = "an opening that decides the motion of all others, by joints, springs or"
             allowed += " loops; let others be `locked`"
             raise SceneError(self._key, "(not the only freedom)", allowed)
+
+    def find_apart(self, openings: Sequence[str]) -> list[str]:
+        """Return those of other joint coordinates, by name, that do not go as far as the one that
+        is moved, at the start of the scene: no joint, spring or loop couples them to it so."""
+        conditions = self._conditions_at(self.opening)
+        self.tangent = self._motion(self._equations(self.poses, conditions, self._ease)[0])
+        rates = self.rates([[h.name for h in self.scene.hinges].index(name) for name in openings])
+        pairs = zip(openings, rates, strict=True)
+        return [name for name, rate in pairs if abs(rate - 1.0) > COUPLING_TOLERANCE]
 
     def _free_rows(self, poses: ParticlePoses) -> np.ndarray:
         """Degrees of freedom that are not held. Where the whole may drift as it is, some of the

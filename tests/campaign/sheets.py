@@ -56,10 +56,11 @@ def margin(name="m", **more):
         {"part": "friction h", "class_": "FR", "moment": -0.1, "factor": 6.0, "weighted": -0.6},
     ]}  # fmt: skip
     return {"name": name, "standard": ECSS, "evidence": "theory", "openings": ["h"], "without": [],
-            "locked": [], "starts_vary": False, "first": 0.0, "last": 1.5, "unit": "rad",
-            "travel": [0.0, 1.5], "latches": [], "motors": [], "own": [], "weaker": [], "added": [],
-            "springs": ["torsion spring h"], "drives": ["torsion spring h"],
-            "at": {"k": 0.09, "f": 2.0}, "budget": budget} | more  # fmt: skip
+            "apart": [], "locked": [], "starts_vary": False, "first": 0.0, "last": 1.5,
+            "unit": "rad", "travel": [0.0, 1.5], "latches": [], "motors": [], "own": [],
+            "weaker": [], "added": [], "springs": ["torsion spring h"],
+            "drives": ["torsion spring h"], "at": {"k": 0.09, "f": 2.0},
+            "budget": budget} | more  # fmt: skip
 
 
 def facts_of(quantities=(), requirements=(), margins=None, **mechanism):

@@ -9,7 +9,6 @@ from deployable import campaign
 from deployable.campaign.answers.estimate import describe_work
 from deployable.campaign.folder import Folder
 from fpm.files.trajectory import read_curves
-from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES
 
 pytestmark = pytest.mark.slow  # time loops of their own
@@ -47,12 +46,10 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
     said = describe_work(asking, folder, list_stages)
-    assert said.endswith(
-        "; 0 of them are there, others lack stress of all as this version reads it"
-    )
+    assert said.endswith("; 0 of them are there, others lack stress of all")
     assert said.startswith("at most 6 runs, about ")
     _, told = run(raw, tmp_path, **STRESS)
-    assert "lack stress of all as this version reads it; they are simulated again" in told
+    assert "lack stress of all; they are simulated again" in told
     assert describe_work(asking, folder, list_stages).startswith("nothing to be done")
 
     _, told = run(raw, tmp_path, **SPIN)
@@ -99,18 +96,3 @@ def test_memory_counts_what_responses_ask(raw):
     raw["responses"] |= STRESS
     with pytest.raises(campaign.ConfigError, match="what its responses ask for; allowed: at most"):
         campaign.check_config(raw)
-
-
-def test_what_another_version_read_is_read_again_and_the_motion_stays(raw, tmp_path, monkeypatch):
-    run(raw, tmp_path, **STRESS)
-    folder = Folder(tmp_path / "test").runs("trajectories")
-    before = {path: path.read_bytes() for path in folder.glob("*.nc")}
-    monkeypatch.setattr(sources, "digest_reading", lambda: "another")
-    _, told = run(raw, tmp_path)  # which asks for nothing of it
-    assert "simulated again" not in told
-    assert {path: path.read_bytes() for path in before} == before
-    _, told = run(raw, tmp_path, **STRESS)
-    assert "5 runs lack stress of all as this version reads it; they are simulated again" in told
-    assert {read_curves(path).codes["stress"] for path in before} == {"another"}
-    _, told = run(raw, tmp_path, **STRESS)
-    assert "simulated again" not in told

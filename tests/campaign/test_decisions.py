@@ -12,11 +12,15 @@ import yaml
 from opening_panel import PANEL, exact_time, panel, run
 
 from deployable import campaign
+from deployable.campaign.answers import choice as choice_answer
 from deployable.campaign.answers.choice import recheck
+from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import Plan
+from deployable.campaign.plan.runs import Runs
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice, Limit
@@ -272,3 +276,38 @@ def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at()
               tried(0.3, 1.5, -1.0, np.inf), tried(0.6, 4.0, 1.0, -np.inf), best]  # fmt: skip
     found = recheck(best, others, choose)
     np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])
+
+
+@pytest.mark.parametrize("level", [0.5, 0.2])
+def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(level, monkeypatch):
+    """A number that jumps by 3 far from the best: (k - 0.17)^2 10 + 0.3 mass, least at k = 0.17
+    with 0.95 to 1.05 of the mass: 0.315 at most."""
+    mass = {"nominal": 1.0, "relative": 0.05}
+    choose = {"parameters": {"k": [0.05, 0.2]}, "minimise": "upper(wide)"}
+    raw = panel(quantities={"wide": QUANTITIES["wide"]}, choose=choose,
+                verify={"max_iterations": 2},
+                intervals={"k": {"nominal": 0.15, "relative": 0.01}, "mass": mass},
+                requirements={"low": {"wide": {"at_most": level}}})  # fmt: skip
+    wanted, found = campaign.check_config(raw), {}
+    time = choice_answer.choose_step(wanted.experiment)
+    plan = Plan(wanted.experiment, "", time, Runs.from_runs([]))
+
+    def evaluate(model, plan, points):
+        box = model.experiment.box
+        values = box.from_unit(np.array(points))[:, [box.names.index(n) for n in ("k", "mass")]]
+        k, weight = values.T
+        number = 10 * (k - 0.17) ** 2 + 0.3 * weight + np.where(k < 0.083, 3 + 20 * k, 0.0)
+        return number[:, None], np.full((len(k), 1), np.nan)
+
+    monkeypatch.setattr(ModelEvaluator, "evaluate", evaluate)
+    monkeypatch.setattr(choice_answer, "read_plan", lambda path: plan)
+    monkeypatch.setattr(choice_answer, "write_result", lambda path, text: found.update(text=text))
+    choice_answer.answer(Folder("none"), wanted.choose, wanted.requirements, wanted.verify,
+                         wanted.jobs, lambda text: None, 1)  # fmt: skip
+    choice = json.loads(found["text"])
+    (best,), (goal,) = choice["parameters"], choice["goals"]
+    assert choice["kept"] == choice["safe"] == (level > 0.315)
+    worst = 10 * (abs(best["value"] - 0.17) + 0.01 * best["value"]) ** 2 + 0.315
+    assert goal["value"] == pytest.approx(worst, abs=1e-3) and worst < 0.317
+    assert goal["error"] < 0.01 and abs(best["value"] - 0.17) < 0.01
+    assert choice["runs"] < 120

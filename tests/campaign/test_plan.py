@@ -7,13 +7,11 @@ import pytest
 
 import fpm
 import fpm.reading
+from deployable.campaign.config import sections
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import count_runs, scene_type
 from deployable.campaign.plan.plan import make_plan, read_plan, split_evenly, write_plan
 from deployable.campaign.runs.results import groups_of
-from deployable.campaign.runs.store import open_store
-from fpm.kernels import sources
-from fpm.scenes.scene_type import SceneType
 
 
 def plan_of(raw):
@@ -82,24 +80,8 @@ def test_what_changes_a_trajectory_changes_its_name(raw, plan, change):
 
 
 def test_another_version_of_the_mechanics_gives_other_names(config, plan, monkeypatch):
-    monkeypatch.setattr(SceneType, "digest", "another")
+    monkeypatch.setattr(sections, "program_digest", lambda: "another")
     assert not names(plan) & names(make_plan(config.experiment))
-
-
-def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
-    config, plan, tmp_path, monkeypatch
-):
-    group = plan.runs
-
-    def path(keep):
-        store = open_store(keep, tmp_path, config.experiment)
-        return store.path(group if keep == "responses" else group[0])
-
-    before = {keep: path(keep) for keep in ("responses", "trajectories")}
-    assert path("responses") == before["responses"]
-    monkeypatch.setattr(sources, "digest_reading", lambda: "another")
-    assert path("responses") != before["responses"]
-    assert path("trajectories") == before["trajectories"]
 
 
 def test_what_changes_no_trajectory_keeps_its_name(raw, plan):

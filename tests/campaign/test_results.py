@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.polynomial import chebyshev
 
 from deployable import campaign
+from deployable.campaign.config import sections
 from deployable.campaign.config.models import ErrorDisplay, FigureChoice
 from deployable.campaign.config.sections import BoundsChoice
 from deployable.campaign.errors import CampaignError
@@ -31,7 +32,6 @@ from deployable.campaign.stages import page
 from deployable.campaign.text.numbers import pretty
 from evidence.attack.victim import silent
 from fpm.files.seals import unseal
-from fpm.scenes.scene_type import SceneType
 
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"
@@ -162,7 +162,7 @@ def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, monkeypatch)
 
 def test_runs_of_a_structure_that_has_changed_since_do_not_move(finished, tmp_path, monkeypatch):
     folder = beside(finished, tmp_path / "test")
-    monkeypatch.setattr(SceneType, "digest", "another")
+    monkeypatch.setattr(sections, "program_digest", lambda: "another")
     with pytest.raises(CampaignError, match="have changed since"):
         make_motions(folder.path)
     assert not folder.motions.exists()

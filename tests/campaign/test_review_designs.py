@@ -18,6 +18,7 @@ from deployable.campaign.results import mechanism
 from fpm import structures
 from fpm.reading import margins
 from fpm.reading.responses import parse
+from fpm.travel import Path as Travelled
 
 DESIGNS = Path(__file__).parent / "designs"
 ECSS, NASA = "ecss-e-st-33-01c", "nasa-std-5017b"
@@ -271,6 +272,58 @@ def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     assert mechanism.weaker_classes(scene, response) == []
     scene.classes = {(kinds["TableSpring"], 0): "TL"}
     assert mechanism.weaker_classes(scene, response) == ["wires as TL for HA"]
+
+
+WINGS = """
+name: wings
+parameters: {}
+points: {a: [0, 0, 0], b: [1, 0, 0], c: [0, 3 m, 0], d: [1, 3 m, 0], g: [-0.5, 0, 0]}
+bodies:
+  one: {mass: 1 kg, centre: b, box: [1, 1, 0.01], points: [a, b]}
+  other: {mass: 1 kg, centre: d, box: [1, 1, 0.01], points: [c]}
+joints:
+  left: {type: revolute, parts: [ground, one], at: a, axis: z}
+  right: {type: revolute, parts: [ground, other], at: c, axis: z}
+actions:
+  spring: {type: torsion spring, joint: left, stiffness: 0.0784 N m/rad, rest: 180 deg}
+  rub: {type: friction, joint: left, moment: 0.002}
+  weak: {type: torsion spring, joint: right, stiffness: 0.004 N m/rad, rest: 180 deg}
+"""
+BELT = "  belt: {type: loop, joints: [left, right], radii: [R, R], stiffness: 1e4 N/m}\n"
+WIRES = """struts:
+  wires: {type: tabulated spring, between: [{part: ground, at: g}, b], lengths: [0.5, 2], forces: [
+    0.05, 0.05]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "apart"),
+    [
+        ("", ["right"]),
+        (BELT.replace("R", "0.1"), []),
+        (BELT.replace("R, R", "0.1, 0.2"), ["right"]),
+    ],
+)
+def test_openings_are_apart_that_no_loop_moves_as_far(more, apart):
+    """Alone, by a belt of 1 to 1, and by one that turns the other half as far."""
+    scene = structures.loads(WINGS + more).build()
+    assert Travelled(scene, ["left"], ()).find_apart(["right"]) == apart
+    definition = {"margin": "left", "with": ["right"], "to": 1, "standard": ECSS}
+    assert "margin of left and right" in parse("m", definition, scene).long_name
+
+
+@pytest.mark.parametrize(
+    ("stated", "class_"), [("", "HA"), ("class: S, ", "S"), ("class: HY, ", "HY")]
+)
+def test_the_table_of_a_strut_is_a_harness_unless_its_class_is_stated(stated, class_):
+    scene = structures.loads(WINGS + WIRES.replace("type", f"{stated}type")).build()
+    definition = {"margin": "left", "to": "90 deg", "standard": ECSS, "locked": ["right"]}
+    response = parse("m", definition, scene)
+    least, _ = margins.least(response, margins.sweep_travel(scene, [response]))
+    # 0.05 N along the wires, whose length is sqrt(1.25 + cos θ) m, at 90 deg
+    resists = 6 * 0.002 + {"S": 2.4}.get(class_, 6.0) * 0.05 / (2 * np.sqrt(1.25))
+    assert least == pytest.approx(0.8 * 0.0784 * np.pi / 2 / resists - 1, rel=1e-5)
+    assert mechanism.weaker_classes(scene, response) == []
 
 
 def test_springs_that_drive_are_those_that_drive_somewhere():

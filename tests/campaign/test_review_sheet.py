@@ -113,6 +113,9 @@ ROWS = {
     "two others stand": (
         least(locked=["f", "g"]), "4.7.5.3", EVERY,
         "partly analysed: met from 0 to 1.5 rad; f, g, which stand, are not moved"),
+    "another moved that nothing couples": (
+        least(openings=["h", "g"], apart=["g"]), "4.7.5.3", EVERY, "partly analysed: met from 0 to "
+        "1.5 rad; nothing couples h and g, so that each needs a margin of its own"),
     "all of a travel below 0": (
         least(first=-1.5, last=0.0, travel=[-1.5, 0.0]), "4.7.5.3", EVERY,
         "met in all of the box, by analysis"),
@@ -415,6 +418,19 @@ def test_an_opening_that_stands_is_led_by_another_margin_of_the_standard(other, 
     assert row["state"] == state, row
 
 
+@pytest.mark.parametrize(
+    ("others", "state"),
+    [(["h", "g"], MET), (["g"], PARTIAL), ([], PARTIAL)],
+)
+def test_openings_that_nothing_couples_have_margins_of_their_own(others, state):
+    stated, limits, numbers, margins = least(openings=["h", "g"], apart=["g"])
+    for name in others:
+        stated, numbers = [*stated, quantity(name, 0.2, 0.4)], [*numbers, of_margin(name)]
+        margins[name] = margin(name, openings=[name])
+    row = find(sheet(stated, limits, numbers, margins), "4.7.5.3", EVERY)[0]
+    assert row["state"] == state, row
+
+
 def test_margins_by_other_standards_stand_below():
     stated, limits, numbers, _ = least(limits=[ZERO])
     margins = {"m_least": margin(standard=NASA, evidence="analysis")}
@@ -439,9 +455,13 @@ def test_the_budget_tells_the_tolerance_that_counts():
 def test_how_it_ends_and_over_which_box_stands_first():
     stated, limits, numbers, margins = least(-0.2, 0.3, [limit("m_least", met="some", share=0.6)])
     ends, box, how = sheets.head(sheets.facts_of(stated, limits, margins), numbers)
-    assert ends.startswith("Of 18 rows: 2 not met (4.7.5.3 m_least, 4.8.2.6); 0 undecided; ")
+    outcome = "12 of 18 clauses not analysed."
+    begin = "Of 18 rows: 2 not met (4.7.5.3 m_least, 4.8.2.6); 0 undecided; "
+    assert ends.startswith(f"Not met; {outcome} {begin}")
+    met, *_ = sheets.head(sheets.facts_of(margins={}))
+    assert met.startswith("Met; 16 of 18 clauses not analysed. Of")
     assert "1 met (4.8.2.6)" in ends and "12 not analysed (4.7.5.2, 4.7.5.3" in ends
-    assert sum(map(int, re.findall(r"[:;] (\d+)", ends))) == 18
+    assert sum(map(int, re.findall(r"[:;] (\d+)", ends[ends.index("Of") :]))) == 18
     assert "stiffness (k) from 0.36 to 0.44 N m/rad" in box and "probability" in how
     assert "ECSS-E-ST-33-01C (6 March 2009" in how
 
@@ -689,6 +709,7 @@ def test_bounds_of_a_margin_over_five_parameters(tmp_path):
     assert f"| {met}" in sheet and "not analysed" in sheet
     text = (folder / "summary.md").read_text()
     assert "What was shown of ECSS-E-ST-33-01C" in text and " rad |" in text
+    assert re.search(r"\*\*.*The review sheet: .*; \d+ of \d+ clauses not analysed\.\*\*", text)
     page = (folder / "report.html").read_text()
     assert "What was shown of ECSS-E-ST-33-01C" in page
     assert (folder / "review.csv").read_text().count("\n") >= len(CLAUSES[ECSS])

@@ -12,35 +12,11 @@ from pathlib import Path
 import pytest
 
 from deployable import campaign
-from deployable.campaign import provenance
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.stages import OPTIONS, STAGES, stages_of
 from deployable.campaign.stages.workflow import Workflow
-from fpm.kernels.sources import PackageFiles
 
 ROOT = Path(__file__).parents[2]
-
-
-def test_any_change_of_the_program_counts_and_a_remark_does_not(tmp_path):
-    nothing = shutil.ignore_patterns("__pycache__", "program_data")
-    copied = shutil.copytree(ROOT / "deployable", tmp_path / "deployable_copied", ignore=nothing)
-    for file in ("campaign/report/page.html", "intervals/box.py", "campaign/runs/progress.py"):
-        before, path = PackageFiles(copied).digest(), copied / file
-        with path.open("a") as end:
-            end.write("" if path.suffix == ".html" else "\n# A remark.\n")
-        assert PackageFiles(copied).digest() == before
-        with path.open("a") as end:
-            end.write("\nMORE = 1\n")
-        assert PackageFiles(copied).digest() != before
-
-
-def test_results_are_of_all_of_the_program(monkeypatch):
-    before = provenance.program_digest()
-    for name in ("PROGRAM", "sources.MECHANICS"):
-        with monkeypatch.context() as patch:
-            holder, _, last = f"deployable.campaign.provenance.{name}".rpartition(".")
-            patch.setattr(f"{holder}.{last}.digest", lambda *only, **but: "another")
-            assert provenance.program_digest() != before
 
 
 @pytest.mark.parametrize("asked", ["nothing more", "all", "an accuracy"])

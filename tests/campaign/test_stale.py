@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import copy
-import os
 from pathlib import Path
 
 import pytest
 
 from deployable import campaign
-from deployable.campaign import provenance, stages
+from deployable.campaign import stages
+from deployable.campaign.config import sections
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
 from deployable.campaign.stages.workflow import Workflow
-from evidence.attack.edits import CAMPAIGNS, Edits
 from evidence.attack.victim import RAW, results_in
-from fpm.kernels.sources import DISPLAY
-from fpm.scenes.scene_type import SceneType
 
 ASKED = {
     "intervals": {"a": {"relative": 0.01}, "E": {"nominal": 1e10, "relative": 0.05}},
@@ -112,78 +109,6 @@ def test_an_edited_config_finds_what_was_made_from_it(whole, section, changed, f
 
 
 @pytest.mark.slow
-def test_an_edited_structure_finds_the_plan(whole, monkeypatch):
-    monkeypatch.setattr(SceneType, "digest", "another")
+def test_edited_mechanics_find_the_plan(whole, monkeypatch):
+    monkeypatch.setattr(sections, "program_digest", lambda: "another")
     assert "plan.json" in stale(whole, asked())
-
-
-# -- the experiment: edit, run again, compare with a run from scratch ------------------------------
-
-
-@pytest.fixture(scope="module")
-def edits(tmp_path_factory):
-    made = Edits(tmp_path_factory.mktemp("edits") / "copy", seed=int(os.environ.get("SEED", 38)))
-    yield made
-    made.close()
-
-
-@pytest.mark.slow
-def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
-    """Twenty drawn at random, of functions that are called and of constants; EDITS says of more."""
-    found = [edits.try_edit(*edits.draw()) for _ in range(int(os.environ.get("EDITS", 20)))]
-    told = [{key: each[key] for key in ("file", "line", "change", "changed")} for each in found]
-    print(*told, sep="\n")
-    assert not [each for each in found if each["stale"]]
-    assert any(each["changed"] for each in found)  # else nothing is shown
-
-
-@pytest.mark.slow
-def test_an_edit_of_what_is_compiled_leaves_no_number_as_it_was(edits):
-    """One drawn of kernels and kinds of elements, compiled anew; COMPILED says of more."""
-    count = int(os.environ.get("COMPILED", 1))
-    found = [edits.try_edit(*edits.draw(is_kernel=True)) for _ in range(count)]
-    print(*found, sep="\n")
-    assert not [each for each in found if each["stale"]]
-
-
-HELPER = "structure/helper.py"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("room", "imports", "runs", "more"),
-    [
-        (HELPER, (), 1, {}),
-        (HELPER, (), 1, {"holds": True}),
-        ("deployable/intervals", ("deployable.intervals",), 0, {}),
-        ("fpm/elements/bars", ("fpm", "fpm.kernels.run", "fpm.elements.bars.beam_kernels"), 0, {}),
-        ("fpm/reading", (), 1, {}),
-    ],
-    ids=["helper", "held config", "intervals alone", "kernels before a run", "after a run"],
-)
-def test_a_session_in_which_files_are_edited_gives_new_numbers_or_none(
-    edits, room, imports, runs, more
-):
-    if room == HELPER:
-        texts = {room: (edits.place / room).read_text().replace("1.01", "1.02")}
-    else:  # any place of a module that is imported by then
-        names = {f"{name.replace('.', '/')}.py" for name in imports}
-        places = [each for each in edits.places[room] if not names or each[0] in names]
-        name, number = edits.rng.choice(places or edits.places[room])
-        texts = {name: edits.text(name, number)[0]}
-    found = edits.session(texts, imports, runs, **more)
-    assert not found["stale"], (texts.keys(), found)
-    if room == HELPER and not more:
-        assert found["says"] == "new"
-    else:
-        assert " changed since it was imported: start again" in found["says"]
-
-
-@pytest.mark.slow
-def test_edits_of_words_prices_and_progress_make_no_run_again(edits):
-    files = {f"fpm/{name}" for name in DISPLAY if name.endswith(".py")}
-    files |= {f"deployable/{name}" for name in provenance.LOG_CODE}
-    files |= {"fpm/motions/motion.py", "deployable/campaign/results/review.py"}
-    texts = {name: (edits.place / name).read_text() + "\nMORE = 1\n" for name in files}
-    found = edits.compare_texts(texts)
-    assert found == {"simulated": dict.fromkeys(CAMPAIGNS, 0), "changed": False, "stale": []}

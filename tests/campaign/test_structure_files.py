@@ -11,7 +11,6 @@ import pytest
 import yaml
 
 from deployable import campaign
-from deployable.campaign.cli import main
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.sections import Campaign, as_json, from_data, plain_data
 from deployable.campaign.errors import CampaignError, ConfigError
@@ -133,41 +132,12 @@ def test_sections_carry_the_file_to_other_processes(path):
     assert again.experiment.scene_type.hinges == ("hinge",)
 
 
-def test_a_structure_in_python_is_a_scene_too(path, capsys):
-    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    page = (ROOT / "docs" / "structures.md").read_text(encoding="utf-8")
-    text = page.split("```python\n")[-1].split("```")[0]
-    (path.parent / "bar.py").write_text(text, encoding="utf-8")
-    raw["scene"] = {"file": "bar.py"}
-    raw["intervals"] = {"L": {"relative": 0.1}}
-    raw["responses"] = {"z": {"position": "tip", "component": "z"}}
-    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
-    assert load_config([path]).experiment.build({"L": 2.0}).points["tip"].particle > 0
-    assert main(["check", str(path)]) == 0
-    assert "bar.py is a program, which was run" in capsys.readouterr().out
-
-
-def in_python(path, before_the_end: str, **more) -> dict:
-    """A config of the page's structure in Python, with some lines more before its end."""
-    page = (ROOT / "docs" / "structures.md").read_text(encoding="utf-8")
-    text = page.split("```python\n")[-1].split("```")[0]
-    text = text.replace("    return scene", f"    {before_the_end}\n    return scene")
-    (path.parent / "bar.py").write_text(text, encoding="utf-8")
-    response = {"position": "tip", "component": "z"}
-    scene = {"file": str(path.parent / "bar.py")}
-    intervals = {"L": {"nominal": 1.0, "relative": 0.1}}
-    return {**RAW, "scene": scene, "intervals": intervals, "responses": {"z": response}, **more}
-
-
 def test_an_end_of_an_interval_with_other_parts_is_refused(path):
-    raw = in_python(path, "if L > 1: scene.add_torsion_spring(0, 1.0)")
+    """Straight at the nominal values, the bar has a knee at both ends."""
+    raw = {**RAW, "scene": {"file": str(path.parent / "structures" / "panel.yaml")}}
+    edit(path, "points:\n", "points:\n  middle: [L/2, (k/(0.1 N m/rad) - 1)*L/9, 0]\n")
+    edit(path, "through: [root, tip]", "through: [root, middle, tip]")
     assert "the structure has other parts than at the nominal" in problems(raw)
-
-
-def test_values_at_which_a_program_cannot_build_are_refused(path):
-    intervals = {"L": {"nominal": 1.5, "relative": 0.1}}
-    told = problems(in_python(path, "1 / (L - 1.5)", intervals=intervals))
-    assert "values at which it can be built, not ZeroDivisionError" in told
 
 
 def test_what_is_wrong_with_a_file_is_told(path):

@@ -22,6 +22,7 @@ from deployable.campaign.results.facts import (
     decisive,
     happens_only,
     mark_constant,
+    why_idle,
 )
 from deployable.campaign.results.quantity_results import add_total_error
 from deployable.campaign.results.templates import sentence
@@ -307,8 +308,8 @@ def test_forces_that_rigid_joints_share_are_not_determined(tmp_path):
 
 def facts_of_two(**changed):
     """Facts of one response and one quantity over k1 and k2; k1 alone widens both."""
-    wide = {"share": 1.0, "alone": 0.1, "fixed": 0.0, "halved": 0.05}
-    idle = {"share": 0.0, "alone": 0.0, "fixed": 0.1, "halved": 0.1}
+    wide = {"share": 1.0, "alone": 0.1, "fixed": 0.0, "halved": 0.05, "width_error": 0.0}
+    idle = {"share": 0.0, "alone": 0.0, "fixed": 0.1, "halved": 0.1, "width_error": 0.0}
     response = {"name": "a", "long_name": "opening", "units": "rad", "lower": 1.0, "upper": 1.1}
     response |= {"size": 1.2, "largest_difference": 0.1, "error_at_largest_difference": 0.0}
     response |= {"grade": "small", "shares": {"k1": 1.0, "k2": 0.0}}
@@ -326,19 +327,33 @@ def facts_of_two(**changed):
 
 def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
     facts = facts_of_two()
-    assert " The k1 (± 10 %): half as wide" in sentence("tolerance", facts)
+    text = sentence("tolerance", facts)
+    assert "The k1 (± 10 %). The interval of the largest opening (q) is 0.1 rad wide" in text
+    assert "and 0 rad if it is known exactly, 0.05 rad if half as wide." in text
     assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
 
 
-def test_two_tolerances_that_help_as_much_are_two_sentences():
-    half = {"share": 1.0, "share_uncertainty": 0.0}
+def test_a_width_within_its_error_is_not_told():
+    facts = facts_of_two()
+    facts["quantities"][0]["influence"]["k1"]["width_error"] = 0.07  # of 0.1 and 0.05 less
+    assert sentence("tolerance", facts).endswith("and 0.00 ± 0.07 rad if it is known exactly.")
+
+
+def test_tolerances_that_cannot_be_told_apart_get_one_sentence():
+    half = {"share": 1.0, "share_uncertainty": 0.0, "gain": 0.1, "gain_uncertainty": 0.01}
     together = {"met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 9}
     together |= {"max_interval_scale": 0.5, "fails": None}
     facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
     text = sentence("tolerance", facts)
-    assert text.count("half as wide") == 2 and ". The k2" in text
+    assert text.startswith("Any of these tolerances: k1 (± 10 %) or k2 (± 10 %). Halving one of")
+    assert text.endswith("requirements from 90 ± 1 % to 100 %, by the fit.")
     text = sentence("tolerance", facts | {"choice": {"kept": True, "limits": [{}]}})
-    assert text.count("may stay as they are.") == 2 and "are. The k2" in text
+    assert text.count("may stay as they are.") == 1
+    facts["together"]["halved"]["k2"] = half | {"gain": 0.07}
+    assert sentence("tolerance", facts).startswith("The k1 (± 10 %). Halving it raises")
+    for error in ({"gain_uncertainty": 0.11}, {"share_uncertainty": 0.11}):
+        facts["together"]["halved"] = {"k1": half | error, "k2": half | error}
+        assert sentence("tolerance", facts).startswith("No single tolerance: ")
 
 
 @pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])
@@ -419,3 +434,26 @@ def test_no_number_is_minus_zero():
     assert number(-0.0) == "0" and quantity(-0.0, "rad") == "0 rad"
     assert with_error(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
     assert interval({"lower": -1e-9, "upper": 0.5, "error": 0.1, "units": "m"}) == "0.00 to 0.50 m"
+
+
+@pytest.mark.parametrize(("kind", "level", "lower", "upper", "least", "words"), [
+    ("at_most", 0.001, -0.243, -0.225, None, "is negative in all runs"),
+    ("at_least", -0.12, 0.1, 0.2, None, "is positive in all runs"),
+    ("at_least", 0.0, 0.1, 0.2, 0.0, "is never below 0"),
+    ("at_most", 0.12, 0.1, 0.2, 0.0, None),
+    ("at_most", 0.0, -0.2, -0.1, None, None),  # as of a place below the ground
+    ("at_most", 0.1, -0.2, 0.01, None, None),
+    ("at_least", 0.0, None, None, None, None),
+    ("happens", 1.0, -0.2, -0.1, 0.0, None),
+])  # fmt: skip
+def test_a_limit_that_cannot_fail_is_no_yes(kind, level, lower, upper, least, words):
+    limit = {"quantity": "hit", "kind": kind, "level": level, "units": "N m s", "margin": 0.2}
+    assert why_idle(limit, {"lower": lower, "upper": upper}, least) == words
+    limit |= {"error": 0.0} | ({"idle": words} if words else {})
+    row = {"name": "soft", "met": "all", "share": 1.0, "share_uncertainty": 0.0, "runs": 9}
+    facts = {"together": row, "requirements": [row | {"limits": [limit]}], "quantities": []}
+    text = sentence("headline", facts)
+    assert text.startswith("Yes") == (words is None) and (words or "Yes") in text
+    assert ("For a limit on its size, state" in text) == bool(words and words.endswith("runs"))
+    if level == 0.001:
+        assert text.endswith("state at_least −0.001 N m s.")

@@ -45,15 +45,10 @@ NOT_RUN = {
     "sphinx-build": ".ci/run and tests/docs/test_site.py build the site",
     "compliance-checker": "tests/campaign/test_conventions.py asks it, where it is installed",
     "apt-get": "needs root; tests/slurm run where that was done",
-    # Peers of the studies are not installed here; tests/evidence run with them where they are.
-    "python3.11 -m venv": "of a peer",
-    "python -m venv peers": "of a peer",
-    "exudyn/bin/pip": "a peer",
-    "elastica/bin/pip": "a peer",
-    "peers/": "a peer",
-    "EXUDYN_PYTHON=": "with peers",
-    "PEER_CHAOSPY=": "with a peer",
-    "python docs/extensions/structure_keys.py": "by tests/structures/test_structures_page.py",
+    # Exudyn is not installed here; tests/evidence run with it where it is.
+    "python3.11 -m venv": "of Exudyn",
+    "exudyn/bin/pip": "Exudyn",
+    "EXUDYN_PYTHON=": "with Exudyn",
     "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
     "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
     "python -m deployable attack": "an hour; tests/attack does a minute of it",
@@ -84,16 +79,15 @@ QUICK_PARTS = {
 # ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
 STUDIES_NOT_RUN = {
     "verification": "1 minute, and 2 to compile; coarser: tests/evidence/test_problems.py",
-    "extremes": "2.5 minutes; many groups: tests/evidence/test_extremes.py",
-    "accuracy": "1.2 minutes; five choices: tests/evidence/test_accuracy.py",
+    "extremes": "2 minutes; some cases: tests/evidence/test_extremes.py",
+    "accuracy": "1 minute; five choices: tests/evidence/test_accuracy.py",
     "tradeoff": "7 minutes, `asked-latch` 20 s; small cases: tests/evidence/test_tradeoff.py, "
     "tests/evidence/test_tolerance_rows.py",
     "measured": "20 minutes; two tests: tests/campaign/test_measured.py",
-    "search": "half a minute; three boxes: tests/evidence/test_search_study.py",
+    "search": "20 minutes; one mechanism: tests/evidence/test_search_study.py",
     "scaling": "1 minute; what it tells: tests/evidence/test_scaling.py",
     "calibration": "3 minutes; a coarse mesh: tests/evidence/test_calibration.py",
-    "benchmark": "`large_scan` 32 minutes, `campaign` one, all else 5; small: "
-    "tests/evidence/test_benchmark.py",
+    "benchmark": "5 minutes; small: tests/evidence/test_benchmark.py",
 }
 
 
@@ -257,9 +251,8 @@ def test_nothing_is_excused_that_no_page_asks_for():
 
 @pytest.mark.parametrize(
     "command",
-    ["benchmark --only scan large_scan", "benchmark --strict --only large_scan", "benchmark",
-     "benchmark --only campaign", "benchmark --only structures cost", "verification --strict",
-     "tradeoff --only asked-latch"],
+    ["benchmark", "benchmark --strict --only campaign", "benchmark --only structures cost",
+     "verification --strict", "tradeoff --only asked-latch"],
 )  # fmt: skip
 def test_what_takes_long_is_known_by_what_a_command_runs(command):
     assert not _is_quick(shlex.split(command))

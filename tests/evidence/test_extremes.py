@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from evidence.extremes import joints, parameters, runs
+from evidence.extremes import parameters, runs
 from evidence.extremes.judge import LINE_ACCURACY, WHIP, compare, judge
-from evidence.extremes.study import GROUPS
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
 
@@ -52,19 +51,6 @@ def test_values_that_make_no_structure_are_refused():
     assert [row.name for row in rows if not row.passed] == []
 
 
-@pytest.mark.slow
-def test_damping_passes():
-    assert [row.name for row in GROUPS["damping"]() if not row.passed] == []
-
-
-@pytest.mark.slow
-def test_wide_intervals_and_those_of_no_width_pass(monkeypatch):
-    """One of the wide ones."""
-    monkeypatch.setattr(runs, "WIDE", {"K_F": runs.WIDE["K_F"]})
-    rows = GROUPS["intervals"]()
-    assert [row.passed for row in rows] == [True, True]
-
-
 def test_the_damped_oscillator_solves_its_equation():
     """Closed form against the equation of motion, below, at and beyond critical damping."""
     times = np.linspace(0.0, 5.0, 2001)
@@ -80,30 +66,3 @@ def test_the_damped_oscillator_solves_its_equation():
 def test_the_linkage_closes_when_dimensional_analysis_says():
     found = first_closing(simulate(1.2 * closing_time(), elements=2))
     assert found == pytest.approx(closing_time(), rel=0.02)
-
-
-@pytest.mark.slow
-def test_latches_pass():
-    assert [row.name for row in GROUPS["latches"]() if not row.passed] == []
-
-
-@pytest.mark.slow
-def test_cables_pass():
-    assert [row.name for row in GROUPS["cables"]() if not row.passed] == []
-
-
-@pytest.mark.slow
-def test_loops_motors_and_releases_pass():
-    assert [row.name for row in GROUPS["motors"]() if not row.passed] == []
-
-
-@pytest.mark.slow
-def test_joints_that_are_solved_together_pass():
-    assert [row.name for row in GROUPS["joints"]() if not row.passed] == []
-
-
-def test_the_slowest_swing_of_many_rods_is_that_of_a_hanging_chain():
-    """2.4048/2 √(g/l): the first zero of the Bessel function (Daniel Bernoulli, 1733)."""
-    rate, shape = joints.slowest([joints.Rod(0.005, 1.0)] * 200)
-    assert rate == pytest.approx(2.404826 / 2 * np.sqrt(joints.G), rel=0.01)
-    assert shape[-1] == 1.0

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from evidence.scaling import joints, masts
-from evidence.scaling.study import CostMeasurement, growth, joint_rows, mast_rows, report
+from evidence.scaling import masts
+from evidence.scaling.study import growth, mast_rows, report
 
 LINEAR = [
     masts.Size(n, 8 * max(n, 6), n, 1e-5, 8000, 1e-6 * max(n, 6), 0.1, 1e-8, 1e-16, 0.0)
@@ -31,19 +31,6 @@ def test_masts_that_are_worse_than_they_may_be_fail(what, value):
     assert failed(mast_rows(worse)) == [f"largest {what} of a mast"]
 
 
-def test_what_is_told_has_every_size_and_case():
-    found = report({"sizes": CostMeasurement(LINEAR, {"alone": 1e-7, "chain": 5e-7})})
-    assert failed(found.rows) == ["chain, over hinges alone"]
-    assert "the linkage" in found.text and "| 100 |" in found.text
-    assert list(found.figures) == ["cost"]
-
-
-def test_pairs_are_solved_alone_or_together_as_asked():
-    from fpm.elements.joints.hinge import Hinge
-    from fpm.elements.joints.joint import Joint
-
-    alone, coupled, chain = joints.pairs(False), joints.pairs(True), joints.chain(5)
-    assert [len(kind.find(alone)) for kind in (Hinge, Joint)] == [joints.PAIRS, 0]
-    assert [len(kind.find(coupled)) for kind in (Hinge, Joint)] == [0, joints.PAIRS]
-    assert [len(kind.find(chain)) for kind in (Hinge, Joint)] == [0, 4]
-    assert joint_rows({"alone": 1.0, "other": 2.0})[1].passed
+def test_what_is_told_has_every_size():
+    text = report({"sizes": LINEAR}).text
+    assert "the linkage" in text and "| 100 |" in text

@@ -1,7 +1,6 @@
 """Two bars in a chain, whose knee is held exactly, and their motion in generalised coordinates."""
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 import fpm
 from fpm.elements import RigidLatch, RigidRelease
@@ -41,52 +40,3 @@ def bars(
         scene.add(RigidRelease(0, **hold))
     scene.add(RigidLatch(1, latch, **more))
     return scene
-
-
-def mass_matrix(angles) -> np.ndarray:
-    """Of the two angles (2, 2)."""
-    couple = M[1] * L * L / 2 * np.cos(angles[1] - angles[0])
-    own = J + M * L**2 / 4 + [M[1] * L**2, 0.0]
-    return np.array([[own[0], couple], [couple, own[1]]])
-
-
-def kinetic(angles, rates) -> float:
-    """Kinetic energy, J."""
-    return float(rates @ mass_matrix(angles) @ rates) / 2
-
-
-def caught(angles, rates) -> tuple[np.ndarray, float]:
-    """Rates after the knee is caught, and the impulse at it (N m s): M dq' = B p, B·q' = 0."""
-    way = np.array([-1.0, 1.0])
-    response = np.linalg.solve(mass_matrix(angles), way)
-    impulse = -(way @ rates) / (way @ response)
-    return rates + impulse * response, float(impulse)
-
-
-def free(time, state, gravity):
-    """d(angles, rates)/dt of the chain."""
-    angles, rates = state[:2], state[2:]
-    swing = M[1] * L * L / 2 * np.sin(angles[1] - angles[0])
-    force = [swing * rates[1] ** 2, -swing * rates[0] ** 2]
-    force -= gravity * L * np.cos(angles) * [M[0] / 2 + M[1], M[1] / 2]
-    return np.concatenate([rates, np.linalg.solve(mass_matrix(angles), force)])
-
-
-def held(time, state, gravity):
-    """The same where the knee is held: one body about the root."""
-    rate = state[2]
-    stiff = mass_matrix(state[:2]).sum()
-    force = -gravity * L * np.cos(state[:2]) @ [M[0] / 2 + M[1], M[1] / 2]
-    return np.array([rate, rate, force / stiff, force / stiff])
-
-
-def motion(rule, start, span, gravity, until=None):
-    """The exact motion over a span of time (s), as solve_ivp has it; until: opening of the knee at
-    which it ends."""
-    event = None
-    if until is not None:
-        event = lambda time, state, gravity: state[1] - state[0] - until  # noqa: E731
-        event.terminal = True
-    return solve_ivp(
-        rule, span, start, args=(gravity,), events=event, rtol=1e-11, atol=1e-12, dense_output=True
-    )

@@ -48,33 +48,6 @@ DEFINITIONS = {
 }
 
 
-def test_a_cantilever_comes_to_rest_with_the_forces_of_statics():
-    """1e-3 of the largest of a kind; moments by the axial force (6 % of the others) are counted
-    with the deflection found."""
-    lowest = 1.875**2 * np.sqrt(MATERIAL.E * SECTION.Iy / (MASS / LENGTH)) / LENGTH**2
-    _, found, outcome = curves(
-        cantilever(2 * lowest), DEFINITIONS, duration=12 / lowest * 1.5, instants=31
-    )
-    last = {name: values[-1] for name, values in found.items()}
-    end = outcome.points["p4"][0][-1]
-    reaction = np.array([last[f"R p0 {axis}"] for axis in "xyz"])
-    turning = np.array([last[f"T p0 {axis}"] for axis in "xyz"])
-    np.testing.assert_allclose(reaction, -FORCE, atol=1e-3 * 20)
-    clamp = np.array([TORQUE, 0, 0]) + np.cross(end, FORCE)
-    np.testing.assert_allclose(turning, -clamp, atol=1e-3 * 0.2)
-    # In the clamp the section's own axes are the global ones.
-    moments = np.array([last[f"{name} 0.0"] for name in ("torsion", "bending_y", "bending_z")])
-    np.testing.assert_allclose(moments, clamp, atol=1e-3 * 0.2)
-    forces = np.array([last[f"{name} 0.0"] for name in ("axial", "shear_y", "shear_z")])
-    np.testing.assert_allclose(forces, FORCE, atol=1e-3 * 20)
-    # The middle of the long side, with T/(0.246 b h²) (Timoshenko and Goodier, § 109), has more
-    # than the corner here.
-    side = FORCE[0] / SECTION.A + abs(clamp[1]) * 0.01 / SECTION.Iy
-    expected = np.sqrt(side**2 + 3 * (TORQUE / (0.2459 * 0.04 * 0.02**2)) ** 2)
-    assert last["stress"] == pytest.approx(expected, rel=2e-3)
-    assert np.array_equal(found["stress"], found["all"])
-
-
 @pytest.mark.parametrize("damping", [0.0, 5.0])
 def test_reaction_and_load_change_the_momentum_of_a_bar_at_every_instant(damping):
     """To rounding: what the clamp gives is what all forces on the bar lack. Of the first instant,

@@ -27,29 +27,6 @@ def bounce():
     return fpm.simulate(hung(), duration=3.0, instants=3001, step=1e-3)[0]
 
 
-def test_a_mass_falls_free_and_bounces_in_the_cable(bounce):
-    fall = np.sqrt(2 * (REST - 0.8) / G)
-    speed = G * fall
-    held = 2 / RATE * (np.pi - np.arctan(speed * RATE / G))
-    times, which = bounce.events[:, 0], bounce.events[:, 2]
-    assert which.tolist() == [k % 2 for k in range(len(times))]
-    (rope,) = bounce.eventful
-    assert (rope.name, rope.events, rope.joint) == ("cable rope", ("tightens", "slackens"), "")
-    period = 2 * fall + held
-    exact = np.sort(
-        [fall + k * period for k in range(7)] + [fall + held + k * period for k in range(7)]
-    )
-    np.testing.assert_allclose(times, exact[: len(times)], atol=2e-4)
-    tension = bounce.records["cable_tension"].values[:, 0]
-    most = MASS * G + np.hypot(MASS * G, np.sqrt(MASS * EA / REST) * speed)
-    # Leapfrog's amplitudes are off by (rate · step)²/8, 2.5e-4 here.
-    assert tension.max() == pytest.approx(most, rel=3e-4)
-    assert tension.min() == 0.0
-    length = bounce.records["cable_length"]
-    assert (length.dimension, length.labels, length.unit) == ("cable", ("rope",), "m")
-    np.testing.assert_allclose(length.values[:, 0], -bounce.points["mass"][0][:, 2], atol=1e-12)
-
-
 def test_energy_is_kept_through_turns_from_slack_to_tight(bounce):
     fallen = MASS * G * (REST - 0.8)
     assert len(bounce.events) >= 10
@@ -107,15 +84,6 @@ def atwood(one=3.0, two=2.0, wheel=None, EA=1e6, start=0.0) -> fpm.Scene:
     return scene
 
 
-def test_two_masses_over_a_point_accelerate_as_atwoods():
-    tension = 2 * 3 * 2 * G / 5
-    outcome = fpm.simulate(atwood(start=tension), duration=0.5, instants=51)[0]
-    z = outcome.points["left"][0][:, 2] + 1.0
-    np.testing.assert_allclose(z, -G / 5 * outcome.time**2 / 2, atol=2e-5)
-    np.testing.assert_allclose(outcome.records["cable_tension"].values[:, 0], tension, rtol=1e-3)
-    assert np.abs(outcome.energies["balance"]).max() < 1e-6 * outcome.energies["kinetic"].max()
-
-
 def true_square(places, masses, rest) -> float:
     """Square of the highest frequency of masses (n,) at places (n, 3) on a cable of EA = 1."""
     count = len(masses)
@@ -159,30 +127,6 @@ def test_the_stable_step_holds_wherever_a_running_cable_s_points_move_to():
     rest = scene.cables[0].rest
     square = fpm.find_stable_step(scene).frequency ** 2
     assert 1e6 * true_square(rest / 2 * back, np.ones(3), rest) == pytest.approx(square, rel=1e-6)
-
-
-def test_reeling_lifts_a_mass_and_its_work_is_given():
-    scene = fpm.Scene("winch", gravity=(0, 0, -G))
-    top = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
-    scene.fix(top)
-    mass = int(scene.add_particles((0, 0, -1.0), MASS, 1.0)[0])
-    winch = scene.add_curve([0.0, 0.5, 1.0], [0.0, 0.0, 1.0])
-    scene.add_cable(
-        "rope", [(top, None), (mass, None)], EA, preload=MASS * G, reel=0.05, curve=winch
-    )
-    scene.add_point("mass", mass)
-    outcome = fpm.simulate(scene, duration=1.2, instants=121, step=2e-4)[0]
-    rest, z = scene.cables[0].rest, outcome.points["mass"][0][:, 2]
-    assert rest == pytest.approx(1 / (1 + MASS * G / EA))
-    np.testing.assert_allclose(z[:50], -1.0, atol=1e-12)  # it hangs at rest
-    given, kinetic = outcome.energies["reel"], outcome.energies["kinetic"]
-    assert np.abs(outcome.energies["balance"]).max() < 1e-5 * given.max()
-    stored = outcome.energies["cable"] - outcome.energies["cable"][0]
-    np.testing.assert_allclose(given, kinetic + stored + MASS * G * (z + 1.0), atol=1e-4)
-    # At the end it swings about where it would hang, with the length that is left.
-    hangs = -(rest - 0.05) * (1 + MASS * G / EA)
-    late = outcome.time > 1.0 + 1e-9
-    assert abs(0.5 * (z[late].max() + z[late].min()) - hangs) < 1e-4
 
 
 def test_alone_and_in_a_batch_it_gives_the_same_bits(bounce):

@@ -1,311 +1,39 @@
-"""The digest of a scene's sources: what changes numbers counts, how it is written does not."""
+"""Results are named after the bytes of every source file."""
 
-import importlib
-import importlib.util
-import os
 import shutil
-import sys
-import time
+from pathlib import Path
 
-import pytest
-
-import fpm
-from deployable.campaign.config.sections import scene_type
-from fpm.errors import ChangedError
+from deployable.campaign import provenance
 from fpm.kernels import sources
 
-
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
+ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def copied(tmp_path, monkeypatch, cache):
-    """A copy of the mechanics, whose files are digested; returns its folder."""
-    folder = tmp_path / "fpm_copied"
-    shutil.copytree(sources.PACKAGE, folder, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
-    return folder
+def test_every_source_file_counts(tmp_path):
+    """Those of both packages, one by one; what is shipped along does not decide."""
+    nothing = shutil.ignore_patterns("__pycache__", "program_data")
+    places = [shutil.copytree(ROOT / name, tmp_path / name, ignore=nothing)
+              for name in ("fpm", "deployable")]  # fmt: skip
+    (places[0] / ".#edited.py").symlink_to("somebody@somewhere")  # as an editor leaves it
+    digests = {sources.digest(*places)}
+    assert len(next(iter(digests))) == 16
+    paths = [p for place in places for p in place.rglob("*") if p.suffix in sources.CODE]
+    paths = [path for path in paths if path.is_file()]
+    assert {p.suffix for p in paths} > {".py", ".html", ".json"}
+    for path in paths[::10]:
+        with path.open("a") as file:
+            file.write("\n")
+        sources.digest.cache_clear()
+        digests.add(sources.digest(*places))
+    assert len(digests) == 1 + len(paths[::10])
+    (places[1] / "program_data" / "config").mkdir(parents=True)
+    (places[1] / "program_data" / "config" / "mine.yaml").touch()
+    sources.digest.cache_clear()
+    assert sources.digest(*places) in digests
 
 
-def digests(folder) -> tuple[str, str]:
-    """Of what computes runs, and of what reads further numbers off them, as a process that starts
-    now would have them."""
-    code = sources.PackageFiles(folder)
-    return code.digest(exclude=sources.READ + sources.DISPLAY), code.digest(include=sources.READ)
-
-
-def edit(path, old: str, new: str) -> None:
-    text = path.read_text()
-    assert text.count(old) >= 1
-    path.write_text(text.replace(old, new))
-
-
-def test_comments_and_formatting_do_not_count(copied):
-    before = digests(copied)
-    edit(copied / "kernels" / "run.py", '"""The time loop:', '# A comment.\n"""The loop of time:')
-    edit(copied / "solver" / "pack.py", "MOST_EVENTS = 512", "MOST_EVENTS = (\n    512\n)")
-    assert digests(copied) == before
-
-
-@pytest.mark.parametrize(
-    ("file", "old", "new"),
-    [
-        ("kernels/run.py", "NORMALISE_EVERY = 16", "NORMALISE_EVERY = 17"),
-        ("elements/bars/lumping.py", "19 / 720", "19 / 721"),
-        ("files/trajectory.py", '"response_values"', '"values_of_responses"'),
-    ],
-)
-def test_what_changes_numbers_counts(copied, file, old, new):
-    (before, reading), _ = digests(copied), edit(copied / file, old, new)
-    assert digests(copied)[0] != before
-    assert digests(copied)[1] == reading
-
-
-def test_every_file_counts_but_those_that_decide_no_number_that_is_kept(copied):
-    """Every file there is: one that nobody thought of counts."""
-    for path in sorted(copied.rglob("*.py")):
-        before, text = digests(copied), path.read_text()
-        path.write_text(f"{text}\nMORE = 1\n")
-        name = path.relative_to(copied).as_posix()
-        words = name.startswith("motions/") or name in (
-            "errors.py", "scenes/effort.py", "structures/describe.py", "structures/plausible.py",
-            "structures/report.py",
-        )  # fmt: skip
-        read = name.startswith(("reading/", "travel/"))
-        changed = tuple(x != y for x, y in zip(before, digests(copied), strict=True))
-        assert changed == (not words and not read, read), name
-        path.write_text(text)
-
-
-ASK = {"solver/simulate.py", "solver/unpack.py", "structures/statement.py"}
-"""Of what makes runs, those that ask `reading` for what is recorded on request, and for the classes
-of uncertainty that parts may have, which no motion depends on."""
-
-
-def test_what_counts_imports_nothing_that_does_not():
-    """Else an edit of what does not count could change numbers through what does."""
-    for path in sources.PACKAGE.rglob("*.py"):
-        name = path.relative_to(sources.PACKAGE).as_posix()
-        level = 2 if sources._is_within(name, sources.READ) else 1
-        if name == "__init__.py" or sources._is_within(name, sources.DISPLAY):
-            continue
-        imports = {
-            each.removeprefix("fpm.").replace(".", "/")
-            for each, _ in sources._list_imports(path.read_bytes(), str(path))
-        }
-        without = [*(t.removesuffix(".py") for t in sources.DISPLAY if t != "errors.py")]
-        without += [*sources.READ] if level == 1 and name not in ASK else []
-        assert not [each for each in imports if sources._is_within(each, tuple(without))], name
-
-
-# -- names are of what was imported ----------------------------------------------------------------
-
-
-@pytest.fixture
-def package(tmp_path, monkeypatch):
-    """A small package that can be imported, noted before it is; its folder, and the note."""
-    folder = tmp_path / "package_of_two"
-    folder.mkdir()
-    for name in ("__init__", "one", "two"):
-        (folder / f"{name}.py").write_text("VALUE = 1\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    yield folder, sources.PackageFiles(folder)
-    for name in [name for name in sys.modules if name.partition(".")[0] == folder.name]:
-        del sys.modules[name]
-
-
-def test_a_file_that_changed_between_import_and_naming_is_refused(package):
-    folder, code = package
-    importlib.import_module("package_of_two.one")
-    (folder / "one.py").write_text("VALUE = 2\n")
-    with pytest.raises(fpm.SceneError, match=r"^package_of_two/one\.py changed since"):
-        code.digest()
-
-
-def test_a_file_that_is_imported_after_it_changed_is_refused(package):
-    folder, code = package
-    importlib.import_module("package_of_two.one")
-    before = code.digest()
-    (folder / "two.py").write_text("VALUE = 2\n")
-    assert code.digest() == before  # it is in no memory yet
-    importlib.import_module("package_of_two.two")
-    with pytest.raises(fpm.SceneError, match=r"two\.py changed since it was imported: start again"):
-        code.check()
-
-
-def test_a_file_that_changes_after_it_was_imported_and_named_does_not_matter(package):
-    folder, code = package
-    importlib.import_module("package_of_two.one")
-    before = code.digest()
-    (folder / "one.py").write_text("VALUE = 2\n")
-    assert code.digest() == before
-    assert sources.PackageFiles(folder).digest() != before
-    importlib.reload(sys.modules["package_of_two.one"])  # as notebooks do
-    with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
-        code.digest()
-
-
-def test_a_file_that_changed_before_the_package_was_noted_is_refused(package):
-    """As when a part of a program is imported alone, and what notes all of it after an edit."""
-    folder, _ = package
-    files = {path: path.stat() for path in folder.glob("*.py")}
-    importlib.import_module("package_of_two.one")
-    sources.PackageFiles(folder, files).check()
-    assert sources.PackageFiles(folder, files).digest() == sources.PackageFiles(folder).digest()
-    (folder / "one.py").write_text("VALUE = 2\n")
-    with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
-        sources.PackageFiles(folder, files).check()
-
-
-def test_at_the_start_of_a_campaign_files_are_what_is_in_memory(package):
-    folder, code = package
-    importlib.import_module("package_of_two.one")
-    code.digest()
-    for text in ("VALUE = 1\n", "VALUE = 1  # m\n"):
-        (folder / "one.py").write_text(text)
-        code.check(reread=True)
-    (folder / "two.py").write_text("VALUE = 2\n")  # in no memory yet
-    code.check(reread=True)
-    (folder / "one.py").write_text("VALUE = 2\n")
-    with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
-        code.check(reread=True)
-
-
-def test_a_file_that_is_touched_or_new_and_unused_does_not_matter(package):
-    folder, code = package
-    before = code.digest()
-    (folder / "two.py").touch()
-    (folder / "three.py").write_text("VALUE = 3\n")
-    importlib.import_module("package_of_two.two")
-    assert code.digest() == before
-    importlib.import_module("package_of_two.three")
-    with pytest.raises(fpm.SceneError, match=r"three\.py changed since"):
-        code.digest()
-
-
-def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypatch):
-    """Else they are kept under the name of what the file says now."""
-    from fpm.kernels import compiled_loop
-
-    path = tmp_path / "tether_kernels.py"
-    path.write_text(
-        "from typing import NamedTuple\nfrom fpm.kernels.hooks import hook\n"
-        "class Tethers(NamedTuple):\n    rows: object\n"
-        "@hook(Tethers)\ndef forces(part, world, timing):\n    pass\n"
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    tethers = importlib.import_module("tether_kernels").Tethers
-    assert [found.name for found in compiled_loop.find_user_sources(tethers)] == [path.name]
-    edit(path, "pass", "return")
-    with pytest.raises(fpm.SceneError, match=r"tether_kernels\.py changed since it was imported"):
-        compiled_loop.find_user_sources(tethers)
-
-
-def test_a_structure_s_own_file_counts_for_it_alone():
-    assert scene_type("bennett").digest != scene_type("pendulum").digest
-
-
-def test_it_is_quick():
-    scene = scene_type("bennett")
-    first = scene.digest
-    best = float("inf")
-    for _ in range(5):
-        start = time.perf_counter()
-        assert scene.digest == first
-        best = min(best, time.perf_counter() - start)
-    assert best < 0.02  # less than 1 ms alone
-
-
-def test_digests_of_files_as_they_were_are_kept(copied, monkeypatch):
-    data = copied / "table.json"
-    data.write_text("{}")
-    before = sources.PackageFiles(copied).digest()
-    code = sources.PackageFiles(copied)
-    with monkeypatch.context() as patch:
-        patch.setattr(sources, "tree_digest", None)  # nothing is read
-        assert code.digest() == before
-    os.utime(data)
-    code.check()
-    data.write_text("[]")
-    with pytest.raises(ChangedError, match=r"table\.json"):
-        code.check()
-    assert sources.PackageFiles(copied).digest() != before
-
-
-def test_a_cache_that_can_not_be_written_does_not_matter(copied, monkeypatch):
-    before = digests(copied)
-    monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
-    sources._tree_digest.cache_clear()
-    assert digests(copied) == before
-    assert len(before[0]) == 16
-
-
-@pytest.mark.parametrize(
-    "imports",
-    [
-        "import numpy, helper",
-        "import helper as other",
-        "from helper import VALUE",
-        "from . import helper",
-        "from .helper import VALUE",
-        "from ..room import helper",
-        "import house.room.helper",
-        "from house.room import helper",
-        "from house.room.helper import VALUE",
-        "def build():\n    from helper import VALUE",
-        "import between",
-    ],
-)
-def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
-    room = tmp_path / "house" / "room"
-    room.mkdir(parents=True)
-    others = {"helper": "VALUE = 1", "between": "import helper", "numpy_": "", "__init__": ""}
-    for name, text in others.items():
-        (room / f"{name}.py").write_text(text)
-    (room / "mast.py").write_text(imports)
-    found = {path.name for path in sources.find_user_sources(room / "mast.py")}
-    assert found - {"between.py", "__init__.py"} == {"mast.py", "helper.py"}
-
-
-@pytest.mark.parametrize(
-    "imports", ["from elsewhere import helper", "import elsewhere.helper", "from .. import helper"]
-)
-def test_a_file_beside_of_the_same_name_is_not_one_from_elsewhere(tmp_path, imports):
-    (tmp_path / "helper.py").write_text("")
-    (tmp_path / "mast.py").write_text(imports)
-    assert sources.find_user_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
-
-
-def test_kernels_beside_a_kind_count_with_it(tmp_path):
-    for name in ("spring", "spring_kernels", "other_kernels"):
-        (tmp_path / f"{name}.py").write_text("")
-    found = {path.name for path in sources.find_user_sources(tmp_path / "spring.py")}
-    assert found == {"spring.py", "spring_kernels.py"}
-
-
-def test_code_that_is_in_no_file_is_refused(tmp_path):
-    names = {"__name__": "typed_in"}
-    exec("def build(): pass\nclass Arrays: pass", names)
-    for thing in (names["build"], names["Arrays"]):
-        with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-            sources.find_user_sources(sources.file_of(thing))
-    with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-        sources.find_user_sources(tmp_path)
-
-
-def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    path = tmp_path / "mast.py"
-    path.write_text("VALUE = 1")
-    first = sources.tree_digest(path)
-    other = tmp_path / "fpm" / "kernels" / "sources.py"
-    other.parent.mkdir(parents=True)
-    (other.parent / ".#edited.py").symlink_to("somebody@somewhere")  # as an editor leaves it
-    other.write_text((sources.PACKAGE / "kernels" / "sources.py").read_text())
-    edit(other, "return ast.dump(tree)", "return ast.dump(tree, include_attributes=True)")
-    spec = importlib.util.spec_from_file_location("other_sources", other)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    assert module.tree_digest(path) != first
+def test_the_program_is_both_packages_and_is_digested_once(monkeypatch):
+    expected = sources.digest(ROOT / "fpm", ROOT / "deployable")
+    assert provenance.program_digest() == expected
+    monkeypatch.setattr(Path, "read_bytes", None)
+    assert provenance.program_digest() == expected

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import cumulative_trapezoid
 
 import fpm
 from fpm.elements import Motor, Release, SyncLoop, TorqueMotor
@@ -55,78 +54,6 @@ CHANGES = (
 def outcomes():
     scenes = [everything(**some) for some in CHANGES]
     return fpm.simulate(scenes, duration=DURATION, instants=1001, step=STEP)
-
-
-def follows(time, c, k=200.0):
-    """How far a body lags behind a motor that turns at 2 rad/s for half a second, and its rate."""
-    decay = c / (2 * J)
-    fast = np.sqrt(k / J - decay**2)
-
-    def answer(t):
-        size, sine, cosine = np.exp(-decay * t) / fast, np.sin(fast * t), np.cos(fast * t)
-        return size * sine, size * (fast * cosine - decay * sine)
-
-    before, after = answer(time), answer(np.maximum(time - 0.5, 0.0))
-    return [2 * (b - np.where(time > 0.5, a, 0.0)) for b, a in zip(before, after, strict=True)]
-
-
-@pytest.mark.slow
-def test_a_motor_turns_its_hinge_through_its_drive_train(outcomes):
-    for outcome, c in zip(outcomes[:2], (2.0, 0.0), strict=True):
-        lag = follows(outcome.time, c)[0]
-        exact = np.minimum(2 * outcome.time, 1.0) - lag
-        np.testing.assert_allclose(outcome.openings["H0"], exact, atol=1e-4)
-        stored = outcome.energies["motor"]
-        np.testing.assert_allclose(stored, 100.0 * lag**2, atol=2e-3)
-
-
-@pytest.mark.slow
-def test_motors_work_is_moved_stored_or_lost(outcomes):
-    """That of both motors; the torque motor's is what its body moves with."""
-    time = outcomes[0].time
-    lag, rate = follows(time, 2.0)
-    moment = 200.0 * lag + 2.0 * rate
-    work = cumulative_trapezoid(moment, 2.0 * np.minimum(time, 0.5), initial=0.0)
-    torque_work = J / 2 * (2.0 * (1 - np.exp(-time))) ** 2
-    found = outcomes[0].energies["motor_work"]
-    np.testing.assert_allclose(found, work + torque_work, atol=2e-3 * work.max())
-    lost = cumulative_trapezoid(2.0 * rate**2, time, initial=0.0)
-    lost += 0.08 * (time > 0.3004) + 0.08 * (time > 0.60263)  # what the releases had stored
-    np.testing.assert_allclose(outcomes[0].energies["joint_loss"], lost, atol=1e-2 * lost.max())
-    recorded = outcomes[0].records["motor_moment"]
-    assert (recorded.dimension, recorded.labels, recorded.unit) == ("motor", ("H0",), "N m")
-    np.testing.assert_allclose(recorded.values[10:500, 0], moment[10:500], atol=2e-2)
-
-
-@pytest.mark.slow
-def test_a_torque_motor_comes_up_to_its_no_load_speed(outcomes):
-    time = outcomes[0].time
-    np.testing.assert_allclose(
-        outcomes[0].openings["H1"], 2 * (time - 1 + np.exp(-time)), atol=1e-6
-    )
-    np.testing.assert_allclose(outcomes[2].openings["H1"], -(time**2), atol=1e-9)
-    moment = outcomes[0].records["torque_motor_moment"].values[1:, 0]
-    np.testing.assert_allclose(moment, np.exp(-time[1:]), atol=1e-3)
-
-
-@pytest.mark.slow
-def test_releases_hold_until_a_time_or_another_opening(outcomes):
-    for outcome, change in zip(outcomes, CHANGES, strict=True):
-        time = outcome.time
-        opens = np.interp(0.3, 2 * (time - 1 + np.exp(-time)), time)
-        due = [change.get("time", 0.3004), opens if "torque" not in change else np.sqrt(0.3)]
-        found = [outcome.events[outcome.events[:, 1] == e, 0] for e in _elements(outcome)]
-        for hinge, when, told in zip(("H2", "H3"), due, found, strict=True):
-            assert told == pytest.approx([when], abs=1e-6)
-            swing = 1 - np.cos(4 * np.maximum(time - when, 0.0))
-            np.testing.assert_allclose(outcome.openings[hinge], swing, atol=2e-5)
-    # Springs of 400 N m/rad that were strained by 0.02 rad; the motor loses nothing here.
-    assert outcomes[1].energies["joint_loss"][-1] == pytest.approx(2 * 0.08, rel=1e-3)
-
-
-def _elements(outcome) -> list[int]:
-    names = [element.name for element in outcome.eventful]
-    return [names.index(f"release H{k}") for k in (2, 3)]
 
 
 @pytest.mark.slow

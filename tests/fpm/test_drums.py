@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import fpm
 from fpm.elements import TorqueMotor
@@ -30,38 +29,6 @@ cables:
   rope: {through: [{part: ground, at: O}, load], EA: EA, preload: 19.62 N, drum: winch, radius: r}
 record: {load: {part: weight, at: load}}
 """
-HOISTS = [{}, {"r": -50, "M": -3.0, "start": 2.0}, {"M": 0.2}, {"EA": 0.06, "M": 1.2}]
-
-
-def reference(times, r=50, M=3.0, start=0.0, EA=10.0) -> np.ndarray:
-    """Height of the weight and turn of the drum from their equations of motion."""
-    r, EA = r / 1e3, EA * 1e3
-    rest = 1 / (1 + MASS * G / EA)
-
-    def slope(_, state):
-        height, speed, turn, rate = state
-        strain = max(-height / (rest - r * turn) - 1, 0.0)
-        pull = EA * strain
-        return speed, pull / MASS - G, rate, (M - r * pull * (1 + strain / 2)) / SPIN
-
-    span = (0, times[-1])
-    return solve_ivp(slope, span, [-1.0, 0, 0, 0], t_eval=times, rtol=1e-10, atol=1e-12).y
-
-
-@pytest.mark.slow
-def test_a_drum_lifts_and_lowers_as_its_equations_say_to_second_order():
-    scenes, errors = [loads(TEXT).build(**values) for values in HOISTS], []
-    for step in (4e-4, 2e-4):
-        outcomes = fpm.simulate(scenes, duration=0.3, instants=31, step=step)
-        for values, outcome in zip(HOISTS, outcomes, strict=True):
-            height, _, turn, _ = reference(outcome.time, **values)
-            opening = outcome.openings["winch"] - values.get("start", 0.0)
-            errors.append(np.abs(outcome.points["load"][0][:, 2] - height).max())
-            np.testing.assert_allclose(opening, turn, atol=1e-3)
-            assert np.abs(outcome.energies["balance"]).max() < 1e-5
-            assert not outcome.energies["reel"].any()
-    ratios = np.array(errors[:4]) / errors[4:]
-    np.testing.assert_allclose(ratios, 4.0, rtol=0.02)
 
 
 def hoist(torque=0.0, **cable) -> fpm.Scene:
@@ -95,9 +62,12 @@ def test_on_the_second_angle_of_a_universal_joint_it_is_as_on_a_hinge():
     text = TEXT.replace(axis, f"{universal}, openings: [0, start]")
     text = text.replace("joint: winch", "joint: winch_other")
     text = text.replace("drum: winch", "drum: winch_other")
-    (outcome,) = fpm.simulate(loads(text).build(), duration=0.2, instants=3, step=2e-4)
-    height = reference(outcome.time)[0]
-    np.testing.assert_allclose(outcome.points["load"][0][:, 2], height, atol=1e-6)
+    heights = []
+    for structure in (TEXT, text):
+        (outcome,) = fpm.simulate(loads(structure).build(), duration=0.2, instants=3, step=2e-4)
+        heights.append(outcome.points["load"][0][:, 2])
+    assert heights[0][-1] > -0.9
+    np.testing.assert_allclose(*heights, atol=1e-6)
 
 
 @pytest.mark.slow
@@ -125,55 +95,6 @@ def test_what_is_too_much_for_a_cable_on_a_drum_is_named():
     (outcome,) = fpm.simulate(hoist(3.0, least=1.9), duration=0.3, instants=31)
     assert outcome.failure.cause == "drum"
     assert "shortest" in str(outcome.failure) and "cable rope" in str(outcome.failure)
-
-
-ANGLES = np.linspace(0, np.pi, 5)
-RIM = 0.1 * np.stack([-np.cos(ANGLES), 0 * ANGLES, np.sin(ANGLES)], axis=1)
-
-
-def post(friction=0.3) -> fpm.Scene:
-    """A weight on a cable over a post that a motor turns towards it, wound by a drum below."""
-    scene = fpm.Scene("post", gravity=(0, 0, -G))
-    places = [(-0.1, 0, -1.0), (0, 0, 0), (-0.1, 0, -1.0), (0.1, 0, -1.0)]
-    base, round_post, reel, weight = (
-        int(p) for p in scene.add_particles(places, [1, 1, 1, MASS], SPIN)
-    )
-    scene.fix(base)
-    axle = scene.add_hinge("axle", (base, round_post), (0, 0, 0), (0, 1, 0))
-    winch = scene.add_hinge("winch", (base, reel), (-0.1, 0, -1.0), (0, 1, 0))
-    scene.add(TorqueMotor(axle, 5.0))
-    scene.add(TorqueMotor(winch, 3.0))
-    points = [(base, None), *((round_post, place) for place in RIM), (weight, None)]
-    scene.add_cable("rope", points, 1e4, preload=MASS * G, friction=friction, drum=winch,
-                    radius=0.05)  # fmt: skip
-    scene.add_point("load", weight)
-    return scene
-
-
-@pytest.mark.slow
-def test_on_a_post_that_turns_every_point_rubs_by_the_angle_that_it_has_then():
-    (outcome,) = fpm.simulate(post(), duration=0.12, instants=121, step=5e-5)
-    late = slice(40, None)
-    load, turns = outcome.points["load"][0][late], outcome.openings["axle"][late]
-    cos, sin, zero = np.cos(turns), np.sin(turns), 0 * turns
-    frames = np.stack([cos, zero, sin, zero, zero + 1, zero, -sin, zero, cos], axis=1)
-    rim = np.einsum("tij,pj->tpi", frames.reshape(-1, 3, 3), RIM)
-    start = np.tile([-0.1, 0, -1.0], (len(turns), 1, 1))
-    chords = np.diff(np.concatenate([start, rim, load[:, None]], axis=1), axis=1)
-    units = chords / np.linalg.norm(chords, axis=2)[:, :, None]
-    bends = np.arccos(np.sum(units[:, 1:] * units[:, :-1], axis=2))
-    tensions = outcome.records["stretch_tension"].values[late]
-    np.testing.assert_allclose(tensions[:, :-1] / tensions[:, 1:], np.exp(0.3 * bends), rtol=1e-8)
-    slips = outcome.records["cable_slip"].values
-    assert turns[-1] > 0.2 and slips[-1].max() < -0.02
-    # What friction takes: each difference of tensions over the way of the cable on its point.
-    steps = np.diff(tensions, axis=1)
-    power = np.sum(0.5 * (steps[1:] + steps[:-1]) * np.diff(slips[late], axis=0), axis=1)
-    loss = np.diff(outcome.energies["cable_friction"][late])
-    np.testing.assert_allclose(power, loss, rtol=1e-2)
-    assert np.abs(outcome.energies["balance"]).max() < 1e-4 * loss.sum()
-    first = outcome.times("slips", [f"cable rope point {i}" for i in range(2, 7)])
-    assert 0 < first[0] < 0.04
 
 
 @pytest.mark.slow

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from flaps import bare
+from jointed_scenes import chain, pairs, platform
 
 from deployable.campaign.config.sections import scene_type
-from evidence.extremes.joints import parallelogram
-from evidence.scaling.joints import chain, pairs
 from fpm import structures
 from fpm.elements import Damper, Joint
 from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
@@ -32,7 +31,7 @@ def test_a_kind_states_its_cost():
     assert dear - without == pytest.approx(1e-5)
 
 
-@pytest.mark.parametrize("scene", [chain(6), pairs(True), parallelogram(5, 1.0)])
+@pytest.mark.parametrize("scene", [chain(6), pairs(), platform(5)])
 def test_eliminations_are_counted_as_they_are_done(scene):
     joints = Joint.find(scene)
     on = sorted({p for joint in joints for p in joint.particles})
@@ -51,9 +50,9 @@ def test_eliminations_are_counted_as_they_are_done(scene):
 
 
 def test_joints_on_one_body_cost_more_than_those_of_a_chain():
-    row, platform = chain(61), parallelogram(30, 1.0)
-    assert len(row.hinges) == len(platform.hinges) == 60
-    assert effort.step_seconds(platform) > 5 * effort.step_seconds(row)
+    row, cranks = chain(61), platform(30)
+    assert len(row.hinges) == len(cranks.hinges) == 60
+    assert effort.step_seconds(cranks) > 5 * effort.step_seconds(row)
 
 
 def test_a_step_costs_what_is_in_it():

@@ -109,14 +109,9 @@ def test_what_it_refuses_and_its_topology():
         fpm.simulate([body(), other], duration=0.1, instants=2)
 
 
-def test_its_own_code_has_its_own_cache(outcome):
-    """An edit of its files is seen, and its loop is not among those that others load."""
-    from ground_spring_kernels import GroundSprings
-
-    names = {path.name for path in compiled_loop.find_user_sources(GroundSprings)}
-    assert names == {"ground_spring_kernels.py"}
-    own = compiled_loop.cache_file("GroundSprings", "form", GroundSprings)
-    assert own != compiled_loop.cache_file("GroundSprings", "form")
+def test_its_code_is_not_kept(outcome):
+    assert "GroundSprings" in compiled_loop.COMPILED_NAMES
+    assert not list(compiled_loop.cache_folder().glob("GroundSprings-*"))
 
 
 def test_hooks_that_do_not_exist_are_refused():

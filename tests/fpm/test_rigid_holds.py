@@ -1,16 +1,11 @@
 """Openings that are held exactly: catching, letting go, energies, lanes, refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from rigid_holds import FAR, NONE, J, L, M, bars, caught, held, kinetic, motion
-from rigid_holds import free as chain
+from rigid_holds import FAR, L, M, bars
 
 import fpm
 from fpm.elements import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
-from fpm.reading.quantity_definitions import parse
-from fpm.reading.responses import Response
 
 G = 9.81
 NEVER = {"watch": 1, "level": -FAR}
@@ -48,11 +43,6 @@ def kept():
     return run(HELD)
 
 
-def start_of(scene) -> np.ndarray:
-    angles = [scene.hinges[0].opening, scene.hinges[0].opening + scene.hinges[1].opening]
-    return np.array([*angles, *scene.spin[1:3, 2]])
-
-
 def angles_of(outcome) -> np.ndarray:
     root, knee = outcome.openings["root"], outcome.openings["knee"]
     return np.array([root, root + knee])
@@ -66,52 +56,6 @@ def test_a_rigid_latch_at_whose_angle_a_run_starts_holds_from_the_start_on(reach
     assert found["at"].events[0, 0] == 0.0
 
 
-CATCHES = [
-    ("caught", 0.4, NONE), ("going down", -0.4, NONE), ("tolerant", 0.3, NONE),
-    ("falls", -0.3, G), ("swings", 0.5, G),
-]  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "angle", "gravity"), CATCHES)
-def test_a_rigid_latch_stops_its_hinge_at_its_angle_and_keeps_the_momentum(
-    ran, name, angle, gravity
-):
-    """Against the equations of motion in two angles, a jump where it catches, and one angle."""
-    outcome = ran[name]
-    before = motion(chain, start_of(CASES[name]), (0, 2), gravity, angle)
-    at, state = before.t[-1], before.y[:, -1]
-    rates, impulse = caught(state[:2], state[2:])
-    after = motion(held, [*state[:2], *rates], (at, 2), gravity)
-    exact = np.where(outcome.time < at, before.sol(outcome.time), after.sol(outcome.time))
-    assert [outcome.events[0, 0], outcome.events.shape[0]] == pytest.approx([at, 1], abs=1e-6)
-    assert np.abs(angles_of(outcome) - exact[:2]).max() < 5e-6
-    knee = outcome.openings["knee"]
-    assert np.abs(knee[outcome.time > at] - angle).max() < 1e-12
-    recorded = {n: outcome.records[n].values[-1, 0] for n in ("latch_rate", "latch_impact")}
-    assert recorded["latch_rate"] == pytest.approx(state[3] - state[2], rel=1e-5)
-    assert recorded["latch_impact"] == pytest.approx(impulse, rel=1e-3)
-    lost = kinetic(state[:2], state[2:]) - kinetic(state[:2], rates)
-    assert outcome.energies["joint_loss"][-1] == pytest.approx(lost, rel=2e-3)
-    assert np.abs(outcome.energies["balance"]).max() < 2e-3 * max(lost, 0.1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "gravity"), [(n, g) for n, _, g in CATCHES])
-def test_a_response_at_a_catch_is_that_just_before_at_any_spacing_of_instants(ran, name, gravity):
-    """What moves then, of which the catch takes a fifth to a half: kinetic energies of the exact
-    motion, within a thousandth, whether an instant is every second step or every fortieth."""
-    outcome, angle = ran[name], next(angle for n, angle, _ in CATCHES if n == name)
-    state = motion(chain, start_of(CASES[name]), (0, 2), gravity, angle).y[:, -1]
-    response = Response("moving", "energy", ("kinetic",), "", "J", "kinetic energy")
-    asked = {"t": {"event": "latches"}, "before": {"value": "moving", "at": "t"}}
-    (_, before), _ = parse(asked, [response], outcome.eventful)
-    for every in (1, 2, 20):
-        energies = {n: values[::every] for n, values in outcome.energies.items()}
-        curves = replace(outcome, time=outcome.time[::every], energies=energies)
-        assert before.evaluate(curves) == pytest.approx(kinetic(state[:2], state[2:]), rel=1e-3)
-
-
 @pytest.mark.slow
 def test_a_rigid_latch_catches_the_same_openings_as_others(ran):
     """Too fast, or from the wrong side: the motion is that without it, to the last bit."""
@@ -121,53 +65,6 @@ def test_a_rigid_latch_catches_the_same_openings_as_others(ran):
         assert np.array_equal(angles_of(ran[name]), angles_of(free))
         assert not ran[name].energies["joint_loss"].any()
     assert ran["missed"].events[0, 0] == pytest.approx(ran["caught"].events[0, 0], abs=1e-12)
-
-
-@pytest.mark.slow
-def test_what_is_lost_at_the_latch_and_its_moment_are_of_the_orders_that_are_said():
-    """The motion after it and its impulse to the second order, what is lost to the first."""
-    found = []
-    for step in (4e-3, 2e-3, 1e-3, 5e-4):
-        (outcome,) = fpm.simulate(CASES["swings"], duration=0.8, instants=2, step=step)
-        found.append([*angles_of(outcome)[:, -1], outcome.energies["joint_loss"][-1]])
-    before = motion(chain, start_of(CASES["swings"]), (0, 2), G, 0.5)
-    at, state = before.t[-1], before.y[:, -1]
-    rates, _ = caught(state[:2], state[2:])
-    exact = motion(held, [*state[:2], *rates], (at, 0.8), G).y[:2, -1]
-    lost = kinetic(state[:2], state[2:]) - kinetic(state[:2], rates)
-    errors = np.abs(np.array(found) - [*exact, lost])
-    assert (errors[0, :2] / errors[3, :2] > 40).all(), errors
-    assert errors[0, 2] / errors[3, 2] > 5, errors
-
-
-@pytest.mark.slow
-def test_a_rigid_release_holds_exactly_and_lets_go_in_time(kept):
-    for name in ("until a time", "until an opening"):
-        outcome = kept[name]
-
-        # Only the second bar swings, about the knee.
-        def swings(time, state, gravity):
-            return [state[1], -gravity * M[1] * L / 2 * np.cos(state[0]) / (J[1] + M[1] * L**2 / 4)]
-
-        level = None if name == "until a time" else -0.6
-        event = lambda time, state, gravity: state[0] - (level or FAR)  # noqa: B023, E731
-        event.terminal = True
-        from scipy.integrate import solve_ivp
-
-        first = solve_ivp(
-            swings, (0, 0.3217 if level is None else 2), [0.0, 0.0], args=(G,), events=event,
-            rtol=1e-11, atol=1e-12, dense_output=True,
-        )  # fmt: skip
-        at, (angle, rate) = first.t[-1], first.y[:, -1]
-        assert outcome.events[0, 0] == pytest.approx(at, abs=1e-6)
-        assert np.abs(outcome.openings["root"][outcome.time <= at]).max() < 1e-12
-        after = motion(chain, [0.0, angle, 0.0, rate], (at, 2), G)
-        late = outcome.time > at
-        exact = after.sol(outcome.time[late])[:2]
-        short = outcome.time[late] < 1.2  # the chain is chaotic afterwards
-        assert np.abs(angles_of(outcome)[:, late] - exact)[:, short].max() < 5e-5
-        assert np.abs(outcome.energies["balance"]).max() < 1e-3
-        assert np.abs(outcome.energies["joint_loss"]).max() < 1e-3
 
 
 @pytest.mark.slow

@@ -65,60 +65,6 @@ def opening(outcome) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_friction_stops_at_the_exact_angle_and_stays(ran):
-    for name, rate, moment in (("stops", 1.0, 0.2), ("stops late", -0.7, 0.05)):
-        time, psi, end = ran[name].time, opening(ran[name]), abs(rate) * J / moment
-        exact = np.sign(rate) * J * rate**2 / (2 * moment)
-        sliding = np.minimum(time, end)
-        path = rate * sliding - np.sign(rate) * moment / (2 * J) * sliding**2
-        assert np.abs(psi - path).max() < 1e-6  # a step's share of the last way, J d²/(8 M)
-        if end < time[-1]:
-            late = psi[time > end + 2e-3]
-            # Leapfrog's own error of the way, of which (w h)²/24 in a turn about a pin.
-            assert np.abs(late - exact).max() < 1e-7 * abs(exact)
-            assert np.ptp(late) < 1e-12
-            lost = ran[name].energies["joint_loss"][-1]
-            assert lost == pytest.approx(J * rate**2 / 2, rel=1e-6)
-    at_once = opening(ran["stops at once"])
-    assert np.abs(at_once[2:] - at_once[2]).max() < 1e-12
-    assert at_once[2] < 1e-3
-
-
-@pytest.mark.slow
-def test_friction_holds_to_the_last_hair_and_slips_where_it_should(ran):
-    assert np.abs(opening(ran["sticks"])).max() < 1e-13
-    time = ran["slips"].time
-    assert np.abs(opening(ran["slips"]) - 0.02 / J * time**2 / 2).max() < 1e-6
-    begun = np.maximum(time - 0.2 / 0.31, 0.0)
-    exact = 0.31 * begun**3 / (6 * J)
-    assert np.abs(opening(ran["begins to slip"]) - exact).max() < 2e-3 * exact[-1]
-    assert np.abs(opening(ran["begins to slip"])[begun == 0.0][:-1]).max() < 1e-13
-
-
-@pytest.mark.slow
-def test_each_swing_against_friction_loses_what_its_way_costs(ran):
-    """m g d (sin a - sin b) = M |a - b| between turns a and b; it ends where M bears the weight."""
-    psi, moment, weight = opening(ran["swings"]), 0.4, G * 0.5
-    way = np.sign(np.diff(psi))
-    turns = psi[1:-1][(way[1:] != way[:-1]) & (np.abs(psi[1:-1] - psi[-1]) > 1e-3)]
-    assert len(turns) >= 2
-    for a, b in zip([0.3, *turns[:-1]], turns, strict=True):
-        assert weight * (np.sin(a) - np.sin(b)) == pytest.approx(moment * abs(a - b), abs=2e-4)
-
-
-@pytest.mark.slow
-def test_a_rigid_motor_is_where_its_curve_is_and_its_work_is_told(ran):
-    outcome, psi = ran["driven"], ran["driven"].openings["driven"]
-    assert np.abs(psi - np.interp(outcome.time, TIMES, VALUES)).max() < 1e-12
-    # The blow with which it begins comes before; that at each bend is its work.
-    rate = VALUES[1] / TIMES[1]
-    work = outcome.energies["motor_work"][-1]
-    assert work == pytest.approx(0.5 * G * np.sin(psi[-1]) - J / 2 * rate**2, abs=2e-4)
-    moment = outcome.records["motor_moment"].values[outcome.time > 2.1, 0]
-    np.testing.assert_allclose(moment, 0.5 * G * np.cos(0.1), rtol=1e-9)
-
-
-@pytest.mark.slow
 def test_the_energy_of_rigid_motors_and_friction_balances(ran):
     for name, outcome in ran.items():
         scale = max(outcome.energies["kinetic"].max(), outcome.energies["joint_loss"].max(), 0.05)

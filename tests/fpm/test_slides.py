@@ -146,8 +146,9 @@ def test_files_have_what_slides_and_their_latches_did(tmp_path):
     for column, values in outcome.columns.items():
         assert np.array_equal(curves.columns[column], values)
     asked = {
-        "caught": ({"latch_impact": "caught"}, "N s", -2 / 3),
-        "crossed": ({"latch_impact": "crossed_other"}, "N m s", -0.06),
+        "caught": ({"latch_impact": "caught"}, "N s", 2 / 3),
+        "signed": ({"latch_impact": "caught", "component": "signed"}, "N s", -2 / 3),
+        "crossed": ({"latch_impact": "crossed_other"}, "N m s", 0.06),
         "rate": ({"latch_rate": "latched"}, "m s-1", 1.0),
     }
     for name, (definition, unit, value) in asked.items():

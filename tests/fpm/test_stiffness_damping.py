@@ -39,31 +39,6 @@ def set_off(motion: str, mode: int, beta: float | None = None):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "motion, mode", [("bending", 0), ("bending", 1), ("axial", 0), ("torsion", 0)]
-)
-def test_modes_swing_and_decay_as_damped_oscillators(motion, mode):
-    """x = v/w' exp(-z w t) sin w' t with z = beta w/2, which also is what the energy lost says; of
-    the second order in the step where that is not far below what the mode asks for."""
-    scene, frequency, velocity = set_off(motion, mode)
-    interval, decay = 0.2 / frequency, ZETA * frequency
-    step = interval / np.ceil(interval / (0.5 * fpm.find_stable_step(scene).step))
-    errors = []
-    for part in (1, 2, 4):
-        (outcome,) = fpm.simulate(scene, duration=6 / frequency, instants=31, step=step / part)
-        damped = np.sqrt(1 - ZETA**2) * frequency
-        exact = np.exp(-decay * outcome.time) * np.sin(damped * outcome.time) / damped
-        moved = (outcome.points["end"][0] - outcome.points["end"][0][0]) @ velocity
-        errors.append(np.abs(moved / (velocity @ velocity) - exact).max() * frequency)
-    assert errors[-1] < 2e-4
-    if motion != "bending":
-        assert np.log2(errors[1] / errors[2]) > 1.95
-    energies = dict(outcome.energies)
-    assert np.abs(energies.pop("balance")).max() < 1e-6 * energies["kinetic"][0]
-    assert (np.diff(energies["damping_work"]) > 0).all()
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.01, 1.0, 30.0])
 def test_the_stable_step_is_that_of_the_highest_mode(share):
     """(2/w) (sqrt(1 + 4 z²) - 2 z), from next to no damping to far above critical; up to 1 % below

@@ -1,5 +1,7 @@
 """Numbers of runs over the box, on functions whose answers are known."""
 
+import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +15,7 @@ from deployable.intervals.scalars import (
     Goal,
     Limit,
     Occurrence,
+    find_halving,
     find_influence,
     find_least_scales,
     find_max_scale,
@@ -104,6 +107,53 @@ def test_what_is_below_the_error_is_no_sensitivity():
     found = find_influence(fit_scalar(points, values), np.zeros(2))
     np.testing.assert_array_equal(found.share, [1.0, 0.0])
     assert found.alone[1] > 0
+
+
+def shims(k: int, level: float) -> Limit:
+    """A stack of k shims, each off by up to 1, that is at most `level` high."""
+    return Limit(fitted(lambda x: x.sum(axis=1), k, order=1), "at_most", level)
+
+
+def stacked(k: int, level: float, half: int) -> float:
+    """Share of stacks at most `level` high with `half` of k shims off by up to a half only: by
+    inclusion and exclusion of the corners beyond (Feller 1966, I.9)."""
+    widths, failing = [1.0] * half + [2.0] * (k - half), 0.0
+    for cut in itertools.product((0, 1), repeat=k):
+        room = sum(widths) / 2 - level - sum(c * w for c, w in zip(cut, widths, strict=True))
+        failing += (-1) ** sum(cut) * max(room, 0.0) ** k
+    return 1 - failing / math.factorial(k) / math.prod(widths)
+
+
+@pytest.mark.parametrize("k, level", [(1, 0.5), (2, 0.5), (4, 3.3), (8, 5.0), (8, 3.0)])
+def test_a_halved_tolerance_gains_what_the_corner_beyond_the_limit_holds(k, level):
+    whole, half = stacked(k, level, 0), stacked(k, level, 1)
+    found = [find_halving([shims(k, level)], np.ones(k, bool), np.zeros(k), j) for j in (0, k - 1)]
+    assert found[0] == pytest.approx(found[-1])  # equal tolerances
+    one = found[0]
+    assert abs(one.share - half) <= one.share_uncertainty + 1e-9
+    assert abs(one.gain - (half - whole)) <= one.gain_uncertainty + 1e-9
+    assert one.gain_uncertainty < 0.7 * one.gain
+    is_kept = (k - 0.5) <= level
+    assert (one.share == 1 and not one.share_uncertainty) == (is_kept or k == 1)
+
+
+def test_the_widths_of_what_exists_in_part_have_the_error_of_its_border():
+    """A body that creeps up to a level, which some never reach: -log(1 - level / end)."""
+
+    def times(x: np.ndarray) -> np.ndarray:
+        part = (0.95 + 0.02 * x[:, 1]) / (1 + 0.1 * x[:, 0])
+        time = -np.log(np.maximum(1 - part, 1e-9))
+        return np.where(time < 6, time, np.nan)
+
+    grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 801)] * 2), axis=-1).reshape(-1, 2)
+    for count in (8, 40):
+        points = np.concatenate([runs(2), scan_points(np.ones(2, bool), count, corners=False)])
+        found = find_influence(fit_scalar(points, times(points), latest=6.0), np.zeros(2))
+        for widths, part in ((found.fixed, 0.0), (found.halved, 0.5)):
+            for j in range(2):
+                values = times(grid * np.where(np.arange(2) == j, part, 1.0))
+                exact = np.nanmax(values) - np.nanmin(values)
+                assert abs(widths[j] - exact) <= found.error[j]
 
 
 def test_the_share_of_the_box_that_meets_a_limit():

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from evidence.linkage.geometry import bennett_geometry
+from evidence.linkage.rigid import RigidBennett
 from fpm.errors import SceneError
 from fpm.motions import motion as whole
 from fpm.motions.motion_dataset import shapes_of
@@ -166,8 +166,7 @@ def test_a_rigid_motion_strains_nothing():
 
 def test_mitred_ends_meet_where_the_linkage_is_shut():
     """At opening 0 the end faces of the two bars of a hinge are one face."""
-    geometry = bennett_geometry(0.45, 0.035, 45.0)
-    folded = float(np.degrees(geometry.folded_opening_b))
+    folded = float(np.degrees(RigidBennett().folded_opening_b))
     scene = scene_type("bennett").build(start=folded, elements=3)
     corners, nodes = whole.section_corners(scene), np.concatenate([b.nodes for b in scene.beams])
     shut = [hinge for hinge in scene.hinges if abs(hinge.opening) < 1e-6]

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
 from scipy.optimize import brentq, root
 from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, problems_of, refused
@@ -14,8 +13,8 @@ from fpm.structures.describe import describe
 from fpm.structures.report import kinetic_energy
 from fpm.travel import sweep
 
-E, DIAMETER, RHO, G = 210e9, 4e-3, 7850.0, 9.81
-AREA, EI = np.pi * DIAMETER**2 / 4, E * np.pi * DIAMETER**4 / 64
+G = 9.81
+
 
 ROD = f"""
 start: equilibrium
@@ -55,31 +54,6 @@ curves: {part: {times: [-1, 1, 9], values: [0, 0.5, 7]}}
 def tip(scene) -> np.ndarray:
     beam = next(iter(scene.points.values()))
     return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
-
-
-def elastica(weight: float, length: float) -> np.ndarray:
-    """Where the end of a clamped rod without stretch lies under its weight (N/m), x and z."""
-    s = np.linspace(0, length, 201)
-
-    def slopes(s, y):
-        turn, bend, _, _ = y
-        return np.array(
-            [bend, -weight / EI * (length - s) * np.cos(turn), np.cos(turn), -np.sin(turn)]
-        )
-
-    ends = lambda a, b: np.array([a[0], b[1], a[2], a[3]])  # noqa: E731
-    first = np.array([0 * s, 0 * s, s, 0 * s])
-    return solve_bvp(slopes, ends, s, first, tol=1e-10, max_nodes=100_000).y[2:, -1]
-
-
-def test_a_cantilever_sags_to_the_elastica_with_the_square_of_the_elements():
-    exact = elastica(RHO * AREA * G, 2.0)
-    assert exact[1] < -0.6  # far
-    counts = [8, 16, 32]
-    found = [tip(loads(ROD).build(n=n))[[0, 2]] for n in counts]
-    errors = np.linalg.norm(np.array(found) - exact, axis=1) / 2.0
-    assert errors[-1] < 1e-4
-    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx([2, 2], abs=0.1)
 
 
 @pytest.mark.parametrize("turn", [[0, 0, 0], [0.3, -1.2, 2.0]])
@@ -261,28 +235,6 @@ def test_what_is_still_on_its_way_is_not_told_to_have_no_balance(monkeypatch):
     pin = "type: pin with play, clearance: 1 mm, load: 100 N, depth: 1 um"
     with pytest.raises(fpm.SceneError, match=r"nearer to the balance, .* 10 steps"):
         loads(changed(ARM, ("type: revolute", pin))).build()
-
-
-@pytest.mark.slow
-def test_a_rod_let_go_from_its_bent_shape_swings_in_the_modes_of_euler_and_bernoulli():
-    """Let go by a load that ends at once; motion of the end by the sum over clamped modes."""
-    length, force = 2.0, 0.02
-    load = "loads: {pull: {part: rod, at: Q, force: [0, 0, -0.02 N], curve: off}}\n"
-    text = ROD.replace("record", load + "curves: {off: {times: [0, 1e-9], values: [1, 0]}}\nrecord")
-    scene = loads(text).build(g=0, n=24)
-    betas = np.array(
-        [brentq(lambda b: np.cos(b) + 1 / np.cosh(b), np.pi * (k + 0.2), np.pi * (k + 0.8))
-         for k in range(6)]
-    )  # fmt: skip
-    assert betas[0] == pytest.approx(1.8751, abs=1e-4)
-    rates = betas**2 * np.sqrt(EI / (RHO * AREA * length**4))
-    shares = 4 * force / (RHO * AREA * length * rates**2)  # of the end: modes of size 2 there
-    assert shares.sum() == pytest.approx(force * length**3 / (3 * EI), rel=1e-3)
-    assert -tip(scene)[2] == pytest.approx(force * length**3 / (3 * EI), rel=1e-3)
-    found = fpm.simulate(scene, duration=4 * np.pi / rates[0], instants=41)[0]
-    way = found.points["tip"][0][:, 2]
-    expected = -(shares * np.cos(np.outer(found.time, rates))).sum(axis=1)
-    assert np.abs(way - expected).max() < 5e-3 * shares[0]
 
 
 def test_joints_are_led_to_where_releases_hold_them():

@@ -1,13 +1,8 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
-import linecache
-import os
 import pickle
-import sys
 from itertools import product
-from pathlib import Path
 
-import netCDF4
 import numpy as np
 import pytest
 from exact_motions import zfold
@@ -20,10 +15,6 @@ from evidence.verification.deployables import crossing, scissor
 from fpm.elements.particles.drive import Drive
 from fpm.scenes.effort import machine, run_seconds
 from fpm.structures import StructureError, load, loads, report
-
-PYTHON = FOLDER.parents[1].joinpath("docs", "structures.md").read_text(encoding="utf-8")
-PYTHON = PYTHON.split("```python\n")[-1].split("```")[0]
-"""The page's structure in Python."""
 
 
 def run(scene, duration, instants):
@@ -270,242 +261,15 @@ def test_the_digest_follows_what_a_file_says():
     assert loads(changed(SMALL, ("3 N m/rad", "4 N m/rad"))).digest != base
 
 
-# -- structures in Python --------------------------------------------------------------------------
+# -- files that are no texts -----------------------------------------------------------------------
 
 
-@pytest.fixture
-def mast(tmp_path, monkeypatch):
-    """Writes the page's structure in Python, with more behind it, into a file of some name."""
-    monkeypatch.setattr("sys.path", list(sys.path))
-
-    def write(more="", name="mast.py", source=PYTHON):
-        path = tmp_path / name
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(f"{source}\n{more}\n")
-        return path
-
-    return write
-
-
-def test_a_python_file_is_a_structure_too(mast):
-    found = load(mast())
-    assert (found.name, found.points, found.hinges) == ("mast", ("tip",), ("hook",))
-    assert found.mesh == "elements"
-    assert found.description == "A bar that hangs from a hinge."
-    assert np.ptp(found.build(L=2.0).position[:, 0]) == 2.0
-
-
-@pytest.mark.parametrize(
-    ("name", "more"),
-    [
-        ("helper_of_mast.py", "import helper_of_mast"),
-        ("lib_of_mast/geometry.py", "from lib_of_mast.geometry import LENGTH"),
-        ("lib_of_mast/table.csv", "TEXT = open({path!r}).read()"),
-    ],
-    ids=["module beside", "package", "file of data"],
-)
-def test_what_a_python_file_imports_or_reads_below_its_folder_counts(mast, name, more):
-    path = mast(name=name, source="LENGTH = 1")
-    file = mast(more.format(path=str(path)), name=f"mast_of_{path.stem}.py")
-    before = load(file).digest
-    if path.suffix == ".py":
-        path.write_text("LENGTH = 1  # m")
-    assert load(file).digest == before
-    path.write_text("LENGTH = 2")
-    assert load(file).digest != before
-
-
-def test_it_is_loaded_once_until_something_of_it_changes(mast):
-    table, helper = mast(name="table.csv", source="1"), mast(name="helper_of_it.py", source="A = 1")
-    path = mast(f"import helper_of_it\nTEXT = open({str(table)!r}).read()")
-    first = load(path)
-    assert load(path) is first
-    more = path.read_text() + "\nB = 2"
-    for file, text in ((table, "2"), (helper, "A = 2"), (helper, "A = 3"), (path, more)):
-        file.write_text(text)  # within a second, of the same size: compiled code looks the same
-        before, first = first, load(path)
-        assert first.digest != before.digest
-        assert int(helper.read_text()[4]) == first.function.record.modules["helper_of_it"].A
-        assert "helper_of_it" not in sys.modules
-
-
-@pytest.mark.parametrize(
-    "more",
-    [
-        "import helper_of_data",  # which reads while it is imported
-        "TEXT = open({path!r}).read()",
-        "import os\nos.read(os.open({path!r}, os.O_RDONLY), 9)",
-        "import numpy\nnumpy.loadtxt({path!r})",
-        "import sqlite3\nsqlite3.connect({path!r})",
-        "from fpm import structures\nstructures.load({mast!r})",  # that reads it in its turn
-    ],
-)
-def test_what_it_reads_counts_however_and_wherever_it_lies(mast, tmp_path_factory, more):
-    data = tmp_path_factory.mktemp("elsewhere") / "data.csv"
-    data.write_text("1")
-    path, reads = str(data), f"TEXT = open({str(data)!r}).read()"
-    mast(name="helper_of_data.py", source=reads)
-    file = mast(more.format(path=path, mast=str(mast(reads, "reads.py"))), "what_reads.py")
-    before = load(file).digest
-    for text in ("2", "3"):  # the second time in a process in which all is imported
-        data.write_text(text)
-        before, earlier = load(file).digest, before
-        assert before != earlier
-
-
-AT_OTHERS = """
-build_plain = build
-def build(**values):
-    if values["L"] > 1.5:
-        open({path!r}).read()
-    return build_plain(**values)
-"""
-
-
-def test_what_it_reads_at_other_values_only_is_stated_or_refused(mast):
-    table = mast(name="table.csv", source="1")
-    others = AT_OTHERS.format(path=str(table))
-    found = load(mast(others))
-    assert found.build(L=1.2).points
-    with pytest.raises(fpm.SceneError, match=r"opens .*table\.csv.* or names in DATA"):
-        found.build(L=2.0)
-    stated = load(mast(others + 'DATA = ["*.csv"]'))
-    assert stated.build(L=2.0).points
-    table.write_text("2")
-    with pytest.raises(fpm.SceneError, match=r"table\.csv changed since"):
-        stated.build(L=2.0)
-    assert load(mast(others + 'DATA = ["*.csv"]')).digest != stated.digest
-
-
-@pytest.mark.parametrize(
-    "more",
-    [
-        "import netCDF4",  # a library that opens files by itself
-        "def later():\n    return __import__('netCDF4')",
-        "def later():\n    from xarray import open_dataset",
-        "import os\nos.system('true')",
-        "import subprocess",
-        "from deployable import campaign",
-    ],
-)
-def test_what_reads_files_unseen_is_stated_or_refused(mast, more):
-    with pytest.raises(StructureError, match=r"is not seen, .*allowed: with DATA ="):
-        load(mast(more))
-    assert load(mast(f"{more}\nDATA = []")).points
-    with pytest.raises(StructureError, match="DATA: 'x' is not allowed"):
-        load(mast(f"{more}\nDATA = 'x'"))
-    with pytest.raises(StructureError, match=r"DATA: 'tabels/\*\.nc' stands for no file"):
-        load(mast(f"{more}\nDATA = ['tabels/*.nc']"))
-
-
-UNSEEN = """
-from netCDF4 import Dataset
-def read():
-    with Dataset({path!r}) as file:
-        return float(file["length"][0])
-"""
-UNSEEN_LATER = """
-build_plain = build
-def build(L, elements):
-    return build_plain(L=L + (read() if L > {above} else 0.0), elements=elements)
-"""
-
-
-@pytest.mark.parametrize("place", ["", "tables/", "../elsewhere/"])
-@pytest.mark.parametrize("above", [None, 0.0, 1.5], ids=["import", "every build", "other values"])
-def test_what_a_library_reads_unseen_is_never_stale(mast, tmp_path, place, above):
-    """In the folder and outside, by a helper at its import, at every build or at some values: with
-    the file stated, a changed one is refused until the structure is loaded again."""
-    table = Path(os.path.abspath(tmp_path / "own" / place / "length.nc"))
-    helper = UNSEEN.format(path=str(table)) + ("LENGTH = read()" if above is None else "")
-    mast(name="own/helper_unseen.py", source=helper)
-    of_import = "import helper_unseen\ndef read():\n    return helper_unseen.LENGTH"
-    reads = of_import if above is None else "from helper_unseen import read"
-    more = reads + UNSEEN_LATER.format(above=above or 0.0)
-
-    def write(length):
-        table.parent.mkdir(exist_ok=True)
-        with netCDF4.Dataset(part := table.with_suffix(".part"), "w") as file:
-            file.createDimension("row", 1)
-            file.createVariable("length", "f8", ("row",))[:] = length
-        os.replace(part, table)
-
-    write(1.0)
-    with pytest.raises(StructureError, match="import netCDF4: what this reads is not seen"):
-        load(mast(more, "own/unseen.py"))
-    for pattern in (f"{place}*.nc", str(table)):
-        path = mast(f"{more}\nDATA = [{pattern!r}]", "own/unseen.py")
-        write(1.0)
-        before = load(path)
-        assert np.ptp(before.build(L=2.0).position[:, 0]) == 3.0
-        write(2.0)
-        with pytest.raises(fpm.SceneError, match=r"length\.nc changed since"):
-            before.build(L=2.0)
-        after = load(path)
-        assert np.ptp(after.build(L=2.0).position[:, 0]) == 4.0
-        assert after.digest != before.digest
-
-
-def test_what_a_library_keeps_in_memory_of_a_changed_file_is_refused(mast, tmp_path):
-    table = tmp_path / "length.txt"
-    table.write_text("1")
-    path = mast(f"import linecache\nLENGTH = linecache.getline({str(table)!r}, 1)")
-    before = load(path).digest
-    table.write_text("2")
-    with pytest.raises(fpm.SceneError, match=r"length\.txt changed since it was imported: start"):
+def test_a_python_file_is_refused_and_not_run(tmp_path):
+    path = tmp_path / "mast.py"
+    path.write_text("import pathlib\npathlib.Path(__file__).with_suffix('.run').touch()\n")
+    with pytest.raises(StructureError, match=r"this is a Python file; allowed: a `\.yaml` file"):
         load(path)
-    linecache.clearcache()
-    assert load(path).digest != before
-
-
-def test_what_changes_while_it_is_loaded_is_refused(mast, tmp_path):
-    table = tmp_path / "length.txt"
-    table.write_text("1")
-    with pytest.raises(fpm.SceneError, match=r"length\.txt changed since"):
-        load(mast(f"import os\nopen({str(table)!r}).read()\nos.utime({str(table)!r}, (1, 1))"))
-
-
-def test_a_file_that_it_makes_itself_does_not_count(mast, tmp_path):
-    write = f"open({str(tmp_path / 'made.csv')!r}, 'w').write('1')\n"
-    path = mast(write + f"TEXT = open({str(tmp_path / 'made.csv')!r}).read()")
-    assert load(path).build(L=1.2).points
-    assert load(path) is load(path)
-
-
-def test_a_helper_whose_name_another_module_has_is_refused(mast):
-    one, two = (
-        mast("import helper_of_both\nassert helper_of_both.NAME", f"{folder}/{folder}.py")
-        for folder in ("one", "two")
-        if mast(name=f"{folder}/helper_of_both.py", source=f"NAME = {folder!r}")
-    )
-    assert load(one).name == "one"
-    with pytest.raises(StructureError, match=r"helper_of_both: is .*one.* already"):
-        load(two)
-
-
-def test_a_python_file_may_have_dataclasses_and_postponed_annotations(mast):
-    first, rest = PYTHON.split('"""\n', 1)
-    future = '"""\nfrom __future__ import annotations\nfrom dataclasses import dataclass\n'
-    bay = "@dataclass\nclass Bay:\n    height: float"
-    assert load(mast(bay, source=first + future + rest)).points == ("tip",)
-
-
-@pytest.mark.parametrize(
-    ("source", "said"),
-    [
-        ("build = print", "PARAMETERS: missing"),
-        ("PARAMETERS = {}", "build: missing"),
-        ("PARAMETERS = {}\ndef build(): return 1", "gives int; allowed: an fpm.Scene"),
-        ("PARAMETERS = {}\ndef build(): return 1 / 0", "ZeroDivisionError: division by zero"),
-        ("PARAMETERS = {}\nMESH = 'n'\ndef build(): pass", "MESH: 'n' is not allowed"),
-        ("import nothing_of_the_kind", "it cannot be run: ModuleNotFoundError"),
-        ("def build(:", "it cannot be run: SyntaxError"),
-    ],
-)
-def test_python_files_that_are_no_structures_are_refused(mast, source, said):
-    with pytest.raises(fpm.SceneError, match=r"mast\.py has 1 problem") as caught:
-        load(mast(source=source))
-    assert said in str(caught.value)
+    assert not path.with_suffix(".run").exists()
 
 
 # -- names -----------------------------------------------------------------------------------------

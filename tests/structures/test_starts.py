@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import fpm
 from fpm.elements.openings.opening import turning_at_start
+from fpm.reading.responses import parse
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures import loads
 from fpm.structures.plausible import warnings
@@ -232,3 +234,115 @@ def test_a_stated_rate_of_what_floats_gives_it_no_momentum(kind, rate):
     assert momenta.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
     total = (np.cross(start.position, momenta) + spins).sum(axis=0)
     assert total == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+WHEELS = """
+name: wheels
+points: {o: [0, 0, 0]}
+bodies:
+  hub: {mass: 1, centre: o, inertia: [0.01, 0.015, 0.02]}
+  wheel: {mass: 1, centre: o, inertia: [0.01, 0.015, 0.02]}
+joints:
+  h: {type: revolute, parts: [ground, hub], at: o, axis: z}
+  g: {type: revolute, parts: [hub, wheel], at: o, axis: z}
+curves: {even: {times: [0, 1], values: [0, 1]}}
+record: {o: {part: wheel, at: o}}
+"""
+TURNS = {
+    "free": "opening_rates: {a: {joint: h, rate: 50 rad/s}, b: {joint: g, rate: -102 rad/s}}",
+    "driven": "drives: {d: {part: hub, at: o, spin: [0, 0, 50]}}",
+    "led": "actions: {m: {type: motor, joint: g, turn: -102 rad, curve: even}}",
+    "latched": """
+opening_rates: {a: {joint: h, rate: 50 rad/s}, b: {joint: g, rate: -102 rad/s}}
+actions: {l: {type: latch, joint: g, angle: -31 rad, side: above}}""",
+}
+
+
+@pytest.mark.parametrize("rate", [98, -102, 900])
+def test_a_free_wheel_turns_by_its_rate_whatever_the_step(rate):
+    text = WHEELS[: WHEELS.index("  g:")].replace("  wheel: ", "  #")
+    text += f"record: {{o: {{part: hub, at: o}}}}\nopening_rates: {{a: {{joint: h, rate: {rate}}}}}"
+    for step in (1.0, 0.1, 0.03, 0.01):
+        (outcome,) = fpm.simulate(loads(text).build(), duration=1, instants=2, step=step)
+        assert outcome.openings["h"][-1] == pytest.approx(rate, abs=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.01])
+@pytest.mark.parametrize(
+    ("case", "hub", "wheel"),
+    [
+        ("free", 50, -102),
+        ("driven", 50, -50),
+        ("led", 51, -102),
+        # From 31/102 s on both have half of the momentum, J (50 - 52).
+        ("latched", 50 * 31 / 102 - (1 - 31 / 102), -31),
+    ],
+)
+def test_several_turns_in_a_step_are_counted(case, hub, wheel, step):
+    text = WHEELS + TURNS[case]
+    if case == "driven":
+        text = text.replace("  h: {type: revolute, parts: [ground, hub], at: o, axis: z}\n", "")
+    (outcome,) = fpm.simulate(loads(text).build(), duration=1, instants=11, step=step)
+    assert outcome.failure is None
+    assert outcome.openings["g"][-1] == pytest.approx(wheel, abs=1e-6)
+    if case != "driven":
+        assert outcome.openings["h"][-1] == pytest.approx(hub, abs=1e-6)
+
+
+LATCHES = """
+opening_rates: {a: {joint: h, rate: 1 rad/s}, b: {joint: g, rate: 2 rad/s}}
+actions:
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.01])
+@pytest.mark.parametrize(
+    ("latches", "hub", "times"),
+    [
+        ([("g", 0.31, ""), ("g", 0.3, "")], 0.15 + 2 * 0.85, [0.15]),
+        ([("h", 0.155, ""), ("g", 0.3, "")], 0.155, [0.15, 0.1525]),
+        # What would be missed at 2 rad/s is passed at 1 rad/s.
+        ([("h", 0.149, ", max_capture_rate: 1.5 rad/s"), ("g", 0.3, "")], 0.149, [0.149, 0.15]),
+    ],
+)
+def test_latches_passed_in_one_step_catch_in_order(latches, hub, times, step):
+    """Once g is caught, both turn at the mean of their rates of 1 and 3 rad/s; times to a step."""
+    lines = [
+        f"  l{n}: {{type: latch, joint: {joint}, angle: {angle} rad{more}}}\n"
+        for n, (joint, angle, more) in enumerate(latches)
+    ]
+    scene = loads(WHEELS + LATCHES + "".join(lines)).build()
+    (outcome,) = fpm.simulate(scene, duration=1, instants=11, step=step)
+    assert outcome.failure is None
+    assert outcome.openings["g"][-1] == pytest.approx(0.3, abs=1e-9)
+    assert outcome.openings["h"][-1] == pytest.approx(hub, abs=1e-9)
+    found = sorted(outcome.events[outcome.events[:, 2] == 0][:, 0])
+    assert found == pytest.approx(times, abs=step / 20)
+
+
+@pytest.mark.slow
+def test_the_impact_of_a_latch_converges_with_the_square_of_the_step():
+    """A wheel against a damper and a spring: J w, w by the damped oscillation up to the latch."""
+    text = (
+        WHEELS[: WHEELS.index("  g:")].replace("  wheel: ", "  #")
+        + """
+actions:
+  drag: {type: damper, joint: h, damping: 0.04}
+  coil: {type: torsion spring, joint: h, stiffness: 2 N m/rad, rest: 1 rad}
+  stop: {type: latch, joint: h, angle: 0.5 rad}
+record: {o: {part: hub, at: o}}
+"""
+    )
+    decay, rate = 1.0, np.sqrt(2 / 0.02 - 1)  # about the rest, exp(-t) (cos + sin/rate)
+    angle = lambda t: 1 - np.exp(-decay * t) * (np.cos(rate * t) + np.sin(rate * t) / rate)  # noqa: E731
+    at = brentq(lambda t: angle(t) - 0.5, 0.0, 0.2)
+    exact = 0.02 * np.exp(-decay * at) * np.sin(rate * at) * 100 / rate
+    errors = []
+    for step in (4e-3, 2e-3, 1e-3, 1e-4):
+        (outcome,) = fpm.simulate(loads(text).build(), duration=0.4, instants=11, step=step)
+        response = parse("impact", {"latch_impact": "stop"}, outcome.scene)
+        assert response.least == 0
+        errors.append(abs(response.evaluate(outcome)[-1] - exact))
+    assert errors[0] < 2e-3 * exact and errors[1] < 5e-4 * exact and errors[3] < 1e-6 * exact

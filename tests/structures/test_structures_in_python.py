@@ -166,15 +166,3 @@ def test_curves_are_those_of_the_folder(tmp_path):
     assert load(tmp_path / "b.yaml").digest == load(tmp_path / "a.yaml").digest
     with pytest.raises(StructureError, match="the folder of the structure"):
         s.write(tmp_path / "other" / "b.yaml")
-
-
-def test_a_python_file_has_a_structure(tmp_path):
-    lines = ["import fpm", "STRUCTURE = fpm.Structure.read('PATH')"]
-    path = tmp_path / "wing.py"
-    path.write_text("\n".join(lines).replace("PATH", str(FOLDER / "panel.yaml")))
-    structure, expected = load(path), load(FOLDER / "panel.yaml")
-    assert structure.parameters == expected.parameters
-    assert content(structure.build(k=0.3)) == content(expected.build(k=0.3))
-    path.write_text("STRUCTURE = 1")
-    with pytest.raises(StructureError, match="STRUCTURE: not allowed"):
-        load(path)

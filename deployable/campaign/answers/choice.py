@@ -5,6 +5,7 @@ The runs are those of a sparse grid over the choices and the box about each. Two
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -30,6 +31,8 @@ from deployable.campaign.text.words import words_of
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
 _DOUBTS = 4
+_REACH, _MOST_PARTS = 0.125, 4  # of a range: half of a part about a choice; parts in a row
+_LARGE = 0.25  # of the differences between choices: error that calls for runs there
 
 
 def answer(
@@ -55,16 +58,18 @@ def answer(
     design = design_points(experiment, choose)
     notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
-    specs = list_limits(requirements, list(experiment.quantities))
-    for iteration in range(verify.max_iterations + 1):
-        best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
-        points += [] if safest is None else [*safest.worst]
-        points = model.find_missing([point for point in points if np.isfinite(point).all()])
-        if iteration == verify.max_iterations or not points:
+    specs, base = list_limits(requirements, list(experiment.quantities)), base_plan.experiment
+    best, safest, safe_ranges, trials = _search(model, base, choose, specs, verify.max_iterations)
+    judge, error = model, _error(model, choose, None if best.is_allowed else specs)
+    nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
+    for values in (best.values, np.array([nominal[name] for name in choose.parameters])):
+        is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread(trials)
+        if not verify.max_iterations or not is_open or model.account.allowance < len(design):
             break
-        model.add(points)
-    error = _error(model, choose, None if best.is_allowed else specs)
+        local, candidate = _zoom(model, base, choose, specs, values)
+        if judge is model or (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety):
+            judge, best, safest = local, candidate, None
+            error = _error(judge, choose, None if best.is_allowed else specs)
     decides = find_deciding_parameters(trials, error)
     rows = []
     for i, (name, (low, high)) in enumerate(choose.parameters.items()):
@@ -78,8 +83,8 @@ def answer(
         "parameters": rows,
         "kept": best.is_allowed,
         "safe": best.is_safe,
-        "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
-        "limits": list(map(partial(_limit, model), specs, best.margins, best.worst)),
+        "goals": list(map(partial(_goal, judge), choose.goals, best.goals, best.goal_points)),
+        "limits": list(map(partial(_limit, judge), specs, best.margins, best.worst)),
         "tried": [
             {"values": trial.values.tolist(), "goals": list(map(number, trial.goals)),
              "kept": trial.is_allowed}
@@ -95,6 +100,51 @@ def answer(
         "simulated": model.simulated,
     }  # fmt: skip
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
+
+
+def _search(
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
+) -> tuple[Any, Any, list, list]:
+    """What `_best` finds once the places that decide are simulated, or after so many iterations."""
+    for iteration in range(iterations + 1):
+        best, safest, safe_ranges, trials = _best(model, base, choose, specs)
+        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
+        points += [] if safest is None else [*safest.worst]
+        points = model.find_missing([point for point in points if np.isfinite(point).all()])
+        if iteration == iterations or not points:
+            break
+        model.add(points)
+    return best, safest, safe_ranges, trials
+
+
+def _zoom(
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list, values: np.ndarray
+) -> tuple[ModelEvaluator, Any]:
+    """Search a part of the choices about `values`, with a design of its own and a surrogate of the
+    runs there, whose errors are not those of the whole; and go on about the best while it lies at
+    an end of the part. Returns the evaluator over the last part, and the best choice there."""
+    ranges = np.array(list(choose.parameters.values()), dtype=float)
+    reach = _REACH * np.ptp(ranges, axis=1)
+    for _ in range(_MOST_PARTS):
+        values = np.clip(values, *ranges.T)
+        ends = np.clip(np.array([values - reach, values + reach]), *ranges.T).T
+        names = zip(choose.parameters, ends.tolist(), strict=True)
+        part = replace(choose, parameters={name: tuple(end) for name, end in names}, order=2)
+        local = model.narrow(widen_intervals(base, part))
+        local.add(design_points(local.experiment, part))
+        best, *_ = _search(local, base, part, specs, iterations=1)
+        model.absorb(local)
+        values = best.values
+        is_end = np.abs(values[:, None] - ends) < 1e-3 * reach[:, None]
+        if not (is_end & (ends != ranges)).any():
+            break
+    return local, best
+
+
+def _spread(trials: Sequence[Any]) -> float:
+    """Difference of the first goal between tried choices that are allowed; infinite of none."""
+    goals = [trial.goals[0] for trial in trials if trial.is_allowed and np.isfinite(trial.goals[0])]
+    return float(np.ptp(goals)) if goals else np.inf
 
 
 def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:

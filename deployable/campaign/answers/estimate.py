@@ -287,7 +287,7 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
 
 def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[int, int, set[str]]:
     """Return how many runs of a campaign's plan are not stored in its folder of results, how many
-    there are in all, and variables that stored ones lack as this version reads them."""
+    there are in all, and variables that stored ones lack."""
     keep = campaign.jobs.keep
     store = open_store(keep, folder.runs(keep), campaign.experiment)
     groups = store.groups(plan.unique_runs(), campaign.jobs.group)
@@ -310,7 +310,7 @@ def describe_work(
         if lacks or missing < total:
             notes = f"; {total - missing} of them are there"
         if lacks:
-            notes += f", others lack {words(sorted(lacks))} as this version reads it"
+            notes += f", others lack {words(sorted(lacks))}"
     stages = find_stages(not campaign.experiment.is_adaptive and share > 0)
     if not stages:
         return f"nothing to be done: the results are in {folder.path}"

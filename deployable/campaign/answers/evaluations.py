@@ -2,9 +2,11 @@
 
 Further runs go through the campaign's store, so that they are found again."""
 
+import copy
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -124,6 +126,34 @@ class ModelEvaluator:
             self.points = np.concatenate([self.points, additions])
             self.refinements += runs_at(self.plan, additions)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
+
+    def narrow(self, experiment: Experiment) -> "ModelEvaluator":
+        """Make an evaluator over a part of the box, that of `experiment`, with those of the runs
+        that lie there; its further runs go to the same store and account."""
+        part = copy.copy(self)
+        part.__dict__.pop("nominal", None)
+        part.plan, part.refinements, part.simulated = (
+            replace(self.plan, experiment=experiment),
+            [],
+            0,
+        )
+        points = experiment.box.to_unit(self.experiment.box.from_unit(self.points))
+        rows = (np.abs(points) <= 1 + SAME_RUN).all(axis=1)
+        part.points, part.numbers, part.margins = (
+            points[rows],
+            self.numbers[rows],
+            self.margins[rows],
+        )
+        return part
+
+    def absorb(self, part: "ModelEvaluator") -> None:
+        """Add the runs that an evaluator over a part of the box (`narrow`) has made."""
+        new = -len(part.refinements) or len(part.points)
+        points = self.experiment.box.to_unit(part.experiment.box.from_unit(part.points[new:]))
+        self.points = np.concatenate([self.points, points])
+        self.numbers = np.concatenate([self.numbers, part.numbers[new:]])
+        self.margins = np.concatenate([self.margins, part.margins[new:]])
+        self.simulated += part.simulated
 
     @property
     def distinct_rows(self) -> np.ndarray:

@@ -146,7 +146,7 @@ def _row(
         # The search over a part may find more than that over the whole has.
         **{name: np.minimum(getattr(influence, name), upper - lower)
            for name in ("alone", "fixed", "halved")},
-        "share": influence.share,
+        "share": influence.share, "width_error": influence.error,
     }  # fmt: skip
     row |= zip(("unconverged_lower", "unconverged_upper"), unconverged, strict=True)
     return row | dict(zip(("happens", "happens_uncertainty"),

@@ -22,10 +22,9 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.runs.progress import Notify
-from deployable.intervals.scalars import share_of_box, shares_of_box
+from deployable.intervals.scalars import find_halving, shares_of_box
 
 _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
-_LINES = 512  # of a share with one interval halved, which is an outlook
 
 
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
@@ -134,10 +133,8 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
 
 def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
     """The share that meets all if one interval were half as wide, by the parameter's name."""
-    box, rows = model.experiment.box, {}
-    for j in np.flatnonzero(box.free):
-        lower, upper = -np.ones(box.dimension), np.ones(box.dimension)
-        lower[j], upper[j] = (0.5 * (model.nominal[j] + end) for end in (-1.0, 1.0))
-        fraction, open_ = share_of_box(result.limits, box.free, lower, upper, _LINES)
-        rows[box.names[j]] = {"share": fraction, "share_uncertainty": open_}
-    return rows
+    box, limits = model.experiment.box, result.limits
+    return {
+        box.names[j]: find_halving(limits, box.free, model.nominal, j)._asdict()
+        for j in np.flatnonzero(box.free)
+    }

@@ -11,7 +11,7 @@
 `deployable-intervals` is the same command, where the package is installed.
 
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
-the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md."""
+the config as a YAML file (or the sections that it needs, as JSON). `keys` prints all keys."""
 
 import argparse
 import sys
@@ -23,7 +23,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import refuse_links, wrap_error
+from deployable.campaign.files import wrap_error
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program
 from deployable.campaign.runs.progress import MessagePrinter
@@ -86,7 +86,7 @@ def _evidence_is_there() -> bool:
 
 
 def _attack(arguments: list[str]) -> int:
-    """Attack the program with damaged files, kills, full disks and wrong configs, for a time."""
+    """Attack the program with damaged files, kills and full disks, for a time."""
     return import_module("evidence.attack.attack").main(arguments)
 
 
@@ -106,7 +106,6 @@ def _run_stage(options: argparse.Namespace) -> int:
     log = None
     with suppress(OSError, CampaignError):  # a full disk, say, which the stage tells better
         if options.log:
-            refuse_links(Folder(options.folder).whole)
             options.log.parent.mkdir(parents=True, exist_ok=True)
             log = options.log.open("w", encoding="utf-8")
 

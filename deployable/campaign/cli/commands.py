@@ -55,7 +55,8 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
         "--require", action="store_true",
         help="end with status 3 unless all of the box meets all requirements",
     )  # fmt: skip
-    command(commands, "keys", _keys.__doc__, _keys)
+    keys = command(commands, "keys", _keys.__doc__, _keys)
+    keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
     structure = command(commands, "structure", _structure.__doc__, _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
     structure.add_argument(
@@ -85,10 +86,6 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     export.add_argument(
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
-    export.add_argument(
-        "--trust", action="append", default=[], metavar="FILE",
-        help="structure that results may name, and that is read, or run, then; may be repeated",
-    )  # fmt: skip
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
 
@@ -138,8 +135,6 @@ def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
         print(f"{prefix}warning: {text}")
     for text in doubt_texts(campaign.experiment.doubts):
         print(f"{prefix}{text}")
-    if campaign.experiment.scene.file.endswith(".py"):
-        print(f"{prefix}{campaign.experiment.scene.file} is a program, which was run")
 
 
 def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
@@ -177,8 +172,10 @@ def _are_met(campaign: Campaign, folder: Folder) -> bool:
 
 
 def _keys(options: argparse.Namespace) -> int:
-    """Print all keys of a config as a page of Markdown."""
-    print(table(whole()), end="")
+    """Print all keys of a campaign's config, or of a structure, as Markdown."""
+    from fpm.structures.keys_page import keys_page
+
+    print(keys_page() if options.of == "structure" else table(whole()), end="")
     return 0
 
 
@@ -200,8 +197,6 @@ def _structure(options: argparse.Namespace) -> int:
         text = f"structure {name!r} is not known; allowed: a file, or {error.allowed}"
         print(text if error.key == "scene.name" else error, file=sys.stderr)
         return 1
-    if name.endswith(".py"):
-        print(f"{name} is a program, which was run")
     print(describe(structure, options.duration))
     if options.no_picture:
         return 0
@@ -223,7 +218,7 @@ def _export(options: argparse.Namespace) -> int:
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
     try:
-        selection = choose(options.what, options.run, settings, options.duration, options.trust)
+        selection = choose(options.what, options.run, settings, options.duration)
         if selection.folder and not options.output:
             place = selection.folder / "exports"
         paths = export(selection, options.to, place, options.frames, options.colour)

@@ -9,7 +9,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from itertools import pairwise
-from pathlib import Path
 from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
@@ -150,17 +149,16 @@ def _default_text(key: ConfigKey) -> str:
 
 
 def table(config: ConfigKey) -> str:
-    """Return the page of all keys of a config (docs/config.md), Markdown, as a text; no file is
-    written. config: description of a whole config, as `read.whole` returns it."""
+    """Return all keys of a config as Markdown, a heading and a table for each section.
+
+    config: description of a whole config, as `read.whole` returns it."""
     groups = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
     singles = {"The campaign": [row for part in groups.values() if len(part) == 1 for row in part]}
     sections = {name: part for name, part in groups.items() if len(part) > 1}
     parts = (singles | sections).items()
-    texts = (f"\n## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
-    head = Path(__file__).with_name("keys_page.md").read_text(encoding="utf-8")
-    return head + "".join(texts)
+    return "\n".join(f"## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
 
 
 _COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"

@@ -33,7 +33,7 @@ CaseName = _type_of(
 )  # fmt: skip
 Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
 OrAuto = Literal["auto"]
-StructureFile = _type_of(str, "the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
+StructureFile = _type_of(str, "the path of a `.yaml` file", pattern=r"[^\0]*")
 SceneValues = Annotated[
     dict[str, _type_of(Any, "a number", unit="parameter")],
     Rule("a mapping from the scene's parameter names to values"),
@@ -86,8 +86,7 @@ class SceneSection(ConfigSection):
     name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
     file: StructureFile = ABSENT
-    """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
-    a Python file is run when it is read, so name only one that you trust."""
+    """A structure's text file (docs/structures.md), sought from the folder of the config."""
     parameters: SceneValues = field(default_factory=dict)
     """Values that differ from the scene's defaults, by the scene's own parameter names; numbers and
     options such as `elements`."""

@@ -33,9 +33,9 @@ def experiment_warnings(experiment: Any) -> list[str]:
 
 
 def requirement_warnings(campaign: Any) -> list[str]:
-    """Return sentences on limits of a `Campaign` that are hardly meant: times and speeds that no
-    run can reach, times that none can exceed, lengths far beyond the structure's extent, angles of
-    more than a turn without a motor; [] if there is none."""
+    """Return sentences on limits of a `Campaign` that are hardly meant: those below what a quantity
+    can be, times and speeds that no run can reach, times that none can exceed, lengths far beyond
+    the structure's extent, angles of more than a turn without a motor; [] if there is none."""
     from fpm.structures.plausible import extent
 
     experiment, texts = campaign.experiment, []
@@ -49,7 +49,12 @@ def requirement_warnings(campaign: Any) -> list[str]:
         if end in ("at_least", "at_most")
     ]
     for key, end, quantity, limit in limits:
-        if quantity.is_time and limit > duration * (1 if end == "at_least" else LONGEST):
+        least = quantity.least
+        if least is not None and (limit <= least if end == "at_least" else limit < least):
+            verdict = "no run can break it" if end == "at_least" else "none can meet it"
+            texts.append(f"{key}: {limit:g}, but {quantity.name} is never below {least:g}, so that "
+                         f"{verdict}: take another limit")  # fmt: skip
+        elif quantity.is_time and limit > duration * (1 if end == "at_least" else LONGEST):
             verdict = "none can meet it" if end == "at_least" else "all where it happens meet it"
             texts.append(f"{key}: {limit:g} s, but runs end at {duration:g} s, so that {verdict}: "
                          "take a longer solver.duration, or another limit")  # fmt: skip

@@ -8,9 +8,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-import os
 import re
-import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cache, cached_property, lru_cache
@@ -36,8 +34,8 @@ from deployable.campaign.config.models import (
     Verify,
 )
 from deployable.campaign.config.plausible import experiment_warnings
-from deployable.campaign.errors import CampaignError, HeldConfigError
-from deployable.campaign.provenance import digest_code
+from deployable.campaign.errors import HeldConfigError
+from deployable.campaign.provenance import program_digest
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
@@ -56,31 +54,16 @@ _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """Load the `fpm` structure (`SceneType`) in `file`, which results may name from then on
-    (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
+    """Load the `fpm` structure (`SceneType`) in the text file `file`, or without one the shipped
+    structure called `name`. Raises `fpm.SceneError`."""
     if not file:
         if name not in (files := program_data.list_structures()):
             hint = f", or {name}.yaml as a file" if Path(f"{name}.yaml").is_file() else ""
             hint = hint or did_you_mean(name, files)
             raise SceneError("scene.name", name, f"one of {', '.join(files)}{hint}")
         file = str(files[name])
-    else:
-        trust(file)
-    if Path(file).suffix == ".py":  # which is run whenever it is read
-        return structures.load(file)
     structure = _structure_from_text(read_text(file), file)
     return structures.load(file) if structure.files else structure  # the text has not all of it
-
-
-_TRUSTED_FILES: set[str] = set()
-"""Files of structures that the user of this process has named."""
-
-
-def trust(file: str) -> None:
-    """Allow results, for the rest of this process, to name this structure's file, which is then
-    read, or executed if it is Python; else only a user's config makes one trusted."""
-    if "\0" not in file:
-        _TRUSTED_FILES.add(os.path.realpath(file))
 
 
 @lru_cache(maxsize=8)
@@ -121,7 +104,7 @@ def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
 @dataclass(frozen=True)
 class SceneChoice:
     """Structure of a campaign by name, with the parameter values that differ from its defaults.
-    file: path of its YAML or Python file, "" for one that is shipped."""
+    file: path of its text file, "" for one that is shipped."""
 
     name: str
     parameters: dict[str, Any]
@@ -185,8 +168,8 @@ class Experiment:
     @classmethod
     def from_results(cls, data: Mapping) -> Experiment:
         """Make the experiment from `data`, its nested dicts in a result file, which may come from
-        anybody: names, after which files are called, and the allowed ranges of the solver's and the
-        design's numbers are checked. Raises `HeldConfigError` if it cannot be used."""
+        anybody: names, after which files are called, are checked. Raises `HeldConfigError` if it
+        cannot be used."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
@@ -194,12 +177,6 @@ class Experiment:
             is_named = is_named and all(map(str.isidentifier, experiment.intervals))
             if not is_named or "\0" in experiment.scene.name + experiment.scene.file:
                 raise ValueError("a name is none of a campaign, response, quantity or parameter")
-            for section in (experiment.solver, experiment.design):
-                for name, kind in get_type_hints(type(section), include_extras=True).items():
-                    number = getattr(section, name)
-                    keys = getattr(kind, "__metadata__", ()) if type(number) in (int, float) else ()
-                    if not all(key.allows(number) for key in keys):
-                        raise ValueError(f"{name} = {number:g} is out of its limits")
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the results hold a config that cannot be used: {error}"
             raise HeldConfigError(text) from None
@@ -212,21 +189,13 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
-        `CampaignError` for a file that results name but no config."""
-        file = self.scene.file
-        if file and os.path.realpath(file) not in _TRUSTED_FILES:
-            cause = "is a program and was not run" if file.endswith(".py") else "was not read"
-            raise CampaignError(
-                f"the results are of the structure {file}, which {cause}, since only they name it; "
-                f"allowed: a config that names it, or, of an export, --trust {shlex.quote(file)}"
-            )
-        return scene_type(self.scene.name, file)
+        """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`."""
+        return scene_type(self.scene.name, self.scene.file)
 
     @property
     def mechanics(self) -> str:
-        """Digest of the structure and of all code that computes runs, part of each run's id."""
-        return digest_code(self.scene_type.digest)
+        """Digest of the structure and of the program, part of each run's id."""
+        return digest([program_digest(), self.scene_type.digest])
 
     @cached_property
     def response_list(self) -> list[Any]:

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import fpm
 from deployable.campaign.config.loader import read, read_file
-from deployable.campaign.config.sections import Experiment, scene_type, trust
+from deployable.campaign.config.sections import Experiment, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError
-from deployable.campaign.files import refuse_links
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.run_samples import open_samples
@@ -91,7 +90,6 @@ def choose(
     run: str = "nominal",
     settings: Mapping[str, str] | None = None,
     duration: float | None = None,
-    trusted: Sequence[str] = (),
 ) -> SelectedRun:
     """Find a run to export: of a campaign's results, of a campaign's config, or of a structure;
     it is not simulated yet. Raises `CampaignError` if there is no such run, or results were made by
@@ -105,12 +103,8 @@ def choose(
     settings: values of parameters to replace, as texts by name, in the parameters' units; refused
         for results, whose runs are as they are.
     duration: simulated time (s); None: that of the config, or 1 s of a structure; refused for
-        results.
-    trusted: paths of structures' files that results may name: they are read, Python files
-        executed."""
+        results."""
     path = Path(source)
-    for file in trusted:
-        trust(file)
     if duration is not None and not 0 < duration < math.inf:
         raise CampaignError(f"--duration {duration:g}; allowed: a time above 0 (s)")
     if path.is_dir():
@@ -135,7 +129,6 @@ def choose(
 
 
 def _select_results_run(folder: Folder, run: str) -> SelectedRun:
-    refuse_links(folder.path)
     if (folder / "cases.json").exists():
         names = ", ".join(sorted(path.parent.name for path in folder.path.glob("*/samples.nc")))
         raise CampaignError(f"{folder.path} is of cases; allowed: the folder of one: {names}")

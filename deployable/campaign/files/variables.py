@@ -1,9 +1,7 @@
-"""What results in netCDF hold, as `variables.json` states it: their checks read it, and so do those
-that write variables whose meaning it tells.
+"""What results in netCDF hold, as `variables.json` states it, by which they are written.
 
-A row of the file is of the variables (or, after an @, attributes) of a result: dimensions; `text`,
-`number`, or `known`, numbers none of which is infinite or missing; names, with a ? of what may be
-absent; unit, and what it is. A text in the place of a row stands for all rows of that name."""
+A row of the file is of the variables of a result: dimensions; `text` or `number`; names; unit, and
+what it is. A text in the place of a row stands for all rows of that name."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -15,19 +13,17 @@ import numpy as np
 
 
 class VariableSpec(NamedTuple):
-    """A variable of a result in netCDF: its dimensions, or ("@",) of an attribute; what it holds:
-    "text", "number" or "known"; whether it may be absent; and its `attributes`, for one that is
-    written by `create` or `dataset_of`: `long_name` and, if there is a single one, `units`."""
+    """A variable of a result in netCDF: its dimensions; what it holds:
+    "text" or "number"; and its `attributes`: `long_name` and, if there is a single one, `units`."""
 
     dims: tuple[str, ...]
     content: str
-    is_optional: bool
     attributes: dict[str, str]
 
 
 @cache
 def variables_of(result: str) -> dict[str, VariableSpec]:
-    """Variables and attributes of a result by name; {} for one of which nothing is stated. result:
+    """Variables of a result by name; {} for one of which nothing is stated. result:
     name of the file, such as `bounds.nc`; of a `samples.nc` with `keep: extremes`, `extremes`."""
     return dict(_rows(_tables(), result))
 
@@ -47,8 +43,7 @@ def _rows(tables: Mapping[str, list], name: str) -> Iterator[tuple[str, Variable
         attributes = {"units": units} if units else {}
         attributes |= {"long_name": text} if text else {}
         for field in names.split():
-            spec = VariableSpec(tuple(dims.split()), content, field.endswith("?"), attributes)
-            yield field.removesuffix("?"), spec
+            yield field, VariableSpec(tuple(dims.split()), content, attributes)
 
 
 def create(
@@ -58,7 +53,7 @@ def create(
     which exist but for one that it names itself, and attributes, and return it. result: as of
     `variables_of`; values: to be written, None: none yet; kind: netCDF's type of numbers; options:
     of `createVariable`."""
-    dims, content, _, attributes = variables_of(result)[name]
+    dims, content, attributes = variables_of(result)[name]
     if content == "text":
         kind, values = str, np.array([str(value) for value in values], dtype=object)
     if name in dims:

@@ -67,6 +67,11 @@ def facts_of(
         answer = read_json(folder / f"{name}.json")
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
+    least = {quantity.name: quantity.least for quantity in experiment.quantity_list}
+    for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
+        row = next(row for row in facts["quantities"] if row["name"] == limit["quantity"])
+        if reason := why_idle(limit, row, least[row["name"]]):
+            limit["idle"] = reason
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
         del choice["fitted"]
@@ -86,6 +91,19 @@ def facts_of(
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
+
+
+def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
+    """Return why a limit cannot fail, so that to meet it says nothing: its quantity has a physical
+    lower bound, or the other sign in all runs, as where the size of a signed number is meant; None
+    if it can fail. limit: its dict in the results; row: that of the quantity; least: that bound."""
+    sign = {"at_most": 1, "at_least": -1}.get(limit["kind"], 0)
+    if sign < 0 and least is not None and limit["level"] <= least:
+        return f"is never below {least:g}"
+    end = row["upper" if sign > 0 else "lower"]
+    if not sign or end is None or not sign * limit["level"] > 0 > sign * end:
+        return None
+    return f"is {'negative' if sign > 0 else 'positive'} in all runs"
 
 
 def mark_constant(facts: dict) -> None:
@@ -349,19 +367,41 @@ def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[st
 def decisive(row: Mapping) -> str | None:
     """Name the parameter that contributes most to the width of a quantity's interval; None if none
     does, or the campaign has one alone. row: the quantity's dict (`QuantityResults`)."""
-    shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
-    most = max(shares, key=shares.__getitem__)
-    return most if shares[most] > 0 and len(shares) > 1 else None
+    shares = {name: influence["share"] for name, influence in row["influence"].items()}
+    return next(iter(largest(shares)), None) if len(shares) > 1 else None
 
 
-def has_effect(influence: Mapping, row: Mapping) -> bool:
-    """Return whether a parameter changes the width of a quantity's interval by more than the error
-    of its surrogate, alone or beside the others. influence: what is said of the parameter in `row`,
-    the quantity's dict (`QuantityResults`)."""
-    width = (row["surrogate_upper"] or 0.0) - (row["surrogate_lower"] or 0.0)
-    is_constant = "constant" in row or influence["fixed"] is None
-    effect = 0.0 if is_constant else width - influence["fixed"]
-    return bool(influence["share"]) or effect > (row["error"] or 0.0)
+def largest(shares: Mapping[str, float | None]) -> list[str]:
+    """Name the parameters of the largest share, in order, and those whose share is no more than 1 %
+    of it smaller; [] where all are 0. shares: by parameter, None for none."""
+    most = max((share or 0.0 for share in shares.values()), default=0.0)
+    return [name for name, share in shares.items() if share and share >= 0.99 * most]
+
+
+def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
+    """Return whether a parameter that is known exactly (`key` "fixed"), or half as wide ("halved"),
+    narrows a quantity's interval by more than the error of these widths. influence: what is said of
+    the parameter in `row`, the quantity's dict (`QuantityResults`)."""
+    numbers = influence[key], influence["width_error"], row["surrogate_upper"]
+    if "constant" in row or None in numbers:
+        return False
+    return bool(row["surrogate_upper"] - row["surrogate_lower"] - numbers[0] > numbers[1])
+
+
+def gains(half: Mapping[str, float]) -> bool:
+    """Return whether an interval that is half as wide raises the share of the box that meets all
+    requirements by more than the error of that. half: of a parameter, in `together.halved`."""
+    return half["gain"] > max(half["gain_uncertainty"], half["share_uncertainty"])
+
+
+def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
+    """Name the parameters whose halved interval raises most the share of the box that meets all
+    requirements, as far as the errors tell; [] if none does. halved: of `together`."""
+    effective = {name: half for name, half in halved.items() if gains(half)}
+    least = max(
+        (half["gain"] - half["gain_uncertainty"] for half in effective.values()), default=0.0
+    )
+    return [name for name, x in effective.items() if x["gain"] + x["gain_uncertainty"] >= least]
 
 
 def scarcest(limits: Iterable[Mapping]) -> Mapping | None:

@@ -16,7 +16,7 @@ from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
-from fpm.travel import classes_of_kinds, component_classes, springs_of
+from fpm.travel import Path, classes_of_kinds, component_classes, springs_of
 
 OPENING_TOLERANCE = 1e-6
 """Difference of openings (share of the travel) that is none."""
@@ -83,6 +83,7 @@ def margin_of(
             for (name, column), work in sweep_curves.columns.items() if name == margins.WORK
         }))  # fmt: skip
     is_stowed = margins.read_label(label)[0].first is None
+    path = Path(nominal, openings[:1], definition.get("locked", ()))
     starts = [hinge.opening for s in scenes for hinge in s.hinges if hinge.name == openings[0]]
     indices = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
     low, high = sorted((positions.first, positions.last))
@@ -92,6 +93,7 @@ def margin_of(
         "standard": standard,
         "evidence": evidence_of(response),
         "openings": list(openings),
+        "apart": path.find_apart(openings[1:]),
         "without": list(response.subjects[response.subjects.index(standard) + 2 :]),
         "locked": list(definition.get("locked", ())),
         "starts_vary": bool(is_stowed and np.ptp(starts) > OPENING_TOLERANCE),

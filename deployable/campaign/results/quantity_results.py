@@ -21,7 +21,7 @@ _NUMBERS = ("lower", "upper", "simulated_lower", "simulated_upper", "surrogate_l
             "surrogate_upper", "nominal", "error", "happens",
             "happens_uncertainty")  # fmt: skip
 _ERRORS = ("error_step", "error_mesh", "error_whole")
-_INFLUENCE = ("share", "alone", "fixed", "halved")
+_INFLUENCE = ("share", "alone", "fixed", "halved", "width_error")
 
 
 class QuantityResults(NamedTuple):

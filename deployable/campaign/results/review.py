@@ -400,13 +400,17 @@ class _Sheet:
             reasons.append(f"no latch and no stop of {names} states where its travel ends")
         elif not _covers(margin):
             reasons.append(f"the travel is {_stretch(*margin['travel'], unit)}")
-        openings = {
-            name for peer in self._margins.values() if peer["standard"] == margin["standard"]
-            for name in peer["openings"]
-        }  # fmt: skip
+        peers = [x for x in self._margins.values() if x["standard"] == margin["standard"]]
+        openings = {name for peer in peers for name in peer["openings"]}
         if locks := [name for name in margin["locked"] if name not in openings]:
             is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
             reasons.append(f"{', '.join(locks)}, which {is_not} moved")
+        apart = [margin["openings"][0], *margin["apart"]] if margin["apart"] else []
+        if apart and not {name for p in peers if not p["apart"] for name in p["openings"]} >= {
+            *apart
+        }:
+            names = " and ".join(apart)
+            reasons.append(f"nothing couples {names}, so that each needs a margin of its own")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons

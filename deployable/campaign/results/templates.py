@@ -48,7 +48,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "earliest", "capitalise"),
-        facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest"),
+        facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest", "largest",
+                "gains", "best_halvings"),
     }  # fmt: skip
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}

@@ -27,7 +27,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import PlannedRun, Runs
-from deployable.campaign.provenance import as_attribute, check_code
+from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.progress import MessagePrinter, Notify, Progress, report_step, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
@@ -43,7 +43,7 @@ _WORK: dict[str, Any] = {}
 """What the processes of a batch inherit, since it need not be sent to them then."""
 
 _BUILD_LOCK = Lock()
-"""Structures in Python may have state of their own, and know nothing of threads."""
+"""Held while scenes are built, since a structure keeps the models that it has made."""
 
 
 def run_batch(
@@ -162,7 +162,7 @@ def notify_reruns(store: Any, notify: Notify) -> None:
     if store.absences:
         variables = words(sorted(set().union(*store.absences.values())))
         count = len(store.absences)
-        notify(f"{count} runs lack {variables} as this version reads it; they are simulated again")
+        notify(f"{count} runs lack {variables}; they are simulated again")
     store.absences.clear()
 
 
@@ -269,7 +269,6 @@ def simulate(
         record=sorted({*experiment.record, *columns}),
     )
     seconds = clocks(time.thread_time) - start
-    check_code()  # what only this needed may have been imported just now
     common = {
         "campaign": experiment.name,
         "config_hash": plan.config_hash,

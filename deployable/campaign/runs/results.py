@@ -14,11 +14,9 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files.contents import EVENT_VARIABLES
-from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from fpm.files.seals import DamagedError, check
 from fpm.files.trajectory import Column
-from fpm.kernels import sources
 
 
 @dataclass(frozen=True)
@@ -86,15 +84,15 @@ class Store:
 
     def file_of(self, group: Runs) -> str:
         """Return the name, without suffix, of a group's file: a digest of its runs, and of the
-        responses and quantities it holds with the code that evaluates them."""
+        responses and quantities it holds."""
         values = hashlib.sha256(group.values.tobytes()).hexdigest()
         return digest([self._contents, list(self.experiment.intervals), group[0].id, values])
 
     @cached_property
     def _contents(self) -> list:
-        """Definitions of responses and quantities, and the code for them, that files depend on."""
+        """Definitions of responses and quantities that files depend on."""
         definitions = (asdict(definition) for definition in (*self.responses, *self.quantities))
-        return [type(self).__name__, sources.digest_reading(), *definitions]
+        return [type(self).__name__, *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """Return a function that counts the stored runs of these groups, by file names alone."""
@@ -120,7 +118,6 @@ class Store:
         """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
             check(path, title(path))
-            refuse_outside(path)
         except DamagedError as error:
             self.damage[path] = error
         except FileNotFoundError:

@@ -1,9 +1,9 @@
 """The stores of runs, one for each `jobs.keep`, and runs as one file between jobs.
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded: found again by any
-                later design. What is recorded on request (`fpm.reading.variables`) may be lacking,
-                or be of another version of the code that reads it: then the run is noted in
-                `absences` and counts as absent, and what it had is recorded again as well;
+                later design. What is recorded on request (`fpm.reading.variables`) may be lacking:
+                then the run is noted in `absences` and counts as absent, and what it had is
+                recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again;
@@ -31,7 +31,6 @@ from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError
 from fpm.files.trajectory import Column
-from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES
 
 
@@ -43,7 +42,6 @@ class Trajectories(Store):
         super().__init__(folder, experiment)
         self._columns: dict[str, set[Column]] = {}
         self._needs = {need for response in self.responses for need in response.needs}
-        self._code = sources.digest_reading()
 
     def path(self, run: PlannedRun) -> Path:
         """Return the path of a run's file, `<run id>.nc`."""
@@ -51,7 +49,7 @@ class Trajectories(Store):
 
     def missing(self, group: Runs) -> Runs:
         """Return the runs of a group to be simulated: those without an undamaged file, or whose
-        file lacks a variable that responses need, or has it by another version of the code."""
+        file lacks a variable that responses need."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -98,8 +96,7 @@ class Trajectories(Store):
             return None
         except FileNotFoundError:
             return None
-        columns = {column for column in curves.columns if curves.codes.get(column[0]) == self._code}
-        if not (lacks := self._needs - columns):
+        if not (lacks := self._needs - set(curves.columns)):
             return curves
         self.absences[run.id] = lacks
         self._columns[run.id] = {column for column in curves.columns if column[0] in VARIABLES}
@@ -111,7 +108,7 @@ class Responses(Store):
     responses (single precision), events and quantities."""
 
     def path(self, group: Runs) -> Path:
-        """Return the path of a group's file, named by runs, responses, quantities, their code."""
+        """Return the path of a group's file, named by runs, responses and quantities."""
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:

@@ -8,21 +8,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from deployable.campaign.config.sections import (
-    Campaign,
-    Experiment,
-    as_json,
-    digest,
-    from_data,
-    trust,
-)
+from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
-from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
+from deployable.campaign.files import HISTORY, check_results, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
-from fpm.files.seals import DamagedError, check, remove_temporary
+from fpm.files.seals import remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
@@ -77,10 +70,9 @@ class Stage:
         by name. Raises `CampaignError` for trouble with files, also files of several plans."""
         sections = {name: arguments[name] for name in self.sections}
         try:
-            refuse_links(folder.whole)
             for place in folder.stage_folders:
                 remove_temporary(place)
-            facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
+            facts = {"basis": self.basis(sections), **check_results(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, notify, **arguments)
         except SceneError as error:  # of the structure that the results name
@@ -106,9 +98,8 @@ class Stage:
 
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
         """Return the config sections that the stage depends on, by name. config: path of a YAML
-        file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
-        it names; folder: of the results, which tells the case, None for a campaign without
-        cases. Raises `CampaignError`."""
+        file, or the JSON of the sections that the workflow passes; folder: of the results, which
+        tells the case, None for a campaign without cases. Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             campaign = check.load_config([config])
@@ -122,7 +113,6 @@ class Stage:
             return self.sections_of(campaign)
         try:
             data, kinds = json.loads(config), get_type_hints(Campaign)
-            trust(data.get("structure") or "")
             return {name: from_data(kinds[name], data[name]) for name in self.sections}
         except (AttributeError, LookupError, TypeError, ValueError) as error:
             text = f"--config is no JSON of the sections that the stage needs: {error!r}"
@@ -131,20 +121,6 @@ class Stage:
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
         """Return the config sections of a campaign that the stage depends on, by name."""
         return {name: getattr(campaign, name) for name in self.sections}
-
-
-def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
-    """Return {"plan": digest} of the plan from which result files were made, for the seals of files
-    made from them; {} without names. folder: of the results; names: of these files, such as
-    "samples.nc". Raises `DamagedError` if one is damaged, or they are of different plans."""
-    check_results(folder, names)
-    plans = {name: check(folder / name, name).get("plan") for name in names}
-    for name, plan in plans.items():
-        if plan != (first := next(iter(plans.values()))):
-            raise DamagedError(
-                folder / name, f"it is of plan {plan}, {next(iter(plans))} of {first}"
-            )
-    return {"plan": next(iter(plans.values()))} if plans else {}
 
 
 def drawings(experiment: Experiment) -> list[str]:

@@ -3,14 +3,14 @@
 import shutil
 from typing import Any
 
-from deployable.campaign.files import results_of
+from deployable.campaign.files import check_results, results_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import extend_plan, start_plan
 from deployable.campaign.plan.plan import read_plan, write_plan
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.progress import Notify
-from deployable.campaign.stages import BOUNDS_FILES, PLAN, plan_of, simulate
+from deployable.campaign.stages import BOUNDS_FILES, PLAN, simulate
 from deployable.campaign.stages.bounds import bound
 from deployable.campaign.stages.plan import warn
 
@@ -24,7 +24,7 @@ def work(
     each message; experiment, bounds, verify, jobs: config sections; threads: how many simulate."""
     number = 0
     while not _plan_round(place := folder.round(number), notify, experiment):
-        with results_of(plan_of(place, (PLAN,))):
+        with results_of(check_results(place, (PLAN,))):
             simulate.work(place, notify, jobs, threads=threads)
             bound(place, notify, bounds, verify, jobs, threads)
         number += 1

@@ -10,21 +10,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import restore_types
-from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
+from deployable.campaign.config.sections import Campaign, as_json, count_runs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
-from deployable.campaign.provenance import check_code
 from deployable.campaign.runs.batch import spread
 from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
-from fpm.errors import ChangedError, SceneError
 from fpm.files.seals import DamagedError, check, unseal
 
 
@@ -56,11 +53,8 @@ class Workflow:
         return cls(load_config([], restore_types(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
-        """Write the config sections that a stage, by name, depends on, as JSON for its command;
-        with `structure`, the path of the user's structure."""
-        file = self.campaign.experiment.scene.file
-        structure = {"structure": file} if file else {}
-        return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
+        """Write the config sections that a stage, by name, depends on, as JSON for its command."""
+        return as_json(**STAGES[stage].sections_of(self.campaign))
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
@@ -193,8 +187,7 @@ def run(
     were made of the present config and program; damaged results are named in a message and made
     again. Linear algebra has one thread meanwhile, so that the bounds equal those of the Snakemake
     workflow to the last bit. Raises `ConfigError`, before anything is written, with everything that
-    is wrong in the config, and `CampaignError` if runs fail, or the program or the structure was
-    edited since this session loaded it.
+    is wrong in the config, and `CampaignError` if runs fail.
 
     Parameters
     ----------
@@ -234,20 +227,7 @@ def complete(
     """Make the results of a campaign that are missing or not of its config, as `run` does, which
     has the same arguments and errors, in a process whose linear algebra has one thread."""
     notify = notify or MessagePrinter(sys.stderr)
-    for _, variant in variants(campaign):
-        _check_memory(variant)
     (_run_cases if campaign.cases else _run)(campaign, results, figures, notify)
-
-
-def _check_memory(campaign: Campaign) -> None:
-    """Refuse a program or a structure that was edited since: numbers would be those of before."""
-    try:
-        check_code(reread=True)
-        structure, scene = campaign.experiment.scene_type, campaign.experiment.scene
-        if scene_type(scene.name, scene.file).digest != structure.digest:
-            raise ChangedError(scene.file or scene.name)
-    except SceneError as error:
-        raise CampaignError(str(error)) from error
 
 
 def _run_cases(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> None:

@@ -68,9 +68,10 @@ def share(share: float, open_: float = 0.0) -> str:
     """Write a share of the box's volume in per cent with its uncertainty, never rounded to all or
     nothing: `81 ± 2 %`, `at least 98 %`, `at most 2 %`, `an unknown share`. share: from 0 to 1;
     open_: half-width of its uncertainty, from 0 to 1, too, rounded up to one digit, above 10 per
-    cent to a whole number; below 0.05 per cent left out: `81.25 %`, `less than 0.01 %`."""
+    cent to a whole number; left out below 0.05 per cent and a tenth of what is missing to all or
+    nothing: `81.25 %`, `less than 0.01 %`."""
     percent, half_width = 100 * share, 100 * open_
-    if half_width < OPEN:
+    if half_width < min(OPEN, max(min(percent, 100 - percent), 0.01) / 10):
         if 0 < percent < 0.01 or 99.99 < percent < 100:
             return "less than 0.01 %" if percent < 50 else "more than 99.99 %"
         return f"{percent:.4g} %"

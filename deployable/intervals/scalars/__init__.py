@@ -11,6 +11,7 @@ from .requirements import (
     ChoiceProblem,
     Goal,
     Limit,
+    find_halving,
     find_least_scales,
     find_max_scale,
     share_of_box,

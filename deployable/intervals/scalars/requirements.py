@@ -5,6 +5,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,9 @@ _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits 
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
 _LEVEL_CONFIDENCE = 3.0  # as `_CONFIDENCE` of borders, of runs drawn to other places
+_OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their batches
+_MOST_VALUES = 40_000_000  # points on such lines, times runs
+_WORTH, _LEAST_WORTH = 0.25, 0.05  # of a gain, of what fails: errors of enough lines
 _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
 
 
@@ -36,7 +40,7 @@ class Limit:
     border_error: float = 0.0
 
     def conditions(
-        self, points: np.ndarray, cache: dict | None = None
+        self, points: np.ndarray, cache: dict | None = None, has_errors: bool = True
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in [-1,
         1]^k: a list of one or two pairs of values (P) and their errors (P), by which volume
@@ -44,15 +48,18 @@ class Limit:
         the quantity exists (of "happens" with level 0: does not), by its decision function
         (`Occurrence.decision`); the second of its distance from the level, in its unit, left out of
         "happens" and where no run has the quantity. cache: what limits of the same surrogates
-        gave at these points, which is filled."""
+        gave at these points, which is filled; has_errors: whether errors are computed, else they
+        are 0 where that takes long."""
         surrogate, cache = self.surrogate, {} if cache is None else cache
 
-        def evaluate(function: Callable) -> np.ndarray:
+        def evaluate(function: Callable, is_error: bool = False) -> np.ndarray:
+            if is_error and not has_errors:
+                return np.zeros(len(points))
             key = id(surrogate), function.__name__
             return cache[key] if key in cache else cache.setdefault(key, function(points))
 
         decision = evaluate(surrogate.occurrence.decision)
-        open_band = evaluate(surrogate.occurrence.usual_band) + self.border_error
+        open_band = evaluate(surrogate.occurrence.usual_band, True) + self.border_error
         if np.isinf(self.border_error):  # all runs agree, and finer ones do not
             decision, open_band = np.sign(decision), np.full(len(points), 2.0)
         if self.kind == "happens":
@@ -66,7 +73,7 @@ class Limit:
             return [(decision, open_band), (border.decision(points), error)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - evaluate(surrogate.predict))
-        error = evaluate(surrogate.fit.median_errors) + self.run_error
+        error = evaluate(surrogate.fit.median_errors, True) + self.run_error
         return [(decision, open_band), (margin, error)]
 
     @cached_property
@@ -219,6 +226,67 @@ def shares_of_box(
     return shares
 
 
+class Halving(NamedTuple):
+    """Share of the box that satisfies all limits if one interval is half as wide about the nominal
+    value, and the gain over the whole interval; each with its uncertainty, from 0 to 1."""
+
+    share: float
+    share_uncertainty: float
+    gain: float
+    gain_uncertainty: float
+
+
+def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray, j: int) -> Halving:
+    """Find what halving the interval of index `j` gains, on lines along it through the whole box,
+    so that most of the error of a share cancels in the gain. Uncertainties are those of the fits
+    (`shares_of_box`) and twice the deviation by batches of lines, which are added while it exceeds
+    a quarter of the gain and a twentieth of what fails. All is certain only if the worst case of
+    the halved box satisfies all limits; else three lines may be missed. free, nominal (k each): as
+    elsewhere, normalized."""
+    ends = np.array([nominal[j] - 1.0, nominal[j] + 1.0]) / 2.0
+    start_axes = np.where(np.arange(len(free)) == j, False, free)
+    cells = 8 if start_axes.any() else 1024
+    stretches = (-1.0, ends[0], cells), (*ends, 2 * cells), (ends[1], 1.0, cells)
+    line = np.unique(np.concatenate([np.linspace(a, b, n + 1) for a, b, n in stretches]))
+    middles, lengths = (line[1:] + line[:-1]) / 2, np.diff(line)
+    is_inside = (middles > ends[0]) & (middles < ends[1])
+    weights = np.array([lengths * is_inside, lengths / 2]).T  # of the half, and of the whole
+    most = _MOST_VALUES // (len(line) * max(len(x.surrogate.occurrence.points) for x in limits))
+    count, shares, changes = (_OUTLOOK if start_axes.any() else 1), np.zeros((0, 2)), []
+    while True:
+        starts = scan_points(start_axes, count, corners=False)[len(shares) :]
+        signs = (0,) if len(shares) else (0, -1, 1)
+        for first in range(0, len(starts), _BLOCK):
+            points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
+            points[:, :, j] = line
+            points, cache = points.reshape(-1, len(free)), {}
+            parts = _met(limits, points, cache, len(line), signs, weights)
+            if signs[1:]:
+                rivals = _rivals(limits)
+                parts += _met(rivals, points, cache, len(line), (0,), weights) if rivals else []
+                changes.append([_with_gains(np.mean(row - parts[0], axis=0)) for row in parts[1:]])
+            shares = np.concatenate([shares, parts[0]])
+        fit_errors = np.abs(np.mean(changes, axis=0)).max(axis=0)
+        share, gain = _with_gains(shares.mean(axis=0))
+        batches = _with_gains(shares.reshape(min(_BATCHES, count), -1, 2).mean(axis=1))
+        errors = np.zeros(2) if count == 1 else 2 * batches.std(axis=0, ddof=1) / _BATCHES**0.5
+        target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
+        if 2 * count > most or count == 1 or errors.max() <= target:
+            break
+        count *= 2
+    lower, upper = -np.asarray(free, dtype=float), np.asarray(free, dtype=float)
+    lower[j], upper[j] = ends
+    is_kept = min(limit.worst(lower, upper)[0] for limit in limits) >= 0
+    errors = np.hypot(errors, fit_errors)
+    errors[0] = max(errors[0], 0.0 if is_kept or share < 1 else 3.0 / count)
+    return Halving(*map(float, (share, errors[0], gain, errors[1])))
+
+
+def _with_gains(shares: np.ndarray) -> np.ndarray:
+    """Pairs (..., 2) of the shares of halved and whole boxes as pairs of share and gain."""
+    return np.stack([shares[..., 0], shares[..., 0] - shares[..., 1]], axis=-1)
+
+
 def _compare(
     pairs: Sequence[tuple[Sequence[Limit], Sequence[Limit]]], points: np.ndarray, count: int,
     is_tested: bool,
@@ -243,16 +311,19 @@ def _rivals(limits: Sequence[Limit]) -> list[Limit]:
 
 
 def _met(
-    limits: Sequence[Limit], points: np.ndarray, cache: dict, count: int, signs: Sequence[int]
-) -> list[np.ndarray]:
+    limits: Sequence[Limit], points: np.ndarray, cache: dict, count: int, signs: Sequence[int],
+    weights: np.ndarray | None = None,
+) -> list[np.ndarray]:  # fmt: skip
     """Parts (L) of lines of `count` points each, of points (L count, k), on which all limits plus
-    `sign` errors are satisfied, for each of the `signs`."""
+    `sign` errors are satisfied, for each of the `signs`; with `weights` (count - 1, m) of the
+    stretches, which else count alike, sums (L, m)."""
+    weights = np.full(count - 1, 1.0 / (count - 1)) if weights is None else weights
     conditions = [
         tuple(array.reshape(-1, count) for array in row)
         for limit in limits
-        for row in limit.conditions(points, cache)
+        for row in limit.conditions(points, cache, any(signs))
     ]
-    return [_parts_met(conditions, sign).mean(axis=1) for sign in signs]
+    return [_parts_met(conditions, sign) @ weights for sign in signs]
 
 
 def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: int) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 
 import numpy as np
 import scipy
@@ -306,13 +306,15 @@ class Influence:
     """Widths of a quantity's range, by parameter: `alone` (k), if only this one varies; `share`
     (k), that over the sum for all parameters, widths not above the fit's error counted as 0;
     `fixed` and `halved` (k), if all vary but this one keeps its nominal value, or half its interval
-    about it. `width`: of the whole box. All but `share` in the quantity's unit."""
+    about it. `width`: of the whole box; `error` (k): by how much these widths may be wrong. All but
+    `share` in the quantity's unit."""
 
     width: float
     alone: np.ndarray
     share: np.ndarray
     fixed: np.ndarray
     halved: np.ndarray
+    error: np.ndarray
 
 
 def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
@@ -323,9 +325,10 @@ def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence
     k = len(nominal)
     if surrogate.fit is not None and (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL:
         return _influence_at_ends(surrogate, nominal)
-    surrogate = surrogate.trend
+    rival, surrogate = surrogate.rival, surrogate.trend
     side = np.ones(k)
     lone_widths, fixed_widths, halved = np.zeros((3, k))
+    errors = np.full(k, np.fmax(surrogate.error, _width_error(surrogate, rival, -side, side)))
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
@@ -335,8 +338,35 @@ def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
+            errors[j] = np.fmax(errors[j], _width_error(surrogate, rival, lower, upper))
     share = _contributions(lone_widths, surrogate.error)
-    return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved)
+    return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved, errors)
+
+
+def _width_error(
+    surrogate: ScalarSurrogate, rival: ScalarSurrogate | None, lower: np.ndarray, upper: np.ndarray
+) -> float:
+    """By how much the width over a part of the box changes with the other kind of fits, and as the
+    border of where the quantity exists moves through its undecided band; NaN if it has none."""
+    if not surrogate.occurrence.is_mixed:
+        return np.nan
+    part, width = surrogate._part(lower, upper), surrogate.range(lower, upper).width
+    widths = [] if rival is None else [rival.range(lower, upper, climbs=1).width]
+
+    def evaluate_beside(points: np.ndarray, side: float) -> np.ndarray:
+        occurrence = surrogate.occurrence
+        is_there = occurrence.decision(points) >= side * occurrence.band(points)
+        return np.where(is_there, surrogate.predict(points), np.nan)
+
+    for side in (-1.0, 1.0):
+        ends = (
+            extreme(
+                partial(evaluate_beside, side=side), sign, *part, surrogate._trial_points, climbs=1
+            )[0]
+            for sign in (1.0, -1.0)
+        )
+        widths.append(np.subtract(*ends))
+    return float(np.fmax.reduce(np.abs(np.subtract(widths, width))))
 
 
 def _contributions(widths: np.ndarray, error: float) -> np.ndarray:
@@ -361,4 +391,5 @@ def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influ
     lines = [surrogate.predict(np.where(eye, x, nominal)) for x in np.linspace(-1.0, 1.0, 9)]
     lone_widths = np.ptp(lines, axis=0)
     share = _contributions(lone_widths, surrogate.error)
-    return Influence(float(width), lone_widths, share, *np.maximum(widths, 0.0))
+    errors = np.full(len(nominal), surrogate.error)
+    return Influence(float(width), lone_widths, share, *np.maximum(widths, 0.0), errors)

@@ -1,1 +1,1 @@
-"""The same work by peers, where they are installed: Exudyn and PyElastica."""
+"""The same work by Exudyn, where it is installed."""

@@ -1,10 +1,13 @@
-"""The same work by peers, where they are installed: Exudyn and PyElastica.
+"""The paper's linkage in Exudyn, where it is installed.
 
-A peer may live in an environment of its own, since the peers' pins clash: the environment variables
-EXUDYN_PYTHON and PYELASTICA_PYTHON name its interpreter."""
+Exudyn may live in an environment of its own: the environment variable EXUDYN_PYTHON names its
+interpreter."""
 
+import importlib.util
 import json
+import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -15,10 +18,9 @@ from evidence.benchmark.clock import best
 from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages, runner
 from evidence.linkage.runs import curves
-from evidence.peers import interpreter
 from evidence.rows import Row, at_least, info, skip_row
 
-GROUP = "Peers"
+GROUP = "Exudyn"
 COST = "cpu s per simulated s"
 ELEMENTS = 10
 """Elements a link, as in the figures of others for this problem."""
@@ -31,20 +33,23 @@ EXUDYN = [
     {"name": "explicit, velocity Verlet, step 1e-5 s", "step": 1e-5, "solver": "VelocityVerlet"},
 ]
 EXUDYN_RATIO = "fastest flexible run of Exudyn against ours, one sample of a batch of 32"
-ELASTICA = [
-    {"name": f"{rod_text}, step {step:g} s", "rods": rods, "step": step}
-    for rods, rod_text in ((1, "one rod of 40 elements"), (4, "4 rods of 10 elements, 3 hinges"))
-    for step in (4e-5, 2e-5, 1e-5, 5e-6)
-]
 
 
-def ask(python: str, script: str, task: dict) -> list[dict]:
-    """What a peer's script answers to a task, one mapping per run."""
+def interpreter() -> str | None:
+    """The Python that has Exudyn, as EXUDYN_PYTHON names it, or this one; else None."""
+    if os.environ.get("EXUDYN_PYTHON"):
+        return os.environ["EXUDYN_PYTHON"]
+    return sys.executable if importlib.util.find_spec("exudyn") else None
+
+
+def ask(python: str, task: dict) -> list[dict]:
+    """What Exudyn answers to a task, one mapping per run."""
+    script = "exudyn_script.py"
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "task.json"
         path.write_text(json.dumps(task))
         command = [python, str(Path(__file__).with_name(script)), str(path)]
-        # In the folder, so that what a peer leaves behind goes away with it.
+        # In the folder, so that what Exudyn leaves behind goes away with it.
         process = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     answers = [json.loads(line) for line in process.stdout.splitlines() if line.startswith("{")]
     if not answers:
@@ -82,7 +87,7 @@ def find_equal_mesh(error: float, fine: np.ndarray, duration: float) -> tuple[in
 
 def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     """The paper's linkage in Exudyn, from the same start, before the contacts close."""
-    python = interpreter("exudyn", "EXUDYN_PYTHON")
+    python = interpreter()
     if python is None:
         reason = "not installed: pip install -e '.[peer-exudyn]'"
         return [skip_row(f"Exudyn: {EXUDYN_RATIO}", reason, "x")]
@@ -96,7 +101,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     description = describe(scene, ignore=("Contact",))
     task = {"structure": description, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
     exact = []
-    for answer in ask(python, "exudyn_script.py", task):
+    for answer in ask(python, task):
         name = f"Exudyn: {answer['name']}"
         if not answer["ok"]:
             note = "breaks down: " + answer.get("error", "not finite").splitlines()[0]
@@ -128,37 +133,3 @@ def _against_exudyn(
         info("Exudyn's most accurate run against ours", seconds / cost, "x",
              f"error {best_off:.2g} m against {error:.2g} m"),
     ]  # fmt: skip
-
-
-def elastica(duration: float, repeats: int, cases=None) -> list[Row]:
-    """Rods in PyElastica of as many elements as ours, at the largest step that holds."""
-    python = interpreter("elastica", "PYELASTICA_PYTHON")
-    title = "cpu per element and step, PyElastica against ours, one sample of a batch of 32"
-    if python is None:
-        reason = "not installed: pip install -e '.[peer-elastica]'"
-        return [skip_row(f"PyElastica: {title}", reason, "x")]
-    count = 4 * ELEMENTS
-    task = {
-        "elements": count, "length": 4 * 0.45, "side": 0.035, "E": 1e9, "nu": 0.3, "rho": 800.0,
-        "duration": duration, "runs": ELASTICA[:cases],
-    }  # fmt: skip
-    rows, costs, complete = [], [], set()
-    for answer in ask(python, "elastica_script.py", task):
-        name = f"PyElastica: {answer['name']}"
-        if answer["rods"] in complete:
-            continue
-        if not answer["ok"]:
-            rows.append(info(name, "none", COST, answer.get("error", "breaks down")))
-            continue
-        complete.add(answer["rods"])  # the first is the largest step that holds
-        costs.append(1e9 * answer["cpu"] / answer["steps"] / count)
-        note = f"{costs[-1]:.0f} ns per element and step, version {answer['version']}"
-        rows.append(info(name, answer["cpu"] / duration, COST, note))
-    if costs:
-        scenes = linkages(32, ELEMENTS)
-        step = 0.85 * fpm.find_stable_step(scenes[0]).step
-        seconds = best({"ours": runner(scenes, 4000, step)}, repeats)["ours"]
-        cost = 1e9 * seconds / 4000 / count / 32
-        name = f"{title} ({cost:.3g} ns)"
-        rows.append(info(name, min(costs) / cost, "x"))
-    return rows

@@ -1,4 +1,4 @@
-"""A structure as plain numbers, for peers that build it in an interpreter of their own."""
+"""A structure as plain numbers, for Exudyn, which builds it in an interpreter of its own."""
 
 from collections.abc import Sequence
 

@@ -109,7 +109,7 @@ CASES = (
 
 def exudyn(repeats: int, cases=CASES, steps: int | None = None) -> list[Row]:
     """Rows of all cases; steps: how many of Exudyn's are tried, the coarsest first."""
-    python = compare.interpreter("exudyn", "EXUDYN_PYTHON")
+    python = compare.interpreter()
     if python is None:
         reason = "not installed: pip install -e '.[peer-exudyn]'"
         return [skip_row(f"{case.text}: Exudyn against ours", reason, "x") for case in cases]
@@ -240,7 +240,7 @@ def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps:
     for _ in range(repeats):
         seconds_by_call = best(calls, 1)
         least = {name: min(seconds_by_call[name], seconds) for name, seconds in least.items()}
-        new = [answer for task in tasks for answer in compare.ask(python, "exudyn_script.py", task)]
+        new = [answer for task in tasks for answer in compare.ask(python, task)]
         answers = [_faster(*pair) for pair in zip(answers or new, new, strict=True)]
     for name in ("batch", "set_up", "build_time"):
         least[name] /= SAMPLES

@@ -1,4 +1,4 @@
-"""Bounds of one choice, and how far they are from a reference, phase by phase."""
+"""Bounds of one choice, and how far they are from a reference."""
 
 import time
 from dataclasses import dataclass
@@ -6,8 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from deployable import intervals
-from evidence.tradeoff.measure.cases import Choice
-from evidence.tradeoff.measure.runs import Runs
+from evidence.tradeoff.measure.cases import Choice, Level
+from evidence.tradeoff.measure.runs import Runs, simulate
+
+SEEK = 400
+"""Runs of one round of those that widen a scan's bounds."""
 
 
 @dataclass(frozen=True)
@@ -29,84 +32,48 @@ def take_bounds(choice: Choice, design: intervals.Design, tests: np.ndarray, run
     return Band(dataset["lower"].values, dataset["upper"].values, dataset["error"].values, cpu)
 
 
-def phases_of(runs: Runs) -> dict[str, np.ndarray]:
-    """Masks (T) of the time before the first closure, between it and the second, and after that.
-
-    A phase ends where the first of all runs reaches the next closure. "all" is the whole time."""
-    time = runs.time
-    phases = {"all": np.ones(len(time), dtype=bool)}
-    starts = [0.0]
-    for j in range(2):
-        closures = [float(times[j]) for times in runs.closures if len(times) > j]
-        if closures:
-            starts.append(min(closures))
-    if len(starts) == 1:
-        return phases
-    ends = [*starts[1:], np.inf]
-    for name, start, end in zip(("before", "between", "after"), starts, ends, strict=False):
-        phases[name] = (time >= start) & (time < end)
-    return phases
+def distance(time: np.ndarray, band: Band, reference: Band) -> list[float]:
+    """Hausdorff distance of the band from the reference, integrated over time, as a share of the
+    integrated width, for each response."""
+    true = intervals.hausdorff(band.lower, band.upper, reference.lower, reference.upper)
+    width = reference.upper - reference.lower
+    return (np.trapezoid(true, time) / np.trapezoid(width, time)).tolist()
 
 
-def distance(
-    time: np.ndarray, band: Band, reference: Band, phases: dict[str, np.ndarray]
-) -> list[dict[str, dict[str, float]]]:
-    """Distance of the band from the reference: for each response, for each phase, the metrics."""
-    return [
-        {
-            name: intervals.compare_bounds(
-                time[mask],
-                band.lower[i][mask],
-                band.upper[i][mask],
-                reference.lower[i][mask],
-                reference.upper[i][mask],
-            )
-            for name, mask in phases.items()
-        }
-        for i in range(len(band.lower))
-    ]
-
-
-def runs_in_band(band: Band, runs: Runs) -> list[dict[str, float]]:
-    """Coverage of all the level's runs and worst violation, for each response."""
-    return [
-        intervals.compare_runs(band.lower[i], band.upper[i], runs.values[:, i])
-        for i in range(len(band.lower))
-    ]
-
-
-def judge_estimate(
-    time: np.ndarray, band: Band, reference: Band, phases: dict[str, np.ndarray]
-) -> list[dict[str, dict[str, float]]]:
-    """The band's own error estimate against its true error.
+def judge_estimate(time: np.ndarray, band: Band, reference: Band) -> list[dict[str, float]]:
+    """The band's own error estimate against its true error, for each response.
 
     covered: share of the instants at which the estimate is at least the true error; ratio:
-    estimate over truth, both integrated; worst: largest true error that the estimate leaves
-    uncovered, as a share of the largest width."""
+    estimate over truth, both integrated."""
     truth = intervals.hausdorff(band.lower, band.upper, reference.lower, reference.upper)
     rows = []
     for i, true in enumerate(truth):
-        width = float((reference.upper[i] - reference.lower[i]).max())
-        # what is below a millionth of the width is nobody's concern
-        short = np.maximum(true - band.error[i], 0.0)
-        row = {}
-        for name, mask in phases.items():
-            total = float(np.trapezoid(true[mask], time[mask]))
-            row[name] = {
-                "covered": float((short[mask] <= 1e-6 * width).mean()),
-                "ratio": float(np.trapezoid(band.error[i][mask], time[mask])) / max(total, 1e-300),
-                "worst": float(short[mask].max() / width),
+        # What is below a millionth of the width is nobody's concern.
+        floor = 1e-6 * float((reference.upper[i] - reference.lower[i]).max())
+        total = max(float(np.trapezoid(true, time)), 1e-300)
+        rows.append(
+            {
+                "covered": float((true <= band.error[i] + floor).mean()),
+                "ratio": float(np.trapezoid(band.error[i], time)) / total,
             }
-        rows.append(row)
+        )
     return rows
 
 
-def hull(runs: Runs, rows: slice | np.ndarray = slice(None)) -> Band:
-    """Least and largest value of all the runs, or of some: a reference band."""
-    values = runs.values[rows]
+def hull(runs: Runs) -> Band:
+    """Least and largest value of all the runs: a reference band."""
+    values = runs.values
     return Band(values.min(axis=0), values.max(axis=0), np.zeros(values.shape[1:]))
 
 
-def rms(values: np.ndarray, masks: dict[str, np.ndarray]) -> dict[str, float]:
-    """Root of the mean square of values (R, T) in each phase."""
-    return {name: float(np.sqrt((values[:, m] ** 2).mean())) for name, m in masks.items()}
+def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[float]]:
+    """The runs with those of the level's rounds, and by how much the last round widened them."""
+    growth = [0.0] * runs.values.shape[1]
+    for seed in range(level.rounds):
+        options = {"candidates": 8192, "seed": seed + 1}
+        points, _ = intervals.seek_points(runs.points, runs.values, SEEK, **options)
+        if not len(points):
+            break
+        before, runs = runs, runs.with_runs(simulate(runs.case, level.elements, points))
+        growth = distance(runs.time, hull(before), hull(runs))
+    return runs, growth

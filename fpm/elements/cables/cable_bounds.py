@@ -71,11 +71,13 @@ def _motion(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:
 def with_arms(bounds, pulls: Iterable[tuple[int, VirtualBeam, float]]) -> Deformations | None:
     """Return `bounds` (Deformations of cables or struts, or None) with springs against turns of the
     arms at whose ends forces act, F times the arm, which bear what a force that keeps its direction
-    does to a body that turns. pulls: index of the element, arm and force (N) of each."""
+    does to a body that turns; about the arm itself it has no moment. pulls: index of the element,
+    arm and force (N) of each."""
     rows = [bounds] * (bounds is not None)
     for number, beam, force in pulls:
-        if stiffness := force * float(np.linalg.norm(beam.arm)):
+        length = float(np.linalg.norm(beam.arm))
+        if stiffness := force * length:
             dofs, turns = np.tile(6 * beam.particle + np.arange(6), (3, 2)), np.zeros((3, 12))
-            turns[:, 3:6] = np.eye(3)
+            turns[:, 3:6] = np.eye(3) - np.outer(beam.arm, beam.arm) / length**2
             rows.append((dofs, turns, np.full(3, stiffness), np.full(3, number)))
     return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None

@@ -86,10 +86,13 @@ class Turns(NamedTuple):
     """Openings (joint coordinates) held exactly, t of them: shared by the joints' solver and the
     elements that hold. state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s),
     impulse of the step, that of the last solution (N m s; N s); impact (1, 1, lanes): time of an
-    impact as a share of this step, below 0 if it came in the step before; 0: none."""
+    impact as a share of this step, below 0 if it came in the step before; 0: none; hinge (t,):
+    index of each one's hinge; angles: of all hinges, Openings.angles."""
 
     state: np.ndarray  # (t, TURN, lanes)
     impact: np.ndarray  # (1, 1, lanes) when an impact comes, in steps from the start of this one
+    hinge: np.ndarray  # (t,)
+    angles: np.ndarray  # (h, 2, lanes) with whole turns
 
 
 class Joints(NamedTuple):

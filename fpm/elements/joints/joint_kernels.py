@@ -19,7 +19,6 @@ from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
     add3,
     add_where,
-    cross,
     dot,
     get3,
     get6,
@@ -291,12 +290,7 @@ def work_after(part, world, timing):
     for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
             i = part.particle[s]
-            v = (1.0 / timing.step) * (get3(state, i, X) - get3(b, s, hinge.OLD_X))
-            axes = frame(state, i)
-            first = cross(get3(b, s, hinge.OLD_D2), get3(b, s, hinge.OLD_D3))
-            rotation = cross(first, axes[0]) + cross(get3(b, s, hinge.OLD_D2), axes[1])
-            rotation = rotation + cross(get3(b, s, hinge.OLD_D3), axes[2])
-            spin = (0.5 / timing.step) * rotation
+            v, spin = get3(state, i, V), get3(state, i, P)
             force, moment = get3(b, s, joint.ALL_FORCE), get3(b, s, joint.ALL_MOMENT)
             # An impulse acts over the half steps before and after an instant, the first one only
             # after: what it did before is due at the instant, which is recorded already.
@@ -315,10 +309,10 @@ def work_after(part, world, timing):
 
 
 @hook(Joints)
-def work_due(part, world, energies, row):
+def work_due(part, world, energies, row, timing):
     """Add the work (J) of drives that `work_after` counted after the instant was recorded, but that
     is due before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
-    Record.energies. part: all joints (Joints); world: not used; row: index of the instant."""
+    Record.energies. part: all joints (Joints); row: index of the instant; world, timing: unused."""
     account = ACCOUNTS + part.account
     for s in range(part.particle.shape[0]):
         if part.is_driven[s]:

@@ -1,5 +1,6 @@
 """Catching, impulses, losses and events of rigid latches (theory: rigid.py)."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,9 @@ SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in
 STATE = SEARCH_END + 1
 
 NUMBERS = latch.NUMBERS[:4]  # how it catches
+SAME_TIME = 1e-9
+"""Share of a step within which latches catch at one time."""
+
 TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
@@ -79,8 +83,8 @@ def decide(part, world, timing):
     does, sets world.undecided, and the joints are solved again. part: RigidLatches; world (World):
     solver state; timing: StepTime (s). The search begins at the coordinate predicted in the step
     before, since the real one, which differs in its last digits, might slip through."""
+    is_any_caught = False
     for i in range(part.hinge.shape[0]):
-        t = part.turn[i]
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
         reach = latch.reach_of(part, i, start, prediction)
@@ -96,19 +100,47 @@ def decide(part, world, timing):
                     if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
                         latch.pass_by(part, i, s, first, last, rate, end, timing.step)
                     if part.state[i, latch.IS_CAUGHT, s] > 0.0:
-                        part.turns.state[t, HOLDS, s] = -1.0
-                        part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
-                        fraction = (part.state[i, latch.CATCH_TIME, s] - timing.time) / timing.step
-                        part.turns.impact[0, 0, s] = fraction
-                        world.undecided[0] = 1
+                        is_any_caught = True
+    if is_any_caught:
+        for s in range(part.state.shape[2]):
+            hold_first(part, world, timing, s)
+
+
+@kernel
+def hold_first(part, world, timing, s):
+    """Hold the joint coordinate of the latch of one sample that catches first in this step, or of
+    several at that time, and forget what latches would do later: the impact changes the rates, by
+    which they are looked at again. part: RigidLatches; world: solver state (World); timing:
+    StepTime (s); s: index of the sample (its lane)."""
+    first, last = math.inf, timing.time  # those to come, and that which caught before
+    for i in range(part.hinge.shape[0]):
+        if part.state[i, latch.NEWS, s] == 1.0:
+            time = part.state[i, latch.CATCH_TIME, s]
+            if part.turns.state[part.turn[i], HOLDS, s] < 0:
+                last = max(last, time)
+            else:
+                first = min(first, time)
+    for i in range(part.hinge.shape[0]):
+        t, time = part.turn[i], part.state[i, latch.CATCH_TIME, s]
+        if part.state[i, latch.NEWS, s] == 0.0 or part.turns.state[t, HOLDS, s] < 0:
+            continue
+        if time > first + SAME_TIME * timing.step:
+            part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
+        elif part.state[i, latch.IS_CAUGHT, s] > 0.0:
+            time = part.state[i, latch.CATCH_TIME, s] = max(time, last)
+            part.turns.state[t, HOLDS, s] = -1.0
+            part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
+            part.turns.impact[0, 0, s] = (time - timing.time) / timing.step
+            world.undecided[0] = 1
 
 
 @hook(RigidLatches)
 def work_after(part, world, timing):
     """Add half of the losses (J) of the moments found in this step, over the step that ends now, to
-    part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
-    that share it, less what the moment of the third gives in the time since. part: all rigid
-    latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
+    part.account, and sum the impulses (N m s). The impulse of catching is that of three steps: two
+    share it, and dampers extrapolate their rate into the third; less what the moment of the fourth
+    gives in the time since. part: all rigid latches (RigidLatches); world (World): solver state;
+    timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing, world)
@@ -119,8 +151,8 @@ def work_after(part, world, timing):
         store(part.state, i, AGE, age)
         store(part.state, i, SEARCH_END, predict(part, i, timing))
         time = timing.time - 0.5 * timing.step - load(part.state, i, latch.CATCH_TIME)
-        impact = where_negative(age - 2.5, impulse, -1.0 * time * moment)
-        impact = where_negative(age - 3.5, impact, 0.0)
+        impact = where_negative(age - 3.5, impulse, -1.0 * time * moment)
+        impact = where_negative(age - 4.5, impact, 0.0)
         store(part.state, i, IMPACT, load(part.state, i, IMPACT) + impact)
 
 

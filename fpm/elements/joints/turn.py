@@ -57,7 +57,8 @@ class Turn(ElementType):
             ]
 
         state = batch.stack(len(cls.find(batch.scene)), TURN, starts)
-        return Turns(state=state, impact=batch.blank(1, 1))
+        hinge = batch.integers(holder.hinge for holder in cls.find(batch.scene))
+        return Turns(state, batch.blank(1, 1), hinge, batch.part(Opening).angles)
 
 
 class ExactConnector(Connector):

@@ -15,6 +15,7 @@ from fpm.elements.joints.joint_arrays import (
     AXIS_IM,
     DIRECTION,
     FORCE,
+    HOLDS,
     IMPULSE,
     INVERSE,
     MOMENT,
@@ -23,6 +24,7 @@ from fpm.elements.joints.joint_arrays import (
     SLIDE,
     SOLVED_IMPULSE,
     SPIN,
+    TARGET,
     TURN1,
     TURN2,
     TURN_IMPULSE,
@@ -30,11 +32,11 @@ from fpm.elements.joints.joint_arrays import (
     TurnedJoints,
 )
 from fpm.elements.joints.joint_matrix import build, factorise
-from fpm.elements.joints.joint_rows import find_gaps, find_lock_gap, find_rows, place
+from fpm.elements.joints.joint_rows import find_gaps, find_rows, place
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import load, store
+from fpm.kernels.lanes import load, store, where_negative
 from fpm.kernels.layout import ACCOUNTS, P, V, X
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import (
@@ -102,10 +104,10 @@ def register_work_hooks(arrays, first, sign):
             add_to_account(world, part.account, sign * work)
 
     @hook(arrays)
-    def work_due(part, world, energies, row):
+    def work_due(part, world, energies, row, timing):
         """Add the work (J) that `end_work` counted after the instant was recorded but is due before
-        it, to recorded energies. part: arrays; world: not used; energies (instants, columns,
-        lanes): changed in row `row` (the instant's) and column ACCOUNTS + part.account."""
+        it, to recorded energies. part: arrays; world, timing: not used; energies (instants,
+        columns, lanes): changed in row `row` (the instant's), column ACCOUNTS + part.account."""
         for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -158,7 +160,10 @@ def solve(part, world, timing):
     joint_kernels.find_rates(part, world.state)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
-        r, gap = part.pattern.first[j], find_lock_gap(part, world.state, j)
+        r, turns = part.pattern.first[j], part.turns
+        # By the opening, which counts whole turns: a step may take several.
+        gap = load(turns.angles, turns.hinge[t], NEW) - load(turns.state, t, TARGET)
+        gap = where_negative(load(turns.state, t, HOLDS), gap, 0.0)
         store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
     joint_kernels.find_impulses(part, -1.0)
     store_rates(part, world.state)

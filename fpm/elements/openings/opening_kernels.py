@@ -8,9 +8,19 @@ import numpy as np
 from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
-from fpm.kernels.layout import F, M, P, X
+from fpm.kernels.layout import BY_SPIN, IJ, F, M, P, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, to_global, to_local
+from fpm.kernels.vectors import (
+    add3,
+    cross,
+    dot,
+    get3,
+    kernel,
+    put3,
+    times,
+    to_global,
+    to_local,
+)
 
 TURN = 2 * math.pi
 
@@ -61,7 +71,7 @@ def forces(part, world, timing):
     turns are counted; where moments are recorded by component (springs, dampers, ...), make each
     that of a step ago and set it to 0. part: arrays of all openings (Openings); world (World):
     solver state, whose positions and axes are read; timing: not used."""
-    update(part, world.state)
+    update(part, world, timing)
     begin_parts(part.moments)
 
 
@@ -75,19 +85,22 @@ def begin_parts(moments):
 
 
 @kernel
-def update(part, state):
+def update(part, world, timing):
     """Compute from positions and axes of particles the openings (joint coordinates: rad, of slides
     m) of all hinges, into part.angles, and their axes (global), into part.axes. part: arrays of all
-    openings (Openings); state (n, 21, lanes): of all particles, World.state. Of angles that differ
-    by full turns, the one closest to the last is taken."""
-    sides, angles = part.sides, part.angles
+    openings (Openings); world: solver state, of which particles are read; timing: StepTime (s). Of
+    angles that differ by full turns, the one is taken that is closest to the last and the way by
+    the rate at which the particles turned in the step: there may be several turns in a step."""
+    sides, angles, state = part.sides, part.angles, world.state
+    step = timing.step if timing.time > 0.0 else 0.0
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
         axes = frame(state, first_end)
         axis = to_global(axes, get3(sides, 2 * h, AXIS))
         put3(part.axes, h, 0, axis)
         first = get3(sides, 2 * h, REFERENCE)
-        second = to_global(frame(state, second_end), get3(sides, 2 * h + 1, REFERENCE))
+        second_axes = frame(state, second_end)
+        second = to_global(second_axes, get3(sides, 2 * h + 1, REFERENCE))
         if is_slide(part.slides, h):
             chord = (get3(state, second_end, X) + second) - (
                 get3(state, first_end, X) + to_global(axes, first)
@@ -99,8 +112,18 @@ def update(part, state):
         angle = arctan2(dot(get3(sides, 2 * h, NORMAL), second), dot(first, second))
         last = load(angles, h, NEW)
         store(angles, h, OLD, last)
-        turns = floor((last - angle) * (1.0 / TURN) + 0.5)
+        spin = spin_of(world, second_end, second_axes) - spin_of(world, first_end, axes)
+        turns = floor((last + step * dot(axis, spin) - angle) * (1.0 / TURN) + 0.5)
         store(angles, h, NEW, angle + TURN * turns)
+
+
+@kernel
+def spin_of(world, i, axes):
+    """Return the angular velocity (rad/s, 3, global) of particle i in the last step, by its angular
+    momentum and its `axes`, three vectors; 0 if it is held. world: solver state (World)."""
+    momentum = get3(world.state, i, P)
+    spin = to_global(axes, times(get3(world.particles, i, IJ), to_local(axes, momentum)))
+    return load(world.particles, i, BY_SPIN) * momentum + spin
 
 
 @kernel

@@ -44,6 +44,13 @@ class Drive(ElementType):
         return [drive.particle for drive in cls.find(scene)]
 
     @classmethod
+    def array(cls, name, batch):
+        if name != "inertia":
+            return super().array(name, batch)
+        particles = cls.moved_particles(batch.scene)
+        return batch.stack(len(particles), 3, lambda scene: scene.inertia[particles])
+
+    @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the motion that a scene's drives prescribe at a `time` (s): indices of particles
         (d,), each once, velocities (d, 3) m/s, spins (d, 3) rad/s global, summed over drives."""

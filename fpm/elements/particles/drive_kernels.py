@@ -7,9 +7,9 @@ import numpy as np
 from fpm.kernels.curves import curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import VELOCITY, F, M, P, V, X
+from fpm.kernels.layout import ACCOUNTS, BY_SPIN, KINETIC, MASS, VELOCITY, F, M, P, V, X
 from fpm.kernels.rotation import frame, turn_frame
-from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, to_global, to_local
+from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, times, to_global, to_local
 
 NUMBERS = "velocity", "spin"
 LINEAR, SPIN = 0, 3
@@ -18,11 +18,13 @@ LINEAR, SPIN = 0, 3
 class Drives(NamedTuple):
     """Arrays of all d drives. particle (d,): index of its particle; curve (d,): index of its curve
     of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes;
-    account: index of their work in World.accounts. Those of one particle add up."""
+    inertia (d, 3, lanes): of its particle (kg m²); account: index of their work in World.accounts.
+    Those of one particle add up."""
 
     particle: np.ndarray
     curve: np.ndarray
     numbers: np.ndarray
+    inertia: np.ndarray
     account: int
 
 
@@ -60,11 +62,13 @@ def restrain(part, world, timing):
 
 @hook(Drives)
 def move(part, world, timing):
-    """Move driven particles by one step as prescribed, and set the forces on them to 0. part:
-    arrays of all drives (Drives); world: solver state (World), changed; timing: times (s)."""
+    """Move driven particles by one step as prescribed, and set the forces on them to 0; their spins
+    stand for angular momenta. part: arrays of all drives (Drives); world: solver state (World),
+    changed; timing: times (s)."""
     state = world.state
     for n in range(part.particle.shape[0]):
-        put3(state, part.particle[n], V, 0.0 * get3(state, part.particle[n], V))
+        for k in (V, P):
+            put3(state, part.particle[n], k, 0.0 * get3(state, part.particle[n], V))
         for k in range(6):
             store(state, part.particle[n], F + k, 0.0)
     for n in range(part.particle.shape[0]):
@@ -73,30 +77,52 @@ def move(part, world, timing):
         v = factor * get3(part.numbers, n, LINEAR)
         add3(state, i, V, v)
         put3(state, i, X, timing.step * v + get3(state, i, X))
-        half = (0.5 * timing.step * factor) * get3(part.numbers, n, SPIN)
+        spin = factor * get3(part.numbers, n, SPIN)
+        add3(state, i, P, spin)
         axes = frame(state, i)
-        turn_frame(state, i, axes, to_local(axes, half))
+        turn_frame(state, i, axes, to_local(axes, (0.5 * timing.step) * spin))
 
 
 @hook(Drives)
 def look_back(part, world, timing):
     """In the first step only, extrapolate linearly the velocities (m/s) and spins (rad/s) of driven
-    particles to half a step before the start, into World.start_state; and write their spins half a
-    step after it into World.state. Spins stand in for angular momenta, which they lack. part:
-    arrays of all drives; world: solver state, changed; timing: times of this step (s)."""
+    particles to half a step before the start, into World.start_state. part: arrays of all drives;
+    world: solver state, changed; timing: times of this step (s)."""
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         zero = 0.0 * get3(world.state, i, X)
         put3(world.start_state, i, V, zero)
         put3(world.start_state, i, P, zero)
-        put3(world.state, i, P, zero)
+        store(world.particles, i, BY_SPIN, 1.0)
     for n in range(part.particle.shape[0]):
         i, spin = part.particle[n], get3(part.numbers, n, SPIN)
         new = curve_value(world, part.curve[n], 0.5 * timing.step)
         old = 2.0 * curve_value(world, part.curve[n], 0.0) - new
         add3(world.start_state, i, V, old * get3(part.numbers, n, LINEAR))
         add3(world.start_state, i, P, old * spin)
-        add3(world.state, i, P, new * spin)
+
+
+@hook(Drives)
+def work_due(part, world, energies, row, timing):
+    """Add the kinetic energy (J) of driven particles to the recorded one, and to the work of their
+    drives, which gave it. part: arrays of all drives (Drives); world: solver state; energies:
+    Record.energies; row: index of the recorded instant; timing: times of this step (s)."""
+    total = 0.0 * load(world.state, 0, X)
+    for n in range(part.particle.shape[0]):
+        i, is_first, zero = part.particle[n], True, 0.0 * get3(world.state, part.particle[n], X)
+        v, spin = zero, zero
+        for k in range(part.particle.shape[0]):
+            if part.particle[k] == i:
+                is_first = is_first and k >= n
+                factor = curve_value(world, part.curve[k], timing.time)
+                v = v + factor * get3(part.numbers, k, LINEAR)
+                spin = spin + factor * get3(part.numbers, k, SPIN)
+        if is_first:
+            spin = to_local(frame(world.start_state, i), spin)
+            turn = dot(spin, times(get3(part.inertia, n, 0), spin))
+            total = total + 0.5 * (load(world.particles, i, MASS) * dot(v, v) + turn)
+    for column in (KINETIC, ACCOUNTS + part.account):
+        store(energies, row, column, load(energies, row, column) + total)
 
 
 @hook(Drives)

@@ -31,6 +31,9 @@ from fpm.structures.reading import commas
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
+MASSLESS = 1e-30
+"""Mass (kg) and inertia (kg m2) of a particle that only leads a point."""
+
 PART = ReferenceKey(group="parts", text="what it is about")
 POINT = ReferenceKey(group="points", text="one of its points")
 CURVE_KEYS = ["times", "values", "file", "column", "expression", "over"]
@@ -282,7 +285,7 @@ def _lead(build, args, particle: int, arm) -> None:
     if set(axes_held) & set(axes):
         allowed = f"axes along which nothing else holds the point, not {', '.join(axes_held)}"
         build.refuse("translations", axes, allowed)
-    leader = int(scene.add_particles(place, 1.0, 1.0)[0])
+    leader = int(scene.add_particles(place, MASSLESS, MASSLESS)[0])
     scene.drive(leader, args.velocity, args.spin, _index(args.curve))
     name = _drive_name(scene, args.name)
     scene.add(Joint.held_point(scene, name, particle, args.at.position, axes, leader))

@@ -82,6 +82,8 @@ def tabulated_spring(build, args):
     Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
     entry: between (two (Body, Point)), lengths (m), forces (N), damping (N s/m)."""
     _add(build, args, args.lengths, args.forces)
+    if not vars(args)["class"]:
+        build.scene.classes[Strut, len(Strut.find(build.scene)) - 1] = "HA"  # as tables on joints
 
 
 @statement(

@@ -1,4 +1,4 @@
-"""The list of keys at the end of docs/structures.md, from the statements of the language."""
+"""The reference of all keys of structure files, made from the statements of the language."""
 
 from fpm.structures.keys import NO_VALUE
 from fpm.structures.model import overall
@@ -8,8 +8,8 @@ from fpm.structures.statements import STATEMENTS
 HEAD = "| key | what it is | allowed | default |\n|---|---|---|---|\n"
 
 
-def keys_table() -> str:
-    """One heading and table for each kind of statement."""
+def keys_page() -> str:
+    """Return all keys of structure files as Markdown, a heading and a table for each statement."""
     return "\n".join(_section(one) for one in (*STATEMENTS, overall))
 
 
@@ -23,7 +23,7 @@ def _section(one: Statement) -> str:
         f"{_if(slid.allowed, key.allowed)} | {_default(key.default)} |\n"
         for (name, key), (other, (_, slid)) in zip(one.keys.items(), slides.items(), strict=True)
     ]
-    return f"### {title}\n\n{one.text}\n\n{HEAD}{''.join(rows)}"
+    return f"## {title}\n\n{one.text}\n\n{HEAD}{''.join(rows)}"
 
 
 def _if(other: str, own: str, quote: str = "") -> str:
@@ -45,7 +45,3 @@ def _default(value: object) -> str:
         case float():
             return f"`{value:g}`"
     return f"`[{', '.join(f'{x:g}' for x in value)}]`"
-
-
-if __name__ == "__main__":
-    print(keys_table(), end="")

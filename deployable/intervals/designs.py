@@ -14,9 +14,10 @@ import scipy
 from numpy.polynomial.chebyshev import chebvander
 
 from . import chebyshev
-from .box import MAX_DIMENSION, MOST_FULL, Box, axis_points, corner_points
+from .box import MAX_DIMENSION, MOST_FULL, Box, axis_points, corner_points, match_points
 from .chebyshev import Surrogate, least_squares, product_basis
 from .errors import IntervalError, check_choice, check_integer, check_options
+from .splines import predict_runs
 
 MAX_ORDER = 64
 MAX_RUNS = 100_000
@@ -200,6 +201,22 @@ def _screening(
         raise IntervalError("samples", samples, f"at least {len(points)} of {count} intervals")
     degrees = np.eye(len(free), dtype=int)[free]
     return Design(points, np.concatenate([centre.astype(int), degrees, 2 * degrees]))
+
+
+def complete_runs(
+    design: Design, points: np.ndarray, values: np.ndarray, failed_points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | float]:
+    """Return the values (N, ...) of runs at the N points of a design, in their order, where runs
+    that failed are predicted by a spline through others, and the error (...) of that, 0 if none
+    failed. points (R, k), values (R, ...): of the runs; failed_points (F, k): of those that failed.
+    Raises IntervalError if a point has no run, or too few runs are left for a spline."""
+    rows = match_points(design.points, np.concatenate([points, failed_points]))
+    is_lost = rows >= len(points)
+    if not is_lost.any():
+        return values[rows], 0.0
+    run_values = values[np.where(is_lost, 0, rows)]
+    run_values[is_lost], error = predict_runs(points, values, design.points[is_lost])
+    return run_values, error
 
 
 METHODS: dict[str, Method] = {

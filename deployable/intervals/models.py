@@ -19,7 +19,7 @@ from .aligned import (
     split_runs,
 )
 from .box import find_other_runs, match_points
-from .designs import Design, fit
+from .designs import Design, complete_runs, fit
 from .errors import IntervalError
 from .estimates import (
     MAX_DIRECTIONS,
@@ -82,7 +82,8 @@ class Model:
 class PolynomialModel(Model):
     """Chebyshev polynomials fitted to the runs of `samples` at the points of `design`, with an
     enclosed range; all other runs test them: the error is the larger of the residuals there and the
-    neglected tail of coefficients. tolerance: gap of enclosure and attained range at
+    neglected tail of coefficients, and the error of what a spline predicts where runs of the design
+    failed. tolerance: gap of enclosure and attained range at
     which to stop, as a fraction of the latter's width."""
 
     kind = "enclosed range of the polynomial"
@@ -91,7 +92,9 @@ class PolynomialModel(Model):
         self.samples, self.tolerance = samples, tolerance
         self.test_rows = find_other_runs(samples.points, design.points)
         self.design = design
-        self.surrogate = fit(design, samples.values[match_points(design.points, samples.points)])
+        runs = samples.points, samples.values, samples.failed_points
+        values, self.lost_error = complete_runs(design, *runs)
+        self.surrogate = fit(design, values)
         self.attributes = {"design_runs": design.run_count}
 
     def range(self, columns: np.ndarray | None = None) -> Range:
@@ -116,7 +119,8 @@ class PolynomialModel(Model):
         residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
         decay = estimate_decay(surrogate, time, window)
         decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
-        return estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
+        error = estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
+        return replace(error, total=error.total + self.lost_error)
 
     def centre(self) -> np.ndarray:
         return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]

@@ -32,6 +32,21 @@ class Range:
         """By how much (...) outer bounds lie outside the attained ones, both sides together."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
+    def include(
+        self, low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray
+    ) -> "Range":
+        """Widen the range to values that runs take: `low`, `high` (...), the least and largest of
+        them, at `argmin`, `argmax` (..., k); returns a copy."""
+        is_lower, is_higher = low < self.inner_lower, high > self.inner_upper
+        return Range(
+            np.minimum(self.lower, low),
+            np.maximum(self.upper, high),
+            np.minimum(self.inner_lower, low),
+            np.maximum(self.inner_upper, high),
+            np.where(is_lower[..., None], argmin, self.argmin),
+            np.where(is_higher[..., None], argmax, self.argmax),
+        )
+
 
 def to_range(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
     """Make the Range of a model without an enclosure: low, high (...) are attained values, which

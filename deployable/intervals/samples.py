@@ -102,6 +102,13 @@ class Samples:
             return np.zeros(len(self.names), bool)
         return self.source["response_ratio"].values[self.rows] > 0
 
+    @property
+    def failed_points(self) -> np.ndarray:
+        """Points (F, k) of the runs that failed, normalized; these are not among the others."""
+        if "failed_normalized" not in self.source:
+            return self.points[:0]
+        return self.source["failed_normalized"].values
+
     def read(self, runs: slice) -> np.ndarray:
         """Read the responses (r, n, T) of the r runs that the slice `runs` selects, in the number
         type of the dataset; the values of other runs are not loaded."""
@@ -164,7 +171,8 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     in the place of ``values`` and ``role``, the least and largest value within each quarter of its
     runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
     and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
-    parameters, at which its first run then is."""
+    parameters, at which its first run then is; perhaps ``failed_normalized`` (failed, parameter),
+    points of the design whose runs failed."""
     arrays = ("values",) if "lower_run" not in samples else _BOUND_NAMES
     for name in ("time", "response", *arrays, "normalized", "value"):
         if name not in samples:

@@ -40,6 +40,8 @@ class ElementForces:
 
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
+        # As at the start: kernels take means of curves over a step.
+        part_scene.curves = [curve.constant_at(0.0) for curve in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
         rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
         batch = Batch([part_scene], kinds, *rest)

@@ -58,6 +58,9 @@ EASE_SHARE, EASE_DECREASE, EASE_INCREASE = 1e-2, 1 / 30, 10.0
 """ε at first, as a share of the largest force; its factors after a position that was found, and
 after one that was not."""
 
+STIFFER = 1e16
+"""Largest ε over the stiffness at the start: stops that are met on the way are stiffer."""
+
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3) * np.array([[0.5], [0.5]]) + [[0.5], [0.0]]
 """Places between 0 and 1, and weights, of three points that integrate polynomials of degree 5."""
 
@@ -251,7 +254,7 @@ class _EquilibriumSearch(assembly._RestSearch):
             ease = max(ease, floor)
             trial = self._approach(poses, impulses, ease, ROUNDING * force)
             if trial is None or not (is_led or self._falls(poses, *trial, ease)):
-                if ease > 1e6 * (stiffest or 1.0):
+                if ease > STIFFER * (stiffest or 1.0):
                     break
                 ease *= EASE_INCREASE
                 continue

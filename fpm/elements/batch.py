@@ -284,17 +284,19 @@ class Batch:
         steps: number of steps of the run, both to estimate the energy that rounding makes."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
-        failed_step = np.full(width, -1, np.int64)
-        failed_step[len(self.scenes) :] = 0  # the lanes that only fill up are never looked at
+        worst = np.zeros(width, dtype)
+        worst[len(self.scenes) :] = np.inf  # the lanes that only fill up are never looked at
         return Record(
             points=self.blank(rows * len(self.scene.points), layout.POINT),
             energies=self.blank(rows, energies),
-            failed_step=failed_step,
+            failed_step=np.full(width, -1, np.int64),
             failed_cause=np.zeros(width, np.int64),
             failed_row=np.zeros(width, np.int64),
             failed_balance=np.zeros(width, dtype),
             failed_peaks=np.zeros((self.watches.count, width), dtype),
+            failed_scale=np.zeros(width, dtype),
             scale=self._least_scale(step, steps),
+            worst=worst,
         )
 
     def _least_scale(self, step: float, steps: int) -> np.ndarray:

@@ -81,6 +81,30 @@ def curve_integral(world, curve, t):
 
 
 @kernel
+def curve_mean(world, curve, start, end):
+    """Return the mean of a curve of time between two times (s), start and end, from 0 on; exact but
+    for rounding, so that an impulse is right however short the curve's pulses are. world: solver
+    state with all curves (World); curve: index, -1: the curve that is always 1."""
+    if curve < 0:
+        return 1.0
+    start = max(start, 0.0)
+    first, last = world.curve_start[curve], world.curve_start[curve + 1] - 1
+    if end <= world.curve_time[first] or start >= world.curve_time[last]:
+        return curve_value(world, curve, start)
+    integral = curve_integral(world, curve, end) - curve_integral(world, curve, start)
+    return integral / (end - start)
+
+
+@kernel
+def kick_mean(world, curve, timing, steps=0):
+    """Return the mean of a curve of time over the kick of this step, from half a step before its
+    start to half a step after it, or over that of a later step. world: solver state with all curves
+    (World); curve: index; timing: times of this step (s); steps: how many later."""
+    time = timing.time + steps * timing.step
+    return curve_mean(world, curve, time - 0.5 * timing.step, time + 0.5 * timing.step)
+
+
+@kernel
 def travel_factor(world, curve, by_rate, t):
     """Return by what a motor's turn (rad; by_rate: rad/s) is multiplied to give that made by time t
     (s): the value of its curve or, if by_rate, the curve's integral from 0 to t. world: solver

@@ -1,5 +1,7 @@
 """The search for lanes whose numbers can not be trusted, and for the element to blame."""
 
+import math
+
 from fpm.kernels import hooks
 from fpm.kernels.lanes import store
 from fpm.kernels.layout import BALANCE, ENERGY_SIZE
@@ -9,22 +11,31 @@ IMBALANCE = -1
 """Cause of a failure: no watched quantity, but the energy balance."""
 
 
+NEGLIGIBLE, GROWTH = 0.1, 100.0
+"""Share of the tolerance, by the largest energy of the whole run, below which an error of the
+balance was none; and growth of an error since it was noted, from which on it is an instability."""
+
+
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
-    """Mark in `record` the samples that fail at step n; returns whether none is left running. A
+    """Note in `record` the samples that fail at step n; returns whether all have failed for good. A
     sample fails when its energy balance has an error above `tolerance` times the largest energy it
-    has had so far, when a number is not finite, or when a watched quantity is above its limit.
-    parts: arrays of each element type; world: solver state (World); record: of the run (Record);
-    row: index of this step's energies in it; n: number of steps done."""
+    has had so far, when a number is not finite, or when a watched quantity is above its limit. An
+    error of the balance is forgiven once it is over, as where a contact strikes (`events.edge`), or
+    the run has held so much more energy that it is negligible beside it, as where teeth with play
+    first touch; it is final once it has grown. parts: arrays of
+    each element type; world: solver state (World); record: of the run (Record); row: index of this
+    step's energies in it; n: number of steps done."""
     count = 0
     for s in range(record.scale.shape[0]):
-        if record.failed_step[s] >= 0:
+        if record.worst[s] == math.inf:
             continue
         count += 1
         energy = world.sums[0, ENERGY_SIZE, s]
         if energy > record.scale[s]:
             record.scale[s] = energy
-        is_balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
+        error = abs(record.energies[row, BALANCE, s])
+        is_balanced = error <= tolerance * record.scale[s]
         is_valid, cause = is_balanced, IMBALANCE
         for k in range(world.most.shape[0]):
             if not world.peaks[0, k, s] <= world.most[k, s]:
@@ -32,14 +43,24 @@ def find_failures(parts, world, record, row, n, tolerance):
                 # Mostly, only what happens while the energy balances is the cause.
                 if is_balanced or world.unconditional[k]:
                     cause = k
-        if not is_valid:
+        if is_valid:
+            is_over = error <= tolerance * record.failed_scale[s]
+            if is_over or record.worst[s] <= NEGLIGIBLE * tolerance * record.scale[s]:
+                record.worst[s], record.failed_step[s] = 0.0, -1
+            continue
+        if record.failed_step[s] < 0:
             record.failed_step[s] = n
             record.failed_cause[s] = cause
             record.failed_balance[s] = record.energies[row, BALANCE, s]
-            # They grow on while other lanes run.
+            record.failed_scale[s] = record.scale[s]
+            # They grow on while the run goes on.
             for k in range(world.most.shape[0]):
                 record.failed_peaks[k, s] = world.peaks[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
+        if cause == IMBALANCE and error <= GROWTH * abs(record.failed_balance[s]):
+            record.worst[s] = max(record.worst[s], error)
+        else:
+            record.worst[s] = math.inf
             count -= 1
     return count == 0
 

@@ -81,7 +81,9 @@ class Record(NamedTuple):
     not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
     balance; failed_row: index in World.rows of the element of which that quantity, or the stored
     energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w, lanes):
-    World.peaks of all w watched quantities. scale (lanes,): largest energy so far (J)."""
+    World.peaks of all w watched quantities; failed_scale: scale (J). scale (lanes,): largest energy
+    so far (J); worst (lanes,): largest error of the balance that is noted (J), infinite once the
+    sample has failed for good."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)
@@ -90,4 +92,6 @@ class Record(NamedTuple):
     failed_row: np.ndarray  # (lanes,) the worst element, a row of World.rows; -1: none
     failed_balance: np.ndarray  # (lanes,) J
     failed_peaks: np.ndarray  # (w, lanes) World.peaks then
+    failed_scale: np.ndarray  # (lanes,) J
     scale: np.ndarray  # (lanes,) largest energy so far
+    worst: np.ndarray  # (lanes,) J; infinite: failed for good

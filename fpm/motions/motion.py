@@ -35,6 +35,7 @@ def whole_motion(
     times: Sequence[float] = (),
     energy_tolerance: float = 0.02,
     record: Iterable[Column] = (),
+    halvings: int = 0,
     attributes: Sequence[dict] | None = None,
     extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
@@ -52,11 +53,13 @@ def whole_motion(
     energy_tolerance: energy error at which a run fails, as a fraction of its largest energy so far.
     record: columns (variable, label) to record, as `simulate` takes them, for the Outcome that
         extra_variables takes; the datasets do not have them.
+    halvings: how often a run that fails is repeated with half the step, as `simulate` takes it.
     attributes: further global attributes by name, one mapping for each scene's dataset, or None.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
         variables for its dataset, by name, as xarray.Dataset.assign takes them."""
     arguments = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
+    arguments["halvings"] = halvings
     count = len(scenes[0].position)
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MAX_RECORDS)))

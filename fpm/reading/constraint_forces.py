@@ -123,8 +123,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         if _is_ground(scene, particle):
             fields = [kind for kind in kinds_of([scene]) if issubclass(kind, Gravity)]
             for kind in fields:
-                factors = scene.curve(kind.curve_of(scene)).value(run.time)
-                reaction_force = reaction_force + factors[:, None] * kind.weight(scene, particle)
+                curve, weight = scene.curve(kind.curve_of(scene)), kind.weight(scene, particle)
+                factors = np.array([curve.kick_mean(time, run.step) for time in run.time])
+                reaction_force = reaction_force + factors[:, None] * weight
         force = force + reaction_force
         moment = couple - np.cross(run.arm(support.beam), reaction_force)
     return force, moment

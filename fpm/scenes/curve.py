@@ -33,6 +33,10 @@ function jumps there."""
 KINK = 1e-6
 """Jump of the rate of a smooth curve that counts as a kink, as a share of its largest rate."""
 
+SMALL, JUMP, PARTS = 0.02, 1e-5, 8
+"""Of features: the least height, as a share of the whole range; the length of a jump, as a share of
+the duration; and into how many parts of a polynomial its rises and falls are looked at."""
+
 NODES = np.polynomial.chebyshev.chebpts1(12) / 2 + 0.5
 """Chebyshev's points, between 0 and 1, at which the deviation over f (1 - f) is interpolated."""
 
@@ -117,6 +121,10 @@ class Curve:
         degree = np.flatnonzero(table.any(axis=0)).max(initial=1)
         return Curve(start + places * (end - start), values, table[:, : degree + 1])
 
+    def constant_at(self, time: float) -> "Curve":
+        """Return the curve that always has the value of this one at a time (s)."""
+        return Curve.table(np.zeros(1), self.value(np.full(1, time)))
+
     def value(self, time: float | np.ndarray) -> np.ndarray:
         """Return the values at times (s), in the shape of `time`."""
         value = np.interp(time, self.times, self.values)
@@ -165,6 +173,35 @@ class Curve:
             return float(self.sums[-1] + self.values[-1] * duration)
         k = int(np.searchsorted(self.times, time, side="right")) - 1
         return float(self.sums[k] + self._area(k, time))
+
+    def kick_mean(self, time: float, step: float) -> float:
+        """Return the mean from half a step (s) before a time (s), but not before 0, to half a step
+        after it, as the kernels take it."""
+        start, end = max(time - 0.5 * step, 0.0), time + 0.5 * step
+        return (self.integral(end) - self.integral(start)) / (end - start)
+
+    def find_feature(self, duration: float) -> float:
+        """Return the length (s) of the finest feature from time 0 to `duration` (s); infinite:
+        there is none. It is the least time in which the curve, at the steepest of a rise or a fall,
+        makes all of it. What is smaller than SMALL of the whole range is no feature, and what is
+        shorter than JUMP of the duration is a jump, which no step resolves."""
+        if len(self.times) < 2:
+            return np.inf
+        parts = PARTS if self.powers.size else 1
+        ends = self.times[:-1, None] + np.diff(self.times)[:, None] * np.arange(parts) / parts
+        times = np.clip(np.append(ends, self.times[-1]), 0.0, duration)
+        values = self.value(times)
+        lengths, changes = np.diff(times), np.diff(values)
+        keep = lengths > 0
+        lengths, changes = lengths[keep], changes[keep]
+        first = np.flatnonzero(np.diff(np.sign(changes), prepend=np.nan) != 0)
+        if not len(first):
+            return np.inf
+        heights = np.abs(np.add.reduceat(changes, first))
+        rates = np.maximum.reduceat(np.abs(changes) / lengths, first)
+        is_large = heights > SMALL * np.ptp(values)
+        spans = heights[is_large] / rates[is_large]
+        return float(spans[spans > JUMP * duration].min(initial=np.inf))
 
     @cached_property
     def kinks(self) -> np.ndarray:

@@ -130,6 +130,12 @@ def find_stable_step(scene: Scene) -> StableStep:
     return limit
 
 
+def find_curve_step(scene: Scene, duration: float) -> float:
+    """Return the longest step (s) that resolves all features of a scene's curves of time in a run
+    of `duration` (s); infinite: there is none."""
+    return min((curve.find_feature(duration) for curve in scene.curves), default=np.inf)
+
+
 def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     """The limit, if the dampers are the springs that they are at a step (s)."""
     deformations, kind_of, names = deformation_modes(scene, step)

@@ -6,18 +6,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.errors import SceneError
+from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
 from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
-from fpm.scenes.timestep import SAFETY, find_stable_step
+from fpm.scenes.timestep import SAFETY, find_curve_step, find_stable_step
 from fpm.solver import pack
 from fpm.solver.start import consistent_scene, consistent_scenes
 from fpm.solver.unpack import outcomes_of
 
 CHECK_EVERY = 50
 """Number of steps from one check of the energy balance to the next, at most."""
+
+
+HALVINGS = 3
+"""How often a run whose balance of energy breaks is repeated with half the step, at most, where the
+step was not stated."""
 
 
 class Division(NamedTuple):
@@ -55,6 +60,7 @@ def simulate(
     energy_tolerance: float = 0.02,
     dtype=np.float64,
     record: Iterable[Column] = (),
+    halvings: int | None = None,
 ) -> list[Outcome]:
     """Integrate scenes that differ in numbers only, side by side; returns an Outcome for each, in
     order, with `failure` set where the run failed. A sample's numbers depend on its scene and the
@@ -67,13 +73,17 @@ def simulate(
     duration: simulated time (s), above 0.
     instants: number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
     step: time step (s), shortened so that whole steps make up the time between two instants; None:
-        `safety` times the smallest stable step of the scenes.
+        `safety` times the smallest stable step of the scenes, shortened to the finest feature of
+        their curves of time.
     safety: factor on the stable step, where no step is given.
     energy_tolerance: a sample fails where the error of its energy balance exceeds this fraction of
         the largest energy that it has had so far.
     dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
-        motion, and what is always recorded, do not depend on them."""
+        motion, and what is always recorded, do not depend on them.
+    halvings: how often a run whose energy balance breaks, or whose numbers are not finite, is
+        repeated with half the step before it fails (`Outcome.step` is that of the last time); None:
+        HALVINGS if no step is given, else 0."""
     from fpm.kernels.lanes import width as lanes_of
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
@@ -91,25 +101,37 @@ def simulate(
     pack.check_topology(scenes)
     scenes = consistent_scenes(scenes)
     limits = [None] * len(scenes)
+    if halvings is None:
+        halvings = HALVINGS if step is None else 0
     if step is None:
         limits = [find_stable_step(scene) for scene in scenes]
-        step = safety * min(limit.step for limit in limits)
+        step = min(find_curve_step(scene, duration) for scene in scenes)
+        step = min(step, *(safety * limit.step for limit in limits))
     division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
 
-    outcomes, groups = {}, {}
-    for i, scene in enumerate(scenes):
-        groups.setdefault(pack.curve_bytes(scene), []).append(i)
-    width = lanes_of(dtype)
-    batches = [(g, first) for g in groups.values() for first in range(0, len(g), width)]
-    for indices, first in batches:
-        lanes = indices[first : first + width]
-        group = [scenes[i] for i in lanes]
-        run = _integrate(group, width, dtype, instants, division, energy_tolerance)
-        lane_limits = [limits[i] for i in lanes]
-        lane_outcomes = outcomes_of(run, times, division, lane_limits, record)
-        outcomes.update(zip(lanes, lane_outcomes, strict=True))
+    outcomes, rows = {}, list(range(len(scenes)))
+    for _ in range(1 + halvings):
+        groups: dict[tuple, list[int]] = {}
+        for i in rows:
+            groups.setdefault(pack.curve_bytes(scenes[i]), []).append(i)
+        width = lanes_of(dtype)
+        batches = [g[first : first + width] for g in groups.values()
+                   for first in range(0, len(g), width)]  # fmt: skip
+        for lanes in batches:
+            group = [scenes[i] for i in lanes]
+            run = _integrate(group, width, dtype, instants, division, energy_tolerance)
+            lane_limits = [limits[i] for i in lanes]
+            lane_outcomes = outcomes_of(run, times, division, lane_limits, record)
+            outcomes.update(zip(lanes, lane_outcomes, strict=True))
+        rows = [i for i in rows if _is_broken(outcomes[i].failure)]
+        division = divide_time(duration, instants, division.step / 2)
     return [outcomes[i] for i in range(len(scenes))]
+
+
+def _is_broken(failure) -> bool:
+    """Whether a run failed by its balance of energy, which a shorter step may mend."""
+    return isinstance(failure, InstabilityError) and failure.cause is None
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):

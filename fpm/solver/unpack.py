@@ -122,7 +122,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
         step=step,
         limit=limit.step,
         balance=balance,
-        scale=float(record.scale[lane]),
+        scale=float(record.failed_scale[lane]),
         cause=watch and watch.name,
         largest=largest,
         words=watch and watch.failure(largest),

@@ -236,6 +236,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
     there are twice the runs; so is the search where no more may be made."""
 
     class Bench:
+        failures = ()
         points = np.zeros((1, 1))
         iterations = 0
         experiment = SimpleNamespace(quantity_list=[None])
@@ -268,6 +269,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
     """Where every round asks for another one."""
 
     class Bench:
+        failures = ()
         points = np.zeros((0, 1))
         experiment = SimpleNamespace(quantity_list=[None])
 

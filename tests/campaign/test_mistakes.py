@@ -160,6 +160,15 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
 ]  # fmt: skip
 
 
+def test_a_step_longer_than_a_pulse_is_told(tmp_path, capsys, monkeypatch):
+    pulse = "curves: {p: {times: [0.5, 0.50003, 0.50006], values: [0, 1, 0]}}\nloads:\n"
+    load = "  blow: {part: arm, at: tip, force: [0, 0, 1 N], curve: p}\nactions:"
+    monkeypatch.setitem(globals(), "STRUCTURE", STRUCTURE.replace("actions:", pulse + load))
+    text = told(tmp_path, capsys, monkeypatch, "201}", "201, step: 5e-5}")
+    assert "solver.step: 5e-05 s is longer than 3e-05 s" in text and "most 3e-05" in text
+    assert "longer than" not in told(tmp_path, capsys, monkeypatch, "201}", "201}")
+
+
 def told(folder, capsys, monkeypatch, old: str, new: str) -> str:
     """What `structure`, or `check`, says of the files in which `old` is `new`."""
     monkeypatch.chdir(folder)

@@ -88,6 +88,22 @@ def test_a_contact_sets_a_step_that_its_impacts_need():
     assert run(scene, factor=0.9, steps=24_000)[0].failure is None
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", np.geomspace(50.0, 5e6, 7))
+def test_what_strikes_a_contact_comes_back_as_fast_and_the_energy_balances(stiffness):
+    """A body of 1/3 kg m² at 1 rad/s, at the default step and a campaign's tolerance."""
+    scene = fpm.Scene("flap")
+    spins = [(0, 0, 0), (0, 0, -1.0)]
+    particles = scene.add_particles(np.zeros((2, 3)), 1.0, 1 / 3, spin=spins)
+    ground, body = (int(p) for p in particles)
+    scene.fix(ground)
+    hinge = scene.add_hinge("A", (ground, body), (0, 0, 0), (0, 0, 1.0), opening=np.radians(10))
+    scene.add(fpm.elements.Contact(hinge, stiffness))
+    (outcome,) = fpm.simulate(scene, duration=0.6, instants=61, energy_tolerance=0.005, halvings=0)
+    assert outcome.failure is None
+    assert outcome.energies["kinetic"][-1] == pytest.approx(1 / 6, rel=0.01)
+
+
 def test_a_mesh_too_coarse_for_the_bending_is_refused():
     """Links that springs bend double: the energy balances at a small step, on a wrong curve."""
     soft = {"E": 1e5, "start": 60.0}

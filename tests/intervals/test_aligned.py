@@ -124,8 +124,9 @@ def test_neither_order_of_runs_and_parameters_nor_units_of_time_and_response_mat
     first = bounds_dataset(data, design, model="auto")
     shuffled = data.isel(run=np.random.default_rng(0).permutation(len(points)))
     other = bounds_dataset(shuffled, design, model="auto")
-    scaled = data.assign_coords(time=1e3 * data["time"])
-    scaled = scaled.assign(event_time=1e3 * data["event_time"], values=1e-3 * data["values"])
+    scaled = data.copy(deep=True).assign_coords(time=1e3 * TIME)
+    scaled["event_time"].values *= 1e3
+    scaled["values"].values *= 1e-3
     in_units = bounds_dataset(scaled, design, model="auto")
     for name in ("lower", "upper"):
         np.testing.assert_allclose(other[name], first[name], atol=1e-9)

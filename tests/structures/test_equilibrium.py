@@ -369,3 +369,21 @@ def test_what_is_in_balance_stays_there(text):
     rate = 1e-8 * G * 0.02
     assert outcome.energies["kinetic"].max() <= scene.mass[1:].sum() * rate**2 / 2
     assert np.ptp(outcome.energies["strain"]) <= 1e-12 * (1 + outcome.energies["strain"][0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", ["1e8"])
+def test_an_arm_comes_to_rest_on_a_stiff_stop_far_away(stiffness):
+    """It leans into the stop by its moment over the stiffness, 20 degrees from where it begins."""
+    scene = loads(f"""
+name: leaning
+start: equilibrium
+points: {{o: [0, 0, 0], c: [0.5, 0, 0]}}
+bodies: {{arm: {{mass: 1, centre: c, points: [o], inertia: [0.01, 0.1, 0.1]}}}}
+joints: {{h: {{type: revolute, parts: [ground, arm], at: o, axis: z}}}}
+loads: {{push: {{part: arm, at: c, force: [0, -9.81, 0]}}}}
+actions: {{rest: {{type: stop, joint: h, lower: -20 deg, stiffness: {stiffness} N m/rad}}}}
+record: {{c: {{part: arm, at: c}}}}
+""").build()
+    lean = 9.81 * 0.5 * np.cos(np.radians(20)) / float(stiffness)
+    assert scene.hinges[0].opening == pytest.approx(-np.radians(20) - lean, abs=1e-10)

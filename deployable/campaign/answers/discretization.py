@@ -5,6 +5,7 @@ Each component begins with what changes beside the runs before: a finer mesh tak
 anyway, which so counts once. The change is continued to what all further halvings would change, by
 its order: that of a few runs with a quarter of the step, or on a mesh half as fine."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -120,7 +121,7 @@ def estimate_discretization_errors(
             results[finite] = finer[np.arange(len(finer)), q[rows][finite]]
         return results
 
-    for name, level in _levels(model.plan, components).items():
+    for name, level in _levels(model.plan, components, model.finest_step).items():
         finer_values = numbers(level.finer, np.arange(len(points)))
         lost_rows = np.isfinite(values) & ~np.isfinite(finer_values)
         if lost_rows.any():
@@ -178,7 +179,7 @@ def estimate_fraction_errors(
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:
         return numbers, shifts
-    *_, finest = _levels(model.plan, tuple(errors)).values()
+    *_, finest = _levels(model.plan, tuple(errors), model.finest_step).values()
     for q, b in enumerate(bounds):
         if b.surrogate.fit is None:
             continue
@@ -207,9 +208,10 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     is_near = model.experiment.is_adaptive | (distances.min(axis=1) <= MAX_POINT_DISTANCE)
     test_points = np.where(is_near[:, None], run_points[nearest], sites.points)
     curves, errors = _curves(model, model.plan, test_points), {}
-    for name, level in _levels(model.plan, components).items():
+    for name, level in _levels(model.plan, components, model.finest_step).items():
         finer_curves = _curves(model, level.finer, test_points)
         change = np.abs(finer_curves - curves)
+        change = np.where(np.isnan(change), np.nanmax(change, axis=0), change)  # of failed runs
         relative = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
         worst = int(relative.sum(axis=1).argmax())
         evaluate = partial(_curves, model, points=test_points[[worst]])
@@ -236,15 +238,21 @@ def _find_ratio(
 
 
 def _curves(model: ModelEvaluator, plan: Plan, points: np.ndarray) -> np.ndarray:
-    """Responses (P, n, T) of a plan's runs at unit points (P, k)."""
-    return np.array([record.values for record in model.records(plan, runs_at(plan, points))])
+    """Responses (P, n, T) of a plan's runs at unit points (P, k); NaN of those that fail."""
+    experiment = plan.experiment
+    blank = np.full((len(experiment.responses), experiment.solver.instants), np.nan)
+    records = model.records(plan, runs_at(plan, points))
+    return np.array([blank if record is None else record.values for record in records])
 
 
-def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
-    """Plans with half the step, and a mesh twice as fine, as asked, each with its third level."""
+def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str, RefinementLevel]:
+    """Plans with half the step, and a mesh twice as fine, as asked, each with its third level.
+    finest: step (s) of the runs that were repeated with a shorter one, half of which is taken."""
     time, experiment, levels = plan.time, plan.experiment, {}
     if "step" in components:
-        time, quarter = halved(plan.time), halved(halved(plan.time))
+        while finest < 0.9 * time.step:
+            time = halved(time)
+        time, quarter = halved(time), halved(halved(time))
         levels["step"] = RefinementLevel(
             replace(plan, time=time), replace(plan, time=quarter), True
         )

@@ -105,14 +105,19 @@ class Solver(ConfigSection):
     instants: Annotated[int, Rule(least=2, most=1_000_000)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
     step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
-    """Time step. `auto` takes the largest that is stable over the whole box, times `safety`; either
-    way it is shortened until the recording interval is a whole number of steps. One step serves all
-    runs of a campaign, so that a run does not depend on its neighbours."""
+    """Time step. `auto` takes the largest that is stable over the whole box, times `safety`, but no
+    longer one than the time in which a curve of time rises or falls; either way it is shortened
+    until the recording interval is a whole number of steps. One step serves all runs of a campaign,
+    so that a run does not depend on its neighbours; with `auto` one whose energy does not balance
+    is repeated with half of it, up to three times."""
     safety: Annotated[float, Rule(above=0, most=1, unit="1")] = 0.9
     """Share of the stable step that `auto` uses."""
     energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005
     """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
+    failures: Annotated[float, Rule(least=0, most=1, unit="1")] = 0.1
+    """Share of the runs that may fail. Up to it failed runs are left out of the fits, and count as
+    failing every requirement; beyond it the campaign ends. The nominal run may not fail."""
 
     def __post_init__(self):
         if self.step != "auto" and self.step > self.duration:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from fpm.elements import Drag, SyncLoop, TorsionSpring, kinds_of
+from fpm.scenes.timestep import find_curve_step
 
 FEWEST = 20
 """Number of recorded instants below which curves are hardly resolved."""
@@ -28,7 +29,7 @@ LARGEST = 100.0
 def experiment_warnings(experiment: Any) -> list[str]:
     """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
     meant; [] if there is none."""
-    checks = _interval_texts, _design_texts, _instant_texts, _level_texts
+    checks = _interval_texts, _design_texts, _instant_texts, _step_texts, _level_texts
     return [text for check in checks for text in check(experiment)]
 
 
@@ -150,6 +151,18 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
                 f"{duration:g} s, so that it has no value: take an instant within, or a longer "
                 "solver.duration"
             )
+
+
+def _step_texts(experiment: Any) -> Iterator[str]:
+    """A stated step, longer than a feature of a curve of time."""
+    solver, scene = experiment.solver, experiment.nominal_scene
+    feature = find_curve_step(scene, solver.duration)
+    if solver.step != "auto" and solver.step > feature:
+        yield (
+            f"solver.step: {solver.step:g} s is longer than {feature:.3g} s, in which a curve of "
+            "time rises or falls: its mean over each step acts, but its instant is not resolved; "
+            f"take auto, or at most {feature:.3g}"
+        )
 
 
 def _level_texts(experiment: Any) -> Iterator[str]:

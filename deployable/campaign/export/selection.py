@@ -18,6 +18,7 @@ from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
+from fpm.solver.simulate import HALVINGS
 
 if TYPE_CHECKING:
     import xarray
@@ -82,7 +83,7 @@ class SelectedRun:
 
     def _times(self) -> dict[str, Any]:
         keys = ("duration", "instants", "step", "energy_tolerance")
-        return {key: getattr(self, key) for key in keys}
+        return {key: getattr(self, key) for key in keys} | {"halvings": HALVINGS}
 
 
 def choose(

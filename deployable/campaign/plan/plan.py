@@ -41,6 +41,7 @@ from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
 from fpm.files.seals import DamagedError
 from fpm.files.trajectory import CONVENTIONS
+from fpm.scenes.timestep import find_curve_step
 
 ROUNDING = 1e-12
 """Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
@@ -182,18 +183,20 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     """Choose one time step for all runs of an experiment: the solver's safety factor times the
-    largest stable step, or the config's step, shortened to divide the time between recorded
-    instants. corners: whether stability is computed at every corner of the box too (of more than
-    eight intervals, at the ends of each and where the worse ends meet), or only at its centre.
-    Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
+    largest stable step, at most the finest feature of curves of time, or the config's step; it is
+    shortened to divide the time between recorded instants. corners: whether stability is computed
+    at every corner of the box too (of more than eight intervals, at the ends of each and where the
+    worse ends meet), or only at its centre. Raises `CampaignError` for a run of more steps than
+    `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
-    limit, element, energy = math.inf, "", 0.0
+    limit, finest, element, energy = math.inf, math.inf, "", 0.0
     points, steps = [np.zeros(box.dimension), *(box.corners() if corners else ())], []
     for point in points:
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         scene = experiment.build(values)
         stable = fpm.find_stable_step(scene)
         steps.append(stable.step)
+        finest = min(finest, find_curve_step(scene, solver.duration))
         if len(steps) == 2 * box.free.sum() + 1 > 2 * MOST_FULL + 1:  # the worse ends together
             low, high = np.reshape(steps[1:], (-1, 2)).T
             points.append(np.zeros(box.dimension))
@@ -204,7 +207,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
             energy = max(energy, scene.assembly.energy)
     if math.isinf(limit):  # nothing elastic: no longer steps than between instants are taken
         limit, element = solver.duration / max(solver.instants - 1, 1), "the instants"
-    largest = solver.safety * limit if solver.step == "auto" else solver.step
+    largest = min(solver.safety * limit, finest) if solver.step == "auto" else solver.step
     for problem in steps_problems(solver, largest):
         raise CampaignError(problem)
     division = fpm.divide_time(solver.duration, solver.instants, largest)

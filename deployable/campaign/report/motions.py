@@ -17,6 +17,7 @@ from deployable.campaign.results.run_samples import (
     read_refinement,
 )
 from fpm.files.seals import DamagedError, check
+from fpm.solver.simulate import HALVINGS
 
 MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
@@ -52,7 +53,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
         ]
         tables, extra_ids = [samples.table], []
         if quantities := list(samples.experiment.quantities):
-            table, extra_ids = read_refinement(folder)
+            table, extra_ids, _ = read_refinement(folder)
             tables.append(table)
             ends = [*_ends_of(quantities, RunTable.join(tables).numbers), *ends]
         values = RunTable.join(tables).values
@@ -119,6 +120,7 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
         duration=solver.duration,
         instants=solver.instants,
         step=samples.time_step,
+        halvings=HALVINGS,
         energy_tolerance=solver.energy_tolerance,
         record=experiment.record if bare else (),
         frames=frames,

@@ -5,7 +5,7 @@ The files are described at `intervals.bounds_dataset`, `intervals.surrogate_data
 `response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
 Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +16,18 @@ from deployable.campaign.config.sections import BoundsChoice, Experiment, make_d
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
+from fpm.files.seals import unseal
 
 
 def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
-    """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
-    `folder`, that of its results with `samples.nc`, the responses of all runs. choice: section
-    `bounds` of the config, with the model (polynomial or spline) whose bounds `bounds.nc` has; the
-    other two files are of the polynomial; with_errors: function of the dataset of bounds that
-    returns it with further estimates of their errors; None: it is written as it is. A scan's
-    samples are read in pieces, so they may be larger than memory."""
+    """Fit the runs of a campaign, and write `surrogate.nc`, `design_bounds.nc` and
+    `sensitivities.nc` into `folder`, that of its results with `samples.nc`. choice: section
+    `bounds` of the config, with the model (polynomial or spline) whose bounds these are; the other
+    two files are of the polynomial; with_errors: function of the dataset of bounds that returns it
+    with further estimates of their errors; None: it is written as it is. A scan's samples are read
+    in pieces, so they may be larger than memory."""
     import xarray as xr
 
     with open_dataset(folder.samples) as samples:
@@ -36,9 +37,13 @@ def analyse(
         else:
             design = make_design(experiment.design, experiment.box)
         bounds = intervals.bounds_dataset(samples, design, model=choice.model)
+        if bounds.attrs["held_out_runs"]:  # which a polynomial's range may lack
+            table = samples["values"].values
+            runs = intervals.RunBounds.from_runs(table, np.arange(len(table)))
+            bounds = intervals.include_runs(bounds, runs, samples["value"].values)
         if with_errors is not None:
             bounds = with_errors(bounds)
-        write_dataset(bounds, folder.bounds, "Bounds of the responses")
+        write_dataset(bounds, folder.design_bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
         if not surrogate.sizes["term"]:
@@ -46,6 +51,19 @@ def analyse(
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design)
         write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
+
+
+def include_runs(folder: Folder, runs: Any, values: Sequence) -> None:
+    """Write `bounds.nc` into `folder`: the bounds by the planned runs, widened to further ones.
+    runs: their least and largest responses (`intervals.RunBounds`), None without any; values: of
+    the interval parameters in each, in their units."""
+    if runs is None:
+        with result_file(folder.bounds) as temporary:
+            temporary.write_bytes(unseal(folder.design_bounds))
+        return
+    with open_dataset(folder.design_bounds) as bounds:
+        wider = intervals.include_runs(bounds, runs, np.array(values))
+        write_dataset(wider, folder.bounds, "Bounds of the responses")
 
 
 def _design(samples: Any) -> Any:

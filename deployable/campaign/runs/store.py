@@ -50,6 +50,7 @@ class Trajectories(Store):
     def missing(self, group: Runs) -> Runs:
         """Return the runs of a group to be simulated: those without an undamaged file, or whose
         file lacks a variable that responses need."""
+        group = self.sound(group)
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -81,7 +82,8 @@ class Trajectories(Store):
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                record = RunRecord(curves.time, values, events, contacts, *numbers, overlap)
+                record = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
+                record = RunRecord(*record)
                 records[run.id] = self.check_record(record)
         return records
 
@@ -112,11 +114,12 @@ class Responses(Store):
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: none if all are stored, else all of them."""
+        """Return the runs of a group to be simulated: none if all are stored, or known to fail,
+        else all that are not known to fail."""
         import netCDF4
 
-        path = self.path(group)
-        if not self.is_whole(path):
+        path, group = self.path(group), self.sound(group)
+        if not len(group) or not self.is_whole(path):
             return group
         with report_damage(path), netCDF4.Dataset(path) as file:
             ids = list(file["run_id"][:])
@@ -139,6 +142,7 @@ class Responses(Store):
             "values": ("f4", curves, values, {}),
             "run_id": (str, ("run",), ids, {}),
             "overlap": ("f8", ("run",), overlaps, {}),
+            "step": ("f8", ("run",), [outcome.step for outcome in outcomes], {}),
         }
         for name, column in zip(EVENT_VARIABLES, np.moveaxis(events, -1, 0), strict=True):
             variables[name] = "f8", ("run", "event"), column, {"fill_value": np.nan}
@@ -155,12 +159,13 @@ class Responses(Store):
         file is undamaged and holds all of them."""
         import netCDF4
 
-        if self.missing(group):
+        path, missing, group = self.path(group), self.missing(group), self.sound(group)
+        if missing or not len(group):
             return {}
-        with report_damage(self.path(group)), netCDF4.Dataset(self.path(group)) as file:
+        with report_damage(path), netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
-            values, overlaps = file["values"][:], file["overlap"][:]
+            values, overlaps, steps = (file[name][:] for name in ("values", "overlap", "step"))
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
             empty = np.zeros((len(group), 2, 0))
             numbers = file["quantities"][:] if self.quantities else empty
@@ -168,8 +173,8 @@ class Responses(Store):
             records = {}
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
-                overlap = float(overlaps[row])
-                record = RunRecord(time, values[row], run_events, contacts, *numbers[row], overlap)
+                last = float(overlaps[row]), float(steps[row])
+                record = RunRecord(time, values[row], run_events, contacts, *numbers[row], *last)
                 records[run.id] = self.check_record(record)
         return records
 
@@ -185,12 +190,15 @@ def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
 
 # -- runs as one file, for jobs that share no folder ----------------------------------------------
 
+_SUFFIXES = (".nc", common.NOTE_SUFFIX)
+
 
 def pack(store: str | Path, bundle: str | Path) -> None:
     """Write all result files in the folder `store` into the tar file `bundle`."""
     with whole_file(bundle) as temporary, tarfile.open(temporary, "w") as file:
-        for path in sorted(Path(store).glob("*.nc")):
-            file.add(path, path.name)
+        for path in sorted(Path(store).glob("[!.]*")):
+            if path.name.endswith(_SUFFIXES):
+                file.add(path, path.name)
 
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
@@ -201,7 +209,7 @@ def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
             with tarfile.open(bundle) as file:
                 for member in file:
                     path = Path(store, Path(member.name).name)
-                    if not member.isfile() or path.suffix != ".nc" or path.exists():
+                    if not member.isfile() or not path.name.endswith(_SUFFIXES) or path.exists():
                         continue
                     with whole_file(path) as temporary, open(temporary, "wb") as copy:
                         shutil.copyfileobj(file.extractfile(member), copy)

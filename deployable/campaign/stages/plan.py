@@ -1,14 +1,10 @@
 """The runs of a campaign, and their time step."""
 
-from itertools import pairwise
 from typing import Any
 
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import make_plan, write_plan
 from deployable.campaign.runs.progress import Notify, report_seconds
-
-_SKIPS = 10  # spaces of a curve's points below the time step from which on it is told
-_DENSE = 0.1  # share of a smooth curve in such spaces; about a kink of an expression there are few
 
 
 def work(folder: Folder, notify: Notify, experiment: Any) -> None:
@@ -23,15 +19,6 @@ def work(folder: Folder, notify: Notify, experiment: Any) -> None:
         f"{experiment.name}: {len(plan.unique_runs())} runs, step {step:.4g} s "
         f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
-    for curve in experiment.nominal_scene.curves:
-        spaces = [end - start for start, end in pairwise(curve.times)]
-        short_spaces = [space for space in spaces if space < step]
-        is_dense = not curve.powers.size or sum(short_spaces) > _DENSE * sum(spaces)
-        if is_dense and len(short_spaces) > _SKIPS:
-            notify(
-                f"{experiment.name}: warning: many points of a curve of time are less than a time "
-                f"step, {step:.3g} s, apart, and count only at steps: state solver.step"
-            )
 
 
 def warn(notify: Notify, experiment: Any) -> None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import note_crossings
+from fpm.kernels.events import edge, note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, where_negative
 from fpm.kernels.world import Log
@@ -37,8 +37,8 @@ def forces(part, world, timing):
     (World): solver state, whose forces change; timing: not used."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
-        psi = load(part.openings.angles, h, NEW)
-        overlap = where_negative(psi, -psi, 0.0 * psi)
+        psi, old = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
+        overlap = where_negative(psi, -psi, 0.0 * psi) + edge(-psi, -old)
         turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * overlap)
 
 

@@ -131,7 +131,7 @@ def energy_of(part, world, i):
 @hook(Motors)
 def record(part, world, row):
     """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
-    (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
+    (Motors); world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

@@ -5,25 +5,30 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.losses_kernels import follow_rate
-from fpm.elements.openings.motor_kernels import MOMENT, MOMENT_BEFORE, record
+from fpm.elements.openings.motor_kernels import MOMENT, MOMENT_BEFORE
 from fpm.elements.openings.motor_kernels import TRACK as TRACK
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.curves import curve_value
+from fpm.kernels.curves import curve_value, kick_mean
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
+from fpm.kernels.vectors import kernel
 
 NUMBERS = "torque", "no_load"
 TORQUE, NO_LOAD = range(2)
 
-STATE = 2  # moment, at the last forces and a step before
+# Of a motor: moments, at the last forces and a step before, means over the kicks there; and at the
+# instant of the last forces.
+AT_INSTANT = 2
+STATE = 3
 
 
 class TorqueMotors(NamedTuple):
     """Arrays of all m torque motors. hinge (m,): index of its hinge; curve (m,): index of its curve
     of time, -1: constant 1; numbers (m, 2, lanes): torque (N m), no-load speed (rad/s); rates (m,
-    2, lanes): the hinge's rate (rad/s) in the last step, and 0; state (m, 2, lanes): moment now, a
-    step ago (N m); openings: of all hinges; work_account: index of their work in World.accounts;
-    track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    2, lanes): the hinge's rate (rad/s) in the last step, and 0; state (m, 3, lanes): moment (N m),
+    a mean over the kick of now, and of a step ago, and that of the instant; openings: of all
+    hinges; work_account: index of their work in World.accounts; track ((instants + 1) m, 1, lanes):
+    recorded moment (N m)."""
 
     hinge: np.ndarray
     curve: np.ndarray
@@ -35,6 +40,15 @@ class TorqueMotors(NamedTuple):
     track: np.ndarray
 
 
+@kernel
+def reduced_torque(torque, speed, no_load):
+    """Return the moment (N m) that is left of a torque (N m, lanes) at a speed (rad/s) of the
+    hinge: none from its no-load speed no_load (rad/s) on, and all against its direction."""
+    factor = 1.0 - where_negative(torque, -speed, speed) / no_load
+    factor = where_negative(factor, 0.0, factor)
+    return torque * where_negative(1.0 - factor, 1.0, factor)
+
+
 @hook(TorqueMotors)
 def forces(part, world, timing):
     """Add the moments (N m) of torque motors, which fall with the speed of the hinge in their
@@ -43,11 +57,10 @@ def forces(part, world, timing):
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         speed = follow_rate(part.openings, part.rates, i, h, timing)
-        torque = curve_value(world, part.curve[i], timing.time) * load(part.numbers, i, TORQUE)
-        factor = 1.0 - where_negative(torque, -speed, speed) / load(part.numbers, i, NO_LOAD)
-        factor = where_negative(factor, 0.0, factor)
-        factor = where_negative(1.0 - factor, 1.0, factor)
-        moment = torque * factor
+        torque, no_load = load(part.numbers, i, TORQUE), load(part.numbers, i, NO_LOAD)
+        moment = reduced_torque(kick_mean(world, part.curve[i], timing) * torque, speed, no_load)
+        torque = curve_value(world, part.curve[i], timing.time) * torque
+        store(part.state, i, AT_INSTANT, reduced_torque(torque, speed, no_load))
         store(part.state, i, MOMENT_BEFORE, load(part.state, i, MOMENT))
         store(part.state, i, MOMENT, moment)
         turn(part.openings, world.state, h, moment)
@@ -65,4 +78,10 @@ def work_before(part, world, timing):
     store(world.accounts, 0, part.work_account, work)
 
 
-hook(TorqueMotors, "record")(record)
+@hook(TorqueMotors)
+def record(part, world, row):
+    """Record the moment (N m) of each motor at an instant in part.track. part: arrays of all torque
+    motors (TorqueMotors); world: not used; row: index of the recorded instant."""
+    count = part.hinge.shape[0]
+    for i in range(count):
+        store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))

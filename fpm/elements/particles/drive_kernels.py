@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.curves import curve_value
+from fpm.kernels.curves import curve_mean, curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, BY_SPIN, KINETIC, MASS, VELOCITY, F, M, P, V, X
@@ -29,16 +29,16 @@ class Drives(NamedTuple):
 
 
 @kernel
-def add_work(part, world, timing, time):
+def add_work(part, world, timing, start):
     """Add to World.accounts the work (J) of drives over half a step: they move particles against
     the forces that act on these now, so that it is minus the power of the forces times step/2.
-    part: arrays of all drives (Drives); world: solver state; timing: times of this step (s); time:
-    at which the curves are read for the velocities (s)."""
+    part: arrays of all drives (Drives); world: solver state; timing: times of this step (s); start:
+    of the step (s) over which the velocities are means."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        factor = curve_value(world, part.curve[n], time)
+        factor = curve_mean(world, part.curve[n], start, start + timing.step)
         power = dot(get3(state, i, F), get3(part.numbers, n, LINEAR))
         total = total - factor * (power + dot(get3(state, i, M), get3(part.numbers, n, SPIN)))
     work = load(world.accounts, 0, part.account) + 0.5 * timing.step * total
@@ -49,7 +49,7 @@ def add_work(part, world, timing, time):
 def work_before(part, world, timing):
     """Add to World.accounts the work (J) of drives in the half step that ends now, at timing.time.
     part: arrays of all drives (Drives); world: solver state; timing: times of this step (s)."""
-    add_work(part, world, timing, timing.time - 0.5 * timing.step)
+    add_work(part, world, timing, timing.time - timing.step)
 
 
 @hook(Drives)
@@ -57,7 +57,7 @@ def restrain(part, world, timing):
     """Add to World.accounts the work (J) of drives in the half step that begins now, at
     timing.time, against the forces at its start. part: arrays of all drives (Drives); world: solver
     state; timing: times of this step (s)."""
-    add_work(part, world, timing, timing.time + 0.5 * timing.step)
+    add_work(part, world, timing, timing.time)
 
 
 @hook(Drives)
@@ -73,7 +73,7 @@ def move(part, world, timing):
             store(state, part.particle[n], F + k, 0.0)
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        factor = curve_value(world, part.curve[n], timing.time + 0.5 * timing.step)
+        factor = curve_mean(world, part.curve[n], timing.time, timing.time + timing.step)
         v = factor * get3(part.numbers, n, LINEAR)
         add3(state, i, V, v)
         put3(state, i, X, timing.step * v + get3(state, i, X))
@@ -96,7 +96,7 @@ def look_back(part, world, timing):
         store(world.particles, i, BY_SPIN, 1.0)
     for n in range(part.particle.shape[0]):
         i, spin = part.particle[n], get3(part.numbers, n, SPIN)
-        new = curve_value(world, part.curve[n], 0.5 * timing.step)
+        new = curve_mean(world, part.curve[n], 0.0, timing.step)
         old = 2.0 * curve_value(world, part.curve[n], 0.0) - new
         add3(world.start_state, i, V, old * get3(part.numbers, n, LINEAR))
         add3(world.start_state, i, P, old * spin)

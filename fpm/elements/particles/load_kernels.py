@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.curves import curve_value
+from fpm.kernels.curves import kick_mean
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import F, M, X
@@ -40,7 +40,7 @@ def forces(part, world, timing):
     state = world.state
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        factor = curve_value(world, part.curve[n], timing.time)
+        factor = kick_mean(world, part.curve[n], timing)
         force = factor * get3(part.numbers, n, FORCE)
         moment = factor * get3(part.numbers, n, MOMENT)
         axes = frame(state, i)
@@ -54,11 +54,11 @@ def forces(part, world, timing):
 
 @hook(Loads)
 def work_after(part, world, timing):
-    """Add to World.accounts the work (J) of all loads in this step: mean of the curve's values at
-    its start and end, times force and moment, times the motion between. part: arrays of all loads
-    (Loads); world: solver state at the end of the step; timing: times of this step (s). The work of
-    a constant force is exact however its arm turns. Of a rotation by t, the products of the axes
-    before and after it give the sine, from which t follows by the arc sine's series."""
+    """Add to World.accounts the work (J) of all loads in this step: mean of the curve over the
+    kicks at its start and end, times force and moment, times the motion between. part: arrays of
+    all loads (Loads); world: solver state at the end of the step; timing: times of this step (s).
+    The work of a constant force is exact however its arm turns. Of a rotation by t, the products of
+    the axes before and after it give the sine, from which t follows by the arc sine's series."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -69,8 +69,8 @@ def work_after(part, world, timing):
         for k in range(1, 3):
             rotation = rotation + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
         rotation = (1.0 + (1.0 / 6.0) * dot(rotation, rotation)) * rotation
-        factor = curve_value(world, part.curve[n], timing.time)
-        factor = 0.5 * (factor + curve_value(world, part.curve[n], timing.time + timing.step))
+        factor = kick_mean(world, part.curve[n], timing)
+        factor = 0.5 * (factor + kick_mean(world, part.curve[n], timing, 1))
         work = dot(get3(part.numbers, n, FORCE), end - get3(part.state, n, END))
         total = total + factor * (work + dot(get3(part.numbers, n, MOMENT), rotation))
     store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + total)

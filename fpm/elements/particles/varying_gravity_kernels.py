@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.curves import curve_value
+from fpm.kernels.curves import kick_mean
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import MASS, F, X
@@ -35,7 +35,7 @@ def first_moment(world):
 def forces(part, world, timing):
     """Add the weight (N) of every particle to the forces in world.state. part: arrays of gravity
     (VaryingWeight); world: solver state, whose forces change; timing: times of this step (s)."""
-    g = curve_value(world, part.curve[0], timing.time) * get3(part.acceleration, 0, 0)
+    g = kick_mean(world, part.curve[0], timing) * get3(part.acceleration, 0, 0)
     put3(part.moment, 0, 0, first_moment(world))
     for i in range(world.state.shape[0]):
         add3(world.state, i, F, load(world.particles, i, MASS) * g)
@@ -43,11 +43,11 @@ def forces(part, world, timing):
 
 @hook(VaryingWeight)
 def work_after(part, world, timing):
-    """Add the work (J) of weight in this step to World.accounts: mean of the curve's values at its
-    start and end, as with loads. part: arrays of gravity (VaryingWeight); world: solver state at
-    the end of the step; timing: times of this step (s)."""
-    factor = curve_value(world, part.curve[0], timing.time)
-    factor = 0.5 * (factor + curve_value(world, part.curve[0], timing.time + timing.step))
+    """Add the work (J) of weight in this step to World.accounts: by the curve's means over the
+    kicks at its start and end, as with loads. part: arrays of gravity (VaryingWeight); world:
+    solver state at the end of the step; timing: times of this step (s)."""
+    factor = kick_mean(world, part.curve[0], timing)
+    factor = 0.5 * (factor + kick_mean(world, part.curve[0], timing, 1))
     change = first_moment(world) - get3(part.moment, 0, 0)
     work = load(world.accounts, 0, part.account)
     work = work + factor * dot(get3(part.acceleration, 0, 0), change)

@@ -38,7 +38,7 @@ _SLACK = 0.5  # of the way from the border to the runs beyond it, where a border
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
 _SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
 _CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
-_RADII = 0.25 * 0.5 ** np.arange(9)  # of the search about the best of them
+_RADII = 0.25 * 0.5 ** np.arange(14)  # of the search about the best of them
 
 
 def name_events(events: np.ndarray) -> list[dict[tuple, float]]:
@@ -283,16 +283,17 @@ class Part:
 
     def _climb(self, sign, x, response, instants) -> tuple[np.ndarray, np.ndarray]:
         """Larger values (C) near points (C, k), and where."""
-        free = np.flatnonzero(self.curves.spline.scales > 0)
+        axes = np.diag(self.curves.spline.scales > 0).astype(float)
+        axes = axes[axes.any(axis=1)]
+        # Extremes may lie where an event is at just that instant, along no parameter.
+        oblique = np.random.default_rng(0).uniform(-1.0, 1.0, (2 * len(axes), len(axes))) @ axes
         best = self._at(sign, x, response, instants)
         for radius in _RADII:
-            for j in (*free, *free):
-                for way in (-radius, radius):
-                    trial = x.copy()
-                    trial[:, j] = np.clip(x[:, j] + way, -1.0, 1.0)
-                    value = self._at(sign, trial, response, instants)
-                    better = value > best
-                    x[better], best[better] = trial[better], value[better]
+            for way in (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes):
+                trial = np.clip(x + radius * way, -1.0, 1.0)
+                value = self._at(sign, trial, response, instants)
+                better = value > best
+                x[better], best[better] = trial[better], value[better]
         return best, x
 
     def _at(self, sign, x, response, instants) -> np.ndarray:
@@ -313,7 +314,9 @@ def split_runs(
 
     points (R, k): of the runs in [-1, 1]^k; values (R, n, T) at `time` (T, s); events: times of the
     events of each run by what they are (`name_events`); depth: how many times parts are split."""
-    return _split(distinct(points), points, values, time, events, [], None, depth)
+    rows = distinct(points)  # in an order that is not that of the runs
+    rows = rows[np.lexsort(points[rows].T)]
+    return _split(rows, points, values, time, events, [], None, depth)
 
 
 def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:

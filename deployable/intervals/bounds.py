@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .designs import Design
+from .designs import Design, is_plain_scan
 from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate, widen
 from .models import MODELS, Model
@@ -43,8 +43,9 @@ def bounds_dataset(
         model is "scan". Splines and scans take all runs, and need no design (None).
     responses: names of those wanted; None: all.
     model: one of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
-        one cubic spline through all runs, those of a scan or held out included; "scan", the least
-        and the largest sample.
+        one cubic spline through all runs, those of a scan or held out included; "aligned", splines
+        through all runs over time that events map; "auto", for each response and stretch of time
+        that of these which predicts left-out runs best; "scan", the least and the largest sample.
     window: half width (s) of the time in which the largest error counts; None: 0.5 % of the
         duration.
     options: keyword-only arguments of the model's constructor, as `tolerance` of `PolynomialModel`.
@@ -66,7 +67,9 @@ def bounds_dataset(
     kind = MODELS[check_choice("model", model, MODELS)]
     if model == "polynomial" and design is None:
         raise IntervalError("design", None, f"the design that the model {model} is fitted to")
-    if model == "polynomial" and not len(design.multi_indices):
+    if model == "auto" and design is None:
+        kind = MODELS["spline"]
+    elif model in ("auto", "polynomial") and is_plain_scan(design):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)

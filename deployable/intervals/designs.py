@@ -253,6 +253,11 @@ def scan_points(
     return points
 
 
+def is_plain_scan(design: Design) -> bool:
+    """Return whether a design is of points alone, to which no polynomial belongs."""
+    return not len(design.multi_indices) and design.method != "adaptive"
+
+
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
     """Points (about `count`, k) in [-1, 1]^k from which extremes are sought: corners and a Sobol
     sequence, half of it pushed to faces; along a line if one direction has a width, a point if none

@@ -54,6 +54,19 @@ def to_range(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.n
     return Range(low, high, low, high, argmin, argmax)
 
 
+def spread_out(bounds: Range, columns: np.ndarray) -> Range:
+    """Return the range of C columns as that of all responses and instants (n, T), with NaN where
+    the mask `columns` (n, T) of the C is False."""
+
+    def place(values: np.ndarray) -> np.ndarray:
+        whole = np.full((*columns.shape, *values.shape[1:]), np.nan)
+        whole[columns] = values
+        return whole
+
+    ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
+    return Range(*map(place, ends), place(bounds.argmin), place(bounds.argmax))
+
+
 def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:
     """Copy of the range `bounds` with all bounds within `least` and `most`, what the responses can
     be, of shapes that broadcast to (...); -inf, inf where there is no limit."""

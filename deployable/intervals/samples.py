@@ -162,6 +162,35 @@ class Samples:
         return lambda points: middle + half * points
 
 
+def add_runs(
+    samples: xr.Dataset, points: np.ndarray, values: np.ndarray, curves: np.ndarray,
+    events: np.ndarray,
+) -> xr.Dataset:  # fmt: skip
+    """Return a samples dataset with r further runs. points, values (r, k): where they are,
+    normalized and in the parameters' units; curves (r, n, T): their responses; events (r, e, 3):
+    time (s), what, and which way, of each event, padded with NaN. Other variables of the runs than
+    these and their role are left out."""
+    import xarray as xr
+
+    more = {
+        "values": (("run", "response", "time"), curves),
+        "normalized": (("run", "parameter"), points),
+        "value": (("run", "parameter"), values),
+        "role": ("run", np.array(["further"] * len(points), dtype=object)),
+    }
+    for i, name in enumerate(("event_time", "event_contact", "event_closing")):
+        more[name] = (("run", "event"), events[..., i])
+    known = samples[list(more)]
+    size = max(samples.sizes["event"], events.shape[1])
+    both = [
+        part.pad(event=(0, size - part.sizes["event"]), constant_values=np.nan)
+        for part in (known.drop_vars(set(known.coords) - set(known.dims)), xr.Dataset(more))
+    ]
+    joined = xr.concat(both, "run", join="override", coords="minimal", compat="override")
+    rest = samples.drop_dims("run")
+    return rest.merge(joined).assign_attrs(samples.attrs)
+
+
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
     """Check a samples dataset and return it as `Samples`, whose values are read at first use;
     responses: names of those wanted, None: all. IntervalError for what is missing or unknown.

@@ -217,7 +217,7 @@ def _fit_seconds(campaign: Campaign) -> float:
     experiment = campaign.experiment
     scene, curve_values = experiment.nominal_scene, len(experiment.responses)
     curve_values *= experiment.solver.instants
-    if experiment.is_adaptive or campaign.bounds.model == "spline":
+    if experiment.is_adaptive or campaign.bounds.model != "polynomial":
         runs = count_first_runs(experiment) if experiment.is_adaptive else count_runs(experiment)
         return SPLINE * curve_values * runs
     if experiment.design.order is None or experiment.box.free.sum() <= 2:

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
@@ -39,12 +38,13 @@ _SPOTS = 4096  # at which the share of the box next to failed runs is counted
 
 class FurtherRuns:
     """Runs that answers made, beside those of the plan, within the box of an `experiment` and at
-    its values of all other parameters: `bounds`, their least and largest responses
-    (`intervals.RunBounds`), None without runs; `values`, of the interval parameters in each."""
+    its values of all other parameters: `values`, of the interval parameters in each; `records`,
+    what each gave."""
 
     def __init__(self, experiment: Experiment) -> None:
-        self.experiment, self.bounds = experiment, None
+        self.experiment = experiment
         self.values: list[list[float]] = []
+        self.records: list[RunRecord] = []
 
     def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
         """Add a run of a plan for `model`, an experiment that may have other intervals."""
@@ -53,9 +53,8 @@ class FurtherRuns:
         nearest = box.from_unit(np.clip(box.to_unit(values), -1.0, 1.0))
         expected = self.experiment.parameters(dict(zip(box.names, values, strict=True)))
         if expected == parameters and np.allclose(nearest, values, rtol=1e-12, atol=0.0):
-            row = intervals.RunBounds.from_runs(record.values[None], np.array([len(self.values)]))
-            self.bounds = row.merge(self.bounds)
             self.values.append(values)
+            self.records.append(record)
 
 
 class ModelEvaluator:

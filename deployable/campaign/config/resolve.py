@@ -160,7 +160,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
         config,
         scene=scene,
         design=DesignChoice(ADAPTIVE, None),
-        bounds=BoundsChoice("spline"),
+        bounds=BoundsChoice("auto"),
         held_out=0,
         verify=replace(config.verify, discretization=True),
     )

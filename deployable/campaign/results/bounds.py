@@ -5,7 +5,7 @@ The files are described at `intervals.bounds_dataset`, `intervals.surrogate_data
 `response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
 Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from deployable.campaign.config.sections import BoundsChoice, Experiment, make_d
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
+from deployable.campaign.runs.results import pad_events
 from fpm.files.seals import unseal
 
 
@@ -53,16 +54,31 @@ def analyse(
         write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
 
 
-def include_runs(folder: Folder, runs: Any, values: Sequence) -> None:
-    """Write `bounds.nc` into `folder`: the bounds by the planned runs, widened to further ones.
-    runs: their least and largest responses (`intervals.RunBounds`), None without any; values: of
-    the interval parameters in each, in their units."""
-    if runs is None:
+def include_runs(folder: Folder, runs: Any) -> None:
+    """Write `bounds.nc` into `folder`: the bounds by the planned runs and by further ones.
+
+    runs: the further runs (`answers.evaluations.FurtherRuns`). Models that are chosen by left-out
+    runs are fitted to them as well; other bounds are widened to them."""
+    if not runs.values:
         with result_file(folder.bounds) as temporary:
             temporary.write_bytes(unseal(folder.design_bounds))
         return
-    with open_dataset(folder.design_bounds) as bounds:
-        wider = intervals.include_runs(bounds, runs, np.array(values))
+    values = np.array(runs.values)
+    curves = np.array([record.values for record in runs.records], dtype=float)
+    with open_dataset(folder.design_bounds) as bounds, open_dataset(folder.samples) as samples:
+        wider = bounds
+        if "models" in bounds.attrs:
+            events = pad_events([record.events for record in runs.records])
+            points = runs.experiment.box.to_unit(values)
+            more = intervals.add_runs(samples, points, values, curves, events)
+            design = make_design(runs.experiment.design, runs.experiment.box)
+            wider = intervals.bounds_dataset(more, design, model="auto")
+            parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]
+            if parts:
+                errors = {part: bounds[f"error_{part}"].values for part in parts}
+                wider = intervals.add_errors(wider, errors)
+        extremes = intervals.RunBounds.from_runs(curves, np.arange(len(curves)))
+        wider = intervals.include_runs(wider, extremes, values)
         write_dataset(wider, folder.bounds, "Bounds of the responses")
 
 

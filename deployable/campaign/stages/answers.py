@@ -46,6 +46,6 @@ def work(
                 folder, measured, requirements, verify, jobs, notify, threads, further_runs
             )
     with step("writing the answers"):
-        include_runs(folder, further_runs.bounds, further_runs.values)
+        include_runs(folder, further_runs)
         summarise(folder, published, answers, review)
     notify(f"answers: {folder / 'summary.md'}")

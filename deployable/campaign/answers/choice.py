@@ -69,7 +69,8 @@ def answer(
     judge, error = model, _error(model, choose, None if best.is_allowed else specs)
     nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
     for values in (best.values, np.array([nominal[name] for name in choose.parameters])):
-        is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread([best, *trials])
+        is_rough = error > _LARGE * _spread([best, *trials])
+        is_open = is_rough or (not best.is_safe and abs(best.safety) < 1)
         if not verify.max_iterations or not is_open or model.account.allowance < len(design):
             break
         local, candidate = _zoom(model, base, choose, specs, values)

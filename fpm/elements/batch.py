@@ -295,6 +295,7 @@ class Batch:
             failed_balance=np.zeros(width, dtype),
             failed_peaks=np.zeros((self.watches.count, width), dtype),
             failed_scale=np.zeros(width, dtype),
+            quiet=np.zeros(width, np.int64),
             scale=self._least_scale(step, steps),
             worst=worst,
         )

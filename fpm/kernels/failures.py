@@ -11,9 +11,10 @@ IMBALANCE = -1
 """Cause of a failure: no watched quantity, but the energy balance."""
 
 
-NEGLIGIBLE, GROWTH = 0.1, 100.0
+NEGLIGIBLE, GROWTH, EXCESS, QUIET = 0.1, 100.0, 10.0, 4
 """Share of the tolerance, by the largest energy of the whole run, below which an error of the
-balance was none; and growth of an error since it was noted, from which on it is an instability."""
+balance was none; growth of an error since it was noted, and its ratio to the energy so far,
+above which it is an instability; and checks without one after which it is over."""
 
 
 @kernel
@@ -44,10 +45,16 @@ def find_failures(parts, world, record, row, n, tolerance):
                 if is_balanced or world.unconditional[k]:
                     cause = k
         if is_valid:
-            is_over = error <= tolerance * record.failed_scale[s]
-            if is_over or record.worst[s] <= NEGLIGIBLE * tolerance * record.scale[s]:
+            is_small = error <= tolerance * record.failed_scale[s]
+            record.quiet[s] = record.quiet[s] + 1 if is_small else 0
+            # An instability that alternates has hardly an error now and then.
+            is_over = record.quiet[s] >= QUIET
+            # Nor does the rounding of energies that explode make an error negligible.
+            largest = max(record.worst[s], error)
+            if is_over or largest <= NEGLIGIBLE * tolerance * record.scale[s]:
                 record.worst[s], record.failed_step[s] = 0.0, -1
             continue
+        record.quiet[s] = 0
         if record.failed_step[s] < 0:
             record.failed_step[s] = n
             record.failed_cause[s] = cause
@@ -57,7 +64,8 @@ def find_failures(parts, world, record, row, n, tolerance):
             for k in range(world.most.shape[0]):
                 record.failed_peaks[k, s] = world.peaks[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
-        if cause == IMBALANCE and error <= GROWTH * abs(record.failed_balance[s]):
+        limit = min(GROWTH * abs(record.failed_balance[s]), EXCESS * record.scale[s])
+        if cause == IMBALANCE and error <= limit:
             record.worst[s] = max(record.worst[s], error)
         else:
             record.worst[s] = math.inf

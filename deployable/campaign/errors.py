@@ -51,7 +51,7 @@ def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):
         return None
-    number = None if library else error.errno
+    number = getattr(error, "errno", None)  # None: no system raised it
     most = _largest_file()
     if number == errno.EFBIG or (library and most is not None):
         limit = "the file system's" if most is None else f"{most / 1024:.0f} kB, `ulimit -f`"

@@ -66,7 +66,7 @@ def bounds_dataset(
     kind = MODELS[check_choice("model", model, MODELS)]
     if model == "polynomial" and design is None:
         raise IntervalError("design", None, f"the design that the model {model} is fitted to")
-    if model == "polynomial" and not len(design.multi_indices):
+    if model == "polynomial" and design is not None and not len(design.multi_indices):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
@@ -82,7 +82,7 @@ def bounds_dataset(
     attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    variables = _curves(data, fit, bounds, error, by_shares)
+    variables = _curves(data, fit, bounds, error, bool(by_shares))
     numbers = _numbers(data, bounds, error.total, np.maximum(excess, 0.0), fit.test_rows)
     for name, values in numbers.items():
         long_name, unit = _NUMBERS[name]
@@ -115,7 +115,7 @@ def _curves(
         ("error_held_out", error.held_out, "largest error at the held-out runs"),
         ("error_decay", error.decay, "error extrapolated from the coefficients"),
     ]
-    variables = {
+    variables: dict[str, tuple] = {
         name: (("response", "time"), values, {"long_name": text})
         for name, values, text in curves
         if values is not None
@@ -199,7 +199,7 @@ def add_errors(
     axes = ("response", "time")
     curves = {"surrogate": bounds["error"].values}
     curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
-    variables = {}
+    variables: dict[str, tuple] = {}
     for name, values in curves.items():
         variables[f"error_{name}"] = (axes, values, {"long_name": f"error of the bounds by {name}"})
         text = f"error of the {name}, as a share of the width"

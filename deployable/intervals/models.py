@@ -1,6 +1,7 @@
 """Models of the responses over the box, from which bounds are taken."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import scipy
@@ -99,7 +100,8 @@ class ScanModel(Model):
     kind = "least and largest sample"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
-        self.points, total = samples.points, None
+        self.points = samples.points
+        total: Any = None
         totals = []
         for quarter in samples.quarters():
             total = quarter.merge(total) if quarter else total
@@ -207,8 +209,9 @@ class SplineModel(Model):
         """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""
         scales = self.spline.scales
         tree = scipy.spatial.cKDTree(self.spline.points * scales)
-        _, rows = tree.query(points * scales, k=min(count, len(self.spline.points)))
-        n, instants = np.indices(points.shape[:2])
+        rows = tree.query(points * scales, k=min(count, len(self.spline.points)))[1]
+        places: Any = np.indices(points.shape[:2])
+        n, instants = places
         return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:

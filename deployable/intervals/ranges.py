@@ -43,7 +43,8 @@ def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:
     """Copy of the range `bounds` with all bounds within `least` and `most`, what the responses can
     be, of shapes that broadcast to (...); -inf, inf where there is no limit."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    return Range(*(np.clip(end, least, most) for end in ends), bounds.argmin, bounds.argmax)
+    a, b, c, d = (np.clip(end, least, most) for end in ends)
+    return Range(a, b, c, d, bounds.argmin, bounds.argmax)
 
 
 def find_surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fpm.arithmetic.expressions import ExpressionError, parse
 from fpm.arithmetic.units import NUMBER, Unit, UnitError, unit
@@ -165,7 +166,8 @@ def build_type(node: Node, problems: Problems) -> SceneType:
 
 def _check_mesh(mesh: Node, values: Mapping, parameters: Mapping, problems: Problems) -> None:
     """Refuse a mesh that is no whole parameter; nothing is said of one that is refused itself."""
-    name, whole = mesh.value, [n for n, p in values.items() if p.whole]
+    name: Any = mesh.value
+    whole = [n for n, p in values.items() if p.whole]
     if name not in whole and (name in values or name not in parameters):
         allowed = f"{did_you_mean(name, whole)}; allowed: a parameter with `whole: true`"
         problems.say(mesh.line, f"mesh: {name!r} is not allowed{allowed}: {commas(whole)}")

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -123,7 +123,7 @@ class _Sweep:
         for part in self._parts:
             part.approach(poses_before)
         row = [part.compute_work(path.poses, tangent) for part in self._parts]
-        friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
+        friction: Any = sum((p.friction_forces() for p in self._parts), np.zeros(len(tangent)))
         row += path.compute_bearing_work(friction)
         row.append(path.balance.bars.energy(path.poses))
         motion = tangent.reshape(-1, 2, 3)

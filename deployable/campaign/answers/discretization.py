@@ -198,9 +198,9 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
     are attained; its order is taken where it is largest."""
     box = model.experiment.box
-    attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
+    low, high = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    sites = intervals.choose_bound_points(*attained, width, CHECK_POINTS)
+    sites = intervals.choose_bound_points(low, high, width, CHECK_POINTS)
     run_points = model.plan.runs.normalized
     distances = np.abs(run_points - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)

@@ -259,7 +259,7 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
             "name": name, "units": units[name], "before": [interval.lower, interval.upper],
             "after": None if result.is_refuted else [float(low[j]), float(high[j])],
             "best": float(box.from_unit(result.best)[j]) if j in axes else None,
-            "seen": words.get(tuple(map(bool, sides)), "none") if box.free[j] else "none",
+            "seen": words.get((bool(sides[0]), bool(sides[1])), "none") if box.free[j] else "none",
         })  # fmt: skip
     values = box.from_unit(result.samples) if len(result.samples) > 8 else np.zeros((0, len(rows)))
     columns = [*zip(experiment.intervals, values.T, strict=True)]
@@ -288,7 +288,7 @@ def _describe_left(
     folder: Folder,
 ) -> dict:
     """Quantities, limits and the next test, by runs of what is left in the campaign's own case."""
-    rows = {"quantities": [], "limits": [], "next": []}
+    rows: dict[str, list] = {"quantities": [], "limits": [], "next": []}
     if result.is_refuted or not len(result.samples):
         return rows
     samples = result.samples
@@ -346,7 +346,7 @@ def _next_tests(
 ) -> list[dict]:
     """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
     bounds = read_bounds(folder)
-    bands = {}
+    bands: dict = {}
     for test in tests:
         for response, band in zip(test.responses, test.curves.bands, strict=True):
             bands[response] = min(band.min(), bands.get(response, np.inf))

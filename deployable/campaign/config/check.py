@@ -104,7 +104,7 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     original, units = raw, StatedUnits(raw)
     raw = units.raw
     config, user_config, problems = read(raw)
-    campaign = None
+    campaign: Any = None
     if config is not None:
         cases = raw.get("cases")  # also those in which something is wrong
         names = dict.fromkeys(cases) if isinstance(cases, Mapping) else {}
@@ -122,6 +122,7 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
+    assert config is not None  # else there are problems
     return _resolve_cases(campaign, raw, original, case_lists, source) if config.cases else campaign
 
 

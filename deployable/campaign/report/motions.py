@@ -40,18 +40,19 @@ class ShownRun:
     row: int | None
 
 
-def shown_runs(folder: str | Path) -> list[ShownRun]:
+def shown_runs(path: Any) -> list[ShownRun]:
     """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
-    and largest value of each response when its bounds differ most. folder: of the results."""
-    folder = Folder(folder)
+    and largest value of each response when its bounds differ most. path: of the results."""
+    folder = Folder(path)
     bounds = read_bounds(folder)
     with open_samples(folder) as samples:
         ends = [
             (row.name, samples.extreme_runs(i, row.widest))
             for i, row in enumerate(bounds.responses)
         ]
-        tables, extra_ids = [samples.table], []
+        tables = [samples.table]
+        extra_ids: Any = []
         if quantities := list(samples.experiment.quantities):
             table, extra_ids = read_refinement(folder)
             tables.append(table)
@@ -113,7 +114,8 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
     experiment, solver = samples.experiment, samples.experiment.solver
     names = list(experiment.intervals)
     scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in runs]
-    (events,) = samples.events([runs[0].row])
+    first_row: Any = runs[0].row
+    (events,) = samples.events([first_row])
     bare = {i for i, run in enumerate(runs) if run.row is None or samples.keeps_extremes}
     return whole_motion(
         scenes,
@@ -124,7 +126,7 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
         energy_tolerance=solver.energy_tolerance,
         record=experiment.record if bare else (),
         frames=frames,
-        times=events[:, 0],
+        times=events[:, 0].tolist(),
         attributes=[{"run_id": run.id, "campaign": experiment.name} for run in runs],
         extra_variables=lambda i, outcome: _read_curves(experiment, outcome) if i in bare else {},
     )

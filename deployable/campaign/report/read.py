@@ -32,12 +32,12 @@ from deployable.campaign.results.run_samples import (
 from fpm.files.seals import DamagedError, check
 
 
-def from_results(folder: str | Path) -> PageData:
-    """Read all data of a campaign's page. folder: of the results, with `samples.nc`, `bounds.nc`
-    and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`; files that may
-    be absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
-    `make_motions`). Raises `DamagedError` for a damaged result."""
-    folder = Folder(folder)
+def from_results(path: str | Path) -> PageData:
+    """Read all data of a campaign's page. path: of the results' folder, with `samples.nc`,
+    `bounds.nc` and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`;
+    files that may be absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and
+    `motions/*.nc` (of `make_motions`). Raises `DamagedError` for a damaged result."""
+    folder = Folder(Path(path))
     facts, bounds = read_json(folder / "summary.json"), read_bounds(folder)
     movers = shown_runs(folder)
     with open_samples(folder) as samples:
@@ -61,8 +61,8 @@ def from_results(folder: str | Path) -> PageData:
         if not samples.keeps_extremes:  # of which a scan may have more than fit into memory
             drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
             curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
-    runs = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
-    return replace(data, runs=tuple(runs))
+    with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
+    return replace(data, runs=tuple(with_curves))
 
 
 def _show_significant(bounds: ResponseBounds) -> ResponseBounds:

@@ -91,7 +91,7 @@ def add_total_error(
 ) -> dict[str, float | None]:
     """Add to the errors of an interval by component, None where unknown, their sum `whole`, and
     `share`, the sum over the `width` of the interval, None where there is none."""
-    values = list(parts.values())
+    values: list[Any] = list(parts.values())
     whole = None if None in values else sum(values)
     if not width:  # nothing varies, or there is no interval
         return {**parts, "whole": whole, "share": 0.0 if whole == 0 and width == 0 else None}

@@ -55,7 +55,7 @@ class ResponseBounds:
     violation: float | None = None
     coverage: float | None = None
     abscissa: Mapping[str, Any] | None = None
-    widths: np.ndarray | None = None
+    widths: Any = None
     width_error: np.ndarray | None = None
     shares: np.ndarray | None = None
 

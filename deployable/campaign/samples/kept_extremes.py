@@ -55,8 +55,9 @@ def gather(
             _write(file, chunk, first, store)
             quarter = next(i for i in range(4) if first < ends[i + 1])
             bounds = chunk.bounds
-            rows = bounds.low_run + first, bounds.high_run + first  # in the scan
-            quarters[quarter] = RunBounds(bounds.low, bounds.high, *rows).merge(quarters[quarter])
+            low_run, high_run = bounds.low_run + first, bounds.high_run + first  # in the scan
+            all_bounds = RunBounds(bounds.low, bounds.high, low_run, high_run)
+            quarters[quarter] = all_bounds.merge(quarters[quarter])
             file["overlap"][:] = max(float(file["overlap"][:]), chunk.overlap)
             first += len(group)
         _write_quarters(file, quarters)

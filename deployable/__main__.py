@@ -4,6 +4,7 @@ import gc
 import os
 import sys
 from importlib.util import LazyLoader, find_spec, module_from_spec
+from typing import Any
 
 from deployable import check_fpm_module
 from deployable.one_thread import set_environment
@@ -13,7 +14,7 @@ import numpy  # noqa: E402
 
 # scipy takes all names of numpy: Fortran's tools and `unittest` too, which take 0.1 s to load.
 for _name in ("f2py", "testing"):
-    _spec = find_spec(f"numpy.{_name}")
+    _spec: Any = find_spec(f"numpy.{_name}")
     _spec.loader = LazyLoader(_spec.loader)
     sys.modules[_spec.name] = module_from_spec(_spec)
     _spec.loader.exec_module(sys.modules[_spec.name])
@@ -21,7 +22,7 @@ for _name in ("f2py", "testing"):
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
 # Nothing here is an array of dask, which xarray would load to see so, where it is installed.
-sys.modules.setdefault("dask", None)
+sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # so Python marks what it does not load
 
 
 def program() -> int:

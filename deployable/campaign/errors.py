@@ -11,7 +11,7 @@ _LITTLE = 64 << 20
 """Bytes of room below which that is why netCDF's library, which tells no reason, failed."""
 
 _SAFE = "nothing there is half written, and all runs that were finished are kept"
-_REMEDIES = {
+_REMEDIES: dict[int | None, str] = {
     errno.ENOENT: "it was removed, or never made: `snakemake` or `python -m deployable run` with "
     "the campaign makes results",
     **dict.fromkeys(

@@ -151,7 +151,7 @@ def _spline_of(
     extremes = samples.argmin(axis=0), samples.argmax(axis=0)
     fields += [flat.reshape(-1, *shape), *(samples[i, columns].reshape(shape) for i in extremes)]
     fields += [runs[i].reshape(*shape, -1) for i in extremes]
-    spline = Spline(*fields, np.zeros(shape))
+    spline = Spline(*[*fields, np.zeros(shape)])
     extra = np.setdiff1d(np.arange(len(runs)), rows)
     misfit = np.abs(_rest(spline, points, flat)).max(axis=0)
     # at an instant at which all runs agree, rounding of their values is all there is

@@ -160,7 +160,8 @@ def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
         for ends in list(pairwise(samples.positions)):
             values = [samples.add(end)[column] - angle for end in ends]
             if values[0] * values[1] <= 0 and values[0] != values[1]:
-                root = _root(lambda x, k=column, a=angle: samples.look(x)[0][k] - a, ends, values)
+                height: Callable = lambda x, k=column, a=angle: samples.look(x)[0][k] - a  # noqa: E731
+                root = _root(height, ends, values)
                 nearest = min(ends, key=lambda end: abs(end - root))
                 samples.add_bend(nearest if abs(nearest - root) < POSITION_TOLERANCE else root)
 

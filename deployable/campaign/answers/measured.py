@@ -128,7 +128,8 @@ class _Test:
             ]
         data = self.curves.times, self.curves.values, self.curves.bands
         self.measurement = Measurement(*data, np.array(limits).T, np.array(axes), len(starts))
-        self.runs, self.envelope = 0, np.array([np.inf, -np.inf])[:, None, None]
+        self.runs = 0
+        self.envelope: Any = np.array([np.inf, -np.inf])[:, None, None]
         count, rows = len(self.curves.times), self.curves.rows
         if count < rows:
             self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")

@@ -107,6 +107,7 @@ def converge_bounds(
         if not points or not _grow(model, points):
             return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
+    raise AssertionError  # iterations end above
 
 
 class _Progress:
@@ -238,7 +239,7 @@ def _bounds(
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates: Any = estimate_bounds(surrogate, model.points, values, mispredictions)
+    estimates: Any = estimate_bounds(surrogate, model.points, values, tuple(mispredictions))
     if is_searched:
         pairs = zip(estimates, (lower, upper), strict=True)
         estimates = tuple(_attain(estimate, value, surrogate) for estimate, value in pairs)

@@ -112,10 +112,10 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
 def _docstrings(hint: type) -> dict[str, str]:
     """What stands below the fields of a class, on one line each."""
     definition: Any = ast.parse(dedent(inspect.getsource(hint))).body[0]
-    lines: list[Any] = definition.body
+    pairs: Any = pairwise(definition.body)
     return {
         field.target.id: " ".join(text.value.value.split())
-        for field, text in pairwise(lines)
+        for field, text in pairs
         if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
     }
 

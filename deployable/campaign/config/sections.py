@@ -462,7 +462,9 @@ def plain_data(section: Any) -> Any:
     """Turn a config section, or a mapping of some, into dicts and lists; leave others unchanged."""
     if isinstance(section, Mapping):
         return {name: plain_data(item) for name, item in section.items()}
-    return asdict(section) if not isinstance(section, type) and is_dataclass(section) else section
+    if isinstance(section, type) or not is_dataclass(section):
+        return section
+    return asdict(section)
 
 
 def from_data(kind: Any, data: Any) -> Any:

@@ -145,15 +145,15 @@ def _read_curves(experiment: Any, outcome: Any) -> dict:
     }  # fmt: skip
 
 
-def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Simulate the runs that a campaign's page shows, write their whole motions into `folder /
+def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
+    """Simulate the runs that a campaign's page shows, write their whole motions into `path /
     "motions"`, files named after the runs' ids (.nc), and return the paths, first that of the
-    nominal run (or a scan's first). folder: of the campaign's results; frames: of each motion.
+    nominal run (or a scan's first). path: of the campaign's results; frames: of each motion.
     Damaged motions of other runs are removed. Raises `CampaignError` where structure or mechanics
     changed since the runs were made."""
     from deployable.campaign.results.bounds import write_dataset
 
-    folder = Folder(folder)
+    folder = Folder(Path(path))
     with open_samples(folder) as samples:
         experiment = samples.experiment
         if experiment.mechanics != samples.mechanics:

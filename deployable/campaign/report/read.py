@@ -77,14 +77,14 @@ MOST_RUNS = 10_000
 """Runs that a page has, with their parameters; of more, it has those that move."""
 
 
-def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> np.ndarray:
+def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> Any:
     """Places among the samples of the runs that the page has."""
     if len(samples) <= MOST_RUNS and not samples.keeps_extremes:
         return np.arange(len(samples))
     return np.array(sorted(run.row for run in movers if run.row is not None))
 
 
-def _runs(samples: RunSamples, rows: np.ndarray) -> tuple[PageRun, ...]:
+def _runs(samples: RunSamples, rows: Any) -> tuple[PageRun, ...]:
     values, events = samples.table.values, samples.events(rows)
     return tuple(
         PageRun(name, samples.roles[row], values[row], None, describe_events(e, samples.contacts))
@@ -140,7 +140,8 @@ def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
     if "choice" in summary:
         record = read_json(folder.choice)["fitted"]
         keys = ("points", "numbers", "margins")
-        runs = FittedRuns(*(np.array(record[key], dtype=float) for key in keys))
+        points, values, margins = (np.array(record[key], dtype=float) for key in keys)
+        runs = FittedRuns(points, values, margins)
         model = replace(
             model,
             choice_quantities=surrogates(runs),

@@ -217,7 +217,7 @@ def _response(
     bounds: ResponseBounds, campaign: CampaignBounds, published: float | None
 ) -> dict[str, Any]:
     time, width, instant = bounds.time, bounds.width, bounds.widest
-    row = {
+    row: dict[str, Any] = {
         "name": bounds.name,
         "long_name": bounds.long_name,
         "units": bounds.units,

@@ -116,7 +116,7 @@ def _docstrings(hint: type) -> dict[str, str]:
     return {
         field.target.id: " ".join(text.value.value.split())
         for field, text in pairs
-        if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
+        if (type(field), type(text)) == (ast.AnnAssign, ast.Expr)
     }
 
 

@@ -464,7 +464,8 @@ def plain_data(section: Any) -> Any:
         return {name: plain_data(item) for name, item in section.items()}
     if isinstance(section, type) or not is_dataclass(section):
         return section
-    return asdict(section)
+    values: Any = section
+    return asdict(values)
 
 
 def from_data(kind: Any, data: Any) -> Any:

@@ -167,9 +167,9 @@ def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
         paths = [folder.motions / f"{run.id}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
-    for path in set(folder.motions.glob("*.nc")) - set(paths):
+    for rest in set(folder.motions.glob("*.nc")) - set(paths):
         try:
-            check(path, path.name)
+            check(rest, rest.name)
         except DamagedError:  # which is no longer shown, and so never made again
-            path.unlink()
+            rest.unlink()
     return paths

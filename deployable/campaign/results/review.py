@@ -179,13 +179,13 @@ class _Sheet:
         """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
         analysed` where nothing answers it. clause: one of `CLAUSES`."""
         if clause.topic in ANALYSES:
-            rows = [ANALYSES[clause.topic](self)]
+            rows: list = [ANALYSES[clause.topic](self)]
         else:
             quantities = [row for row in self.facts["quantities"]
                           if clause.topic in self._topics(row["name"])]  # fmt: skip
             if clause.topic == "margin":  # those by own factors behind those of the standard
                 quantities.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
-            rows: list = [x for row in quantities for x in self._quantity_rows(row, clause.topic)]
+            rows = [x for row in quantities for x in self._quantity_rows(row, clause.topic)]
             rows += self._find_latches(clause.topic, quantities)
         rows = [row for row in rows if row] or [_row("", NO_VERDICT)]
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]

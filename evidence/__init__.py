@@ -3,5 +3,5 @@
     python -m evidence NAME --output results/NAME      one of those in registry.py
 
 Each study is a folder whose study.py has PARTS (what it measures, by name) and `report` (what
-follows from the parts: rows, tables, figures). All leave the same summary.json, table.md and plots.
+follows from the parts: rows, tables). All leave the same summary.json and table.md.
 """

@@ -17,23 +17,16 @@ class Study:
     """One study.
 
     text: a line for those who wait; uses: folders and files, beside the solver, whose code decides
-    what is measured; plots: figures that it always leaves; parts: measured by a process of their
-    own each, side by side (without them, one process does all); exclusive: it times things, so that
-    nothing should run beside it; quick: it has a quick form."""
+    what is measured; parts: measured by a process of their own each, side by side (without them,
+    one process does all); exclusive: it times things, so that nothing should run beside it; quick:
+    it has a quick form."""
 
     name: str
     text: str
     uses: tuple[str, ...]
-    plots: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
     exclusive: bool = False
     quick: bool = False
-
-    @property
-    def files(self) -> tuple[str, ...]:
-        """The files that it always leaves."""
-        figures = (f"{plot}.{kind}" for plot in self.plots for kind in ("png", "pdf"))
-        return ("summary.json", "table.md", *figures)
 
     def measuring_code(self) -> str:
         """Digest of the code that decides what is measured."""
@@ -41,7 +34,7 @@ class Study:
 
     def code(self) -> list[str]:
         """Digests of the code that decides what the study leaves, beside its measured parts."""
-        files = (f"evidence/{name}.py" for name in ("rows", "results", "plots"))
+        files = (f"evidence/{name}.py" for name in ("rows", "results"))
         report_digest = digest(*files, f"evidence/{self.name}")
         return [report_digest] if self.parts else [report_digest, self.measuring_code()]
 
@@ -63,7 +56,6 @@ STUDIES = {
             "verification",
             "Comparing the solver with closed forms and published results",
             uses=("evidence/verification",),
-            plots=("overview",),
             quick=True,
         ),
         Study(

@@ -1,4 +1,4 @@
-"""What a study leaves: summary.json, table.md and figures, in one form for all."""
+"""What a study leaves: summary.json and table.md, in one form for all."""
 
 from __future__ import annotations
 
@@ -7,27 +7,21 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from deployable.campaign.files import write_text
-from evidence import plots
 from evidence.rows import Row
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
 class Report:
     """What follows from what a study measured.
 
-    extra: further entries of summary.json; text: further Markdown below the rows; figures: by the
-    names of their files."""
+    extra: further entries of summary.json; text: further Markdown below the rows."""
 
     rows: list[Row]
     extra: Mapping[str, Any] = field(default_factory=dict)
     text: str = ""
-    figures: Mapping[str, Figure] = field(default_factory=dict)
 
 
 def cell(value: object) -> str:
@@ -84,12 +78,9 @@ def _group_table(group: str, rows: Sequence[Row]) -> str:
 
 
 def write(folder: str | os.PathLike, study: str, report: Report) -> None:
-    """Write figures, table and, last, the summary: {"study", "rows", and more}."""
+    """Write the table and, last, the summary: {"study", "rows", and more}."""
     folder = Path(folder)
-    for name, figure in report.figures.items():
-        plots.save(figure, folder / name)
     text = f"# {study.capitalize()}\n\n" + rows_text(report.rows) + report.text
-    text += "".join(f"\n![{name}]({name}.png)\n" for name in report.figures)
     write_text(folder / "table.md", text)
     summary = {"study": study, "rows": [row.plain() for row in report.rows], **report.extra}
     write_text(folder / "summary.json", as_json(summary))

@@ -46,11 +46,8 @@ class InstabilityError(RuntimeError):
             "too violent for it: halve solver.step, refine the mesh, or soften the contact"
         )
         if limit == inf and not self.remedy:
-            remedy = (
-                "nothing is elastic: halve solver.step; or joints of rigid bodies contradict each "
-                "other, by lengths or axes that do not fit"
-            )
-        is_told = words is not None and isfinite(balance)
+            remedy = "nothing is elastic: halve solver.step"
+        is_told = words is not None and (isfinite(balance) or step <= limit)
         if is_told:
             text, remedy = words
         if step > limit:

@@ -7,11 +7,9 @@ import sys
 
 import pytest
 
-from deployable.one_thread import set_environment
-
-# As the program has it. Two threads of linear algebra in each of two processes on two cores wait
-# for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
-set_environment()
+# One thread of linear algebra, as the program has it. Two in each of two processes on two cores
+# wait for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
+import deployable.__main__  # noqa: F401
 
 COSTLY = {"Joints", "TurnedJoints"}
 """Kinds, by the named tuples of their arrays, that are compiled in 5 to 10 s; others in 1 s."""

@@ -1,13 +1,10 @@
 """How a process ends. In a shell Ctrl-C ends it at once, with one sentence: what it has made is
 whole, and the next run removes what it had begun."""
 
-import atexit
 import os
 import signal
-import sys
 from collections.abc import Callable
 from contextlib import suppress
-from typing import NoReturn
 
 EXIT_CODE = 130
 """Exit status after Ctrl-C."""
@@ -23,15 +20,6 @@ def end_on_ctrl_c() -> None:
     ignored or handled otherwise already."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
-
-
-def leave(status: int) -> NoReturn:
-    """End this process at once with an exit status, when its work is done: exit handlers run and
-    output is flushed, but other threads stop, and nothing loaded is taken apart, to save time."""
-    atexit._run_exitfuncs()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)
 
 
 def _end(*rest: object) -> None:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .designs import Design
+from .designs import Design, is_plain_scan
 from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate, widen
 from .models import MODELS, Model
 from .ranges import Range, clip_bounds
 from .ratios import ratio, ratios_of, shares_of
-from .samples import Samples, read_samples
+from .samples import RunBounds, Samples, read_samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,8 +43,9 @@ def bounds_dataset(
         model is "scan". Splines and scans take all runs, and need no design (None).
     responses: names of those wanted; None: all.
     model: one of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
-        one cubic spline through all runs, those of a scan or held out included; "scan", the least
-        and the largest sample.
+        one cubic spline through all runs, those of a scan or held out included; "aligned", splines
+        through all runs over time that events map; "auto", for each response and stretch of time
+        that of these which predicts left-out runs best; "scan", the least and the largest sample.
     window: half width (s) of the time in which the largest error counts; None: 0.5 % of the
         duration.
     options: keyword-only arguments of the model's constructor, as `tolerance` of `PolynomialModel`.
@@ -66,7 +67,9 @@ def bounds_dataset(
     kind = MODELS[check_choice("model", model, MODELS)]
     if model == "polynomial" and design is None:
         raise IntervalError("design", None, f"the design that the model {model} is fitted to")
-    if model == "polynomial" and design is not None and not len(design.multi_indices):
+    if model == "auto" and design is None:
+        kind = MODELS["spline"]
+    elif model in ("auto", "polynomial") and is_plain_scan(design):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
@@ -82,12 +85,9 @@ def bounds_dataset(
     attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    variables = _curves(data, fit, bounds, error, bool(by_shares))
-    numbers = _numbers(data, bounds, error.total, np.maximum(excess, 0.0), fit.test_rows)
-    for name, values in numbers.items():
-        long_name, unit = _NUMBERS[name]
-        attrs = {"long_name": long_name} | ({"units": unit} if unit else {})
-        variables[name] = ("response", values, attrs)
+    variables = _curves(data, fit, bounds, error, by_shares)
+    variables |= _numbers(data.time, bounds, error.total)
+    variables |= _largest("impossible", np.maximum(excess, 0.0), data.time)
     for name, limit in (("least", least), ("most", most)):
         attrs = {"long_name": f"{name} value that bounds can have, for physical reasons"}
         values = np.where(np.isfinite(limit[:, 0]), limit[:, 0], np.nan)
@@ -127,21 +127,6 @@ def _curves(
     return variables
 
 
-# Numbers of a response: long name and unit; without one it is that of the response.
-_NUMBERS = {
-    "largest_width": ("largest difference of the bounds", ""),
-    "largest_width_time": ("time of the largest difference of the bounds", "s"),
-    "gap_share_of_width": ("gap between outer and attained bounds, as a share of the width", "1"),
-    "coverage": ("fraction of the validation runs that lies within the bounds", "1"),
-    "worst_violation": ("largest distance outside the bounds of a run that was not fitted", ""),
-    "largest_error": ("largest estimated error of the bounds", ""),
-    "largest_error_time": ("time of the largest estimated error of the bounds", "s"),
-    "largest_impossible": ("largest distance of the model beyond what is possible", ""),
-    "largest_impossible_time": ("time of the largest distance beyond what is possible", "s"),
-    "error_share_of_width": ("estimated error of the bounds, as a share of the width", "1"),
-}
-
-
 def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
     """The least and largest values (n,) that bounds can have; -inf, inf where there is none. Stops
     and latches yield: bounds may go twice as far beyond them as any run; a scan's are runs."""
@@ -160,26 +145,42 @@ def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
     return np.where(np.isnan(least), -np.inf, least), np.where(np.isnan(most), np.inf, most)
 
 
-def _numbers(
-    samples: Samples, bounds: Range, error: np.ndarray, excess: np.ndarray, test_rows: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Numbers (n,) of responses by name; error, excess (n, T): of bounds, beyond the possible."""
-    time, width = samples.time, bounds.upper - bounds.lower
-    area = np.trapezoid(width, time)
-    numbers = _largest("largest_width", width, time)
-    numbers["gap_share_of_width"] = share_of(bounds.gap, time, area)
-    if len(test_rows):
-        tests = np.moveaxis(samples.values[test_rows], 1, 0)
-        sides = zip(bounds.lower, bounds.upper, tests, strict=True)
-        runs = [compare_runs(*side) for side in sides]
-        numbers |= {name: np.array([run[name] for run in runs]) for name in runs[0]}
-    numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", excess, time)
-    return numbers | {"error_share_of_width": share_of(error, time, area)}
+_LARGEST = {
+    "width": "difference of the bounds",
+    "error": "estimated error of the bounds",
+    "impossible": "distance of the model beyond what is possible",
+}
 
 
-def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.ndarray]:
-    """The largest of values (n, T) over time, (n,), and when it is."""
-    return {name: values.max(axis=1), f"{name}_time": time[values.argmax(axis=1)]}
+def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, tuple]:
+    """Variables (n) of the largest of values (n, T) over time, and of when it is."""
+    text = f"largest {_LARGEST[name]}"
+    attrs = {"long_name": f"time of the {text}", "units": "s"}
+    return {
+        f"largest_{name}": ("response", values.max(axis=1), {"long_name": text}),
+        f"largest_{name}_time": ("response", time[values.argmax(axis=1)], attrs),
+    }
+
+
+def _share(name: str, text: str, error: np.ndarray, time: np.ndarray, bounds: Range) -> dict:
+    """The variable (n) of an error (n, T), integrated over time, as a share of the width."""
+    area = np.trapezoid(bounds.upper - bounds.lower, time)
+    attrs = {"long_name": f"{text}, as a share of the width", "units": "1"}
+    return {name: ("response", share_of(error, time, area), attrs)}
+
+
+def _numbers(time: np.ndarray, bounds: Range, error: np.ndarray) -> dict[str, tuple]:
+    """Variables (n) of bounds and their error (n, T)."""
+    gap, error_text = "gap between outer and attained bounds", "estimated error of the bounds"
+    return {
+        **_largest("width", bounds.upper - bounds.lower, time),
+        **_largest("error", error, time),
+        **_share("gap_share_of_width", gap, bounds.gap, time, bounds),
+        **_share("error_share_of_width", error_text, error, time, bounds),
+    }
+
+
+_RANGE = ("lower", "upper", "inner_lower", "inner_upper", "argmin", "argmax")
 
 
 def add_errors(
@@ -194,23 +195,49 @@ def add_errors(
     ``error_<name>`` (response, time), and ``share_surrogate`` and ``share_<name>`` (response),
     fractions of the width, both integrated over time; ``largest_error``, its time and
     ``error_share_of_width`` are the sum's."""
-    time = bounds["time"].values
-    area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)
-    axes = ("response", "time")
-    curves = {"surrogate": bounds["error"].values}
+    time, curves = bounds["time"].values, {"surrogate": bounds["error"].values}
     curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
-    variables: dict[str, tuple] = {}
+    bounds_range = Range(*(bounds[name].values for name in _RANGE))
+    return bounds.assign(_errors(time, bounds_range, curves)).assign_attrs(error_parts=list(curves))
+
+
+def _errors(time: np.ndarray, bounds: Range, curves: Mapping[str, np.ndarray]) -> dict[str, tuple]:
+    """Variables of errors (n, T) by component, and of their sum."""
+    variables, axes = {}, ("response", "time")
     for name, values in curves.items():
         variables[f"error_{name}"] = (axes, values, {"long_name": f"error of the bounds by {name}"})
-        text = f"error of the {name}, as a share of the width"
-        attrs = {"long_name": text, "units": "1"}
-        variables[f"share_{name}"] = ("response", share_of(values, time, area), attrs)
+        variables |= _share(f"share_{name}", f"error of the {name}", values, time, bounds)
     total = np.sum(list(curves.values()), axis=0)
-    numbers = {"error": total} | _largest("largest_error", total, time)
-    numbers["error_share_of_width"] = share_of(total, time, area)
-    for name, values in numbers.items():
-        variables[name] = (bounds[name].dims, values, bounds[name].attrs)
-    return bounds.assign(variables).assign_attrs(error_parts=list(curves))
+    variables["error"] = (axes, total, {"long_name": "estimated error of the bounds"})
+    return variables | _numbers(time, bounds, total)
+
+
+def include_runs(bounds: xr.Dataset, runs: RunBounds, values: np.ndarray) -> xr.Dataset:
+    """Widen a bounds dataset to further runs: returns a copy whose bounds contain these, whose
+    ``argmin`` and ``argmax`` are theirs where they go farthest, and whose error (that of the
+    surrogate) is at least the distance by which the bounds missed a run, at each instant the
+    largest within 0.5 % of the duration. runs: least and largest values (n, T) of the R runs;
+    values (R, k): of the parameters in these, in their units."""
+    time, first_range = bounds["time"].values, Range(*(bounds[name].values for name in _RANGE))
+    wider_range = first_range.include(
+        runs.low, runs.high, values[runs.low_run], values[runs.high_run]
+    )
+    distance = widen(
+        time,
+        np.maximum(first_range.lower - wider_range.lower, wider_range.upper - first_range.upper),
+    )
+    parts = np.atleast_1d(bounds.attrs.get("error_parts", []))
+    curves = {name: bounds[f"error_{name}"].values for name in parts}
+    if curves:
+        curves["surrogate"] = np.maximum(curves["surrogate"], distance)
+        variables = _errors(time, wider_range, curves)
+    else:
+        error = np.maximum(bounds["error"].values, distance)
+        variables = {"error": (bounds["error"].dims, error, bounds["error"].attrs)}
+        variables |= _numbers(time, wider_range, error)
+    for name in _RANGE:
+        variables[name] = (bounds[name].dims, getattr(wider_range, name), bounds[name].attrs)
+    return bounds.assign(variables)
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:

@@ -365,10 +365,12 @@ class _Waves:
         self.sensors = np.setdiff1d(np.arange(self.widest.shape[1]), self.inputs)
 
     def add(self, t: int, points: np.ndarray) -> np.ndarray:
-        """Make runs of test `t` at coordinates (N, p), and return their curves (N, n, R)."""
+        """Make runs of test `t` at coordinates (N, p), and return their curves (N, n, R), NaN of
+        those that failed, which are left out of the fits."""
         curves = self.evaluate(t, points)
-        self.points[t] = np.concatenate([self.points[t], points])
-        self.curves[t] = np.concatenate([self.curves[t], curves])
+        is_sound = np.isfinite(curves).all(axis=(1, 2))
+        self.points[t] = np.concatenate([self.points[t], points[is_sound]])
+        self.curves[t] = np.concatenate([self.curves[t], curves[is_sound]])
         self.runs += len(points)
         return curves
 
@@ -382,7 +384,7 @@ class _Waves:
             spread = _design(half > 0, comb(test.dimension + 2, 2), number)
             points = np.concatenate([center[None], center + half * spread])
             middle = self.add(t, points)[0]
-            change = _STEP_FACTOR * _lobes(self.finer(t, center) - middle)
+            change = _STEP_FACTOR * _lobes(np.nan_to_num(self.finer(t, center) - middle))
             places = test.times - test.limits[:, 0].mean()
             errors = np.array([np.interp(places, self.times, row) for row in change])
             data = self.points[t], self.curves[t], self.times
@@ -391,11 +393,13 @@ class _Waves:
 
     def run(self, values: np.ndarray) -> tuple[np.ndarray, float]:
         """Run all tests at the variables `values`, keep that if no run came nearer; return the
-        values with those of the sensors that fit best, and the misfit."""
+        values with those of the sensors that fit best, and the misfit, infinite if a run fails."""
         run_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, self.places, strict=True)):
             points.append(values[places[: test.dimension]])
             curves = self.add(t, points[t][None])
+            if np.isnan(curves).any():
+                return values, np.inf
             hull = np.array([points[t], points[t]])
             run_fits.append(fit_curves(test, points[t][None], curves, self.times, hull))
         run_problem = _Problem(run_fits, self.k)
@@ -471,7 +475,11 @@ class _Waves:
         best = min(plain, key=lambda pair: pair[1])[0]
         outer = [problem.search(values, self.hull, OUTER) for values, _ in plain]
         misfit = self.run(best)[1]
-        is_inside = (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all()
+        is_inside = (
+            self.best is not None
+            and (self.best >= self.hull[0]).all()
+            and (self.best <= self.hull[1]).all()
+        )
         return outer, self.attained if is_inside else misfit
 
     def shrink(self, pool: Sequence[np.ndarray]) -> bool:

@@ -14,9 +14,10 @@ import scipy
 from numpy.polynomial.chebyshev import chebvander
 
 from . import chebyshev
-from .box import MAX_DIMENSION, MOST_FULL, Box, axis_points, corner_points
+from .box import MAX_DIMENSION, MOST_FULL, Box, axis_points, corner_points, match_points
 from .chebyshev import Surrogate, least_squares, product_basis
 from .errors import IntervalError, check_choice, check_integer, check_options
+from .splines import predict_runs
 
 MAX_ORDER = 64
 MAX_RUNS = 100_000
@@ -202,6 +203,22 @@ def _screening(
     return Design(points, np.concatenate([centre.astype(int), degrees, 2 * degrees]))
 
 
+def complete_runs(
+    design: Design, points: np.ndarray, values: np.ndarray, failed_points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | float]:
+    """Return the values (N, ...) of runs at the N points of a design, in their order, where runs
+    that failed are predicted by a spline through others, and the error (...) of that, 0 if none
+    failed. points (R, k), values (R, ...): of the runs; failed_points (F, k): of those that failed.
+    Raises IntervalError if a point has no run, or too few runs are left for a spline."""
+    rows = match_points(design.points, np.concatenate([points, failed_points]))
+    is_lost = rows >= len(points)
+    if not is_lost.any():
+        return values[rows], 0.0
+    run_values = values[np.where(is_lost, 0, rows)]
+    run_values[is_lost], error = predict_runs(points, values, design.points[is_lost])
+    return run_values, error
+
+
 METHODS: dict[str, Method] = {
     "tensor_roots": Method(partial(_tensor, chebyshev.roots)),
     "tensor_lobatto": Method(partial(_tensor, chebyshev.lobatto)),
@@ -234,6 +251,11 @@ def scan_points(
         sampler = scipy.stats.qmc.Sobol(int(free.sum()), scramble=True, rng=seed)
         points[first:, free] = 2 * sampler.random_base2((rest - 1).bit_length())[:rest] - 1
     return points
+
+
+def is_plain_scan(design: Design) -> bool:
+    """Return whether a design is of points alone, to which no polynomial belongs."""
+    return not len(design.multi_indices) and design.method != "adaptive"
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:

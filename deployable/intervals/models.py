@@ -1,13 +1,26 @@
 """Models of the responses over the box, from which bounds are taken."""
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import scipy
 
+from .aligned import (
+    EVENT_NAMES,
+    AlignedCurves,
+    change_within,
+    first_difference,
+    name_events,
+    split_runs,
+)
 from .box import find_other_runs, match_points
-from .designs import Design, fit
+from .designs import Design, complete_runs, fit
+from .errors import IntervalError
 from .estimates import (
     MAX_DIRECTIONS,
     ErrorEstimate,
@@ -17,10 +30,17 @@ from .estimates import (
     power_mean,
     share_outside,
 )
-from .ranges import Range, find_surrogate_range, to_range
+from .ranges import Range, find_surrogate_range, spread_out, to_range
 from .samples import RunBounds, Samples
+from .spline_equations import distinct
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
+
+AUTO_RUNS = 1000
+"""Most runs for which splines are tried where there is a polynomial: they cost their cube."""
+
+_ALIGNED_WINDOW = 0.02  # of the duration: few runs are near the edge of a part at one instant
+_PLAIN = {"lowest", "highest", "argmin", "argmax", "misfit"}  # of a spline: not of its runs
 
 
 class Model:
@@ -38,10 +58,11 @@ class Model:
     def __init__(self, samples: Samples, design: Design | None) -> None:
         raise NotImplementedError
 
-    def range(self) -> Range:
+    def range(self, columns: np.ndarray | None = None) -> Range:
         """Range of the n responses over the box at T instants: outer bounds (n, T), guaranteed for
         the model where it can be enclosed, else the attained ones; attained bounds (n, T); and the
-        points (n, T, k) in [-1, 1]^k where the latter are attained."""
+        points (n, T, k) in [-1, 1]^k where the latter are attained. columns (n, T): mask of those
+        that are wanted, the others may be anything; None: all."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
@@ -61,7 +82,8 @@ class Model:
 class PolynomialModel(Model):
     """Chebyshev polynomials fitted to the runs of `samples` at the points of `design`, with an
     enclosed range; all other runs test them: the error is the larger of the residuals there and the
-    neglected tail of coefficients. tolerance: gap of enclosure and attained range at
+    neglected tail of coefficients, and the error of what a spline predicts where runs of the design
+    failed. tolerance: gap of enclosure and attained range at
     which to stop, as a fraction of the latter's width."""
 
     kind = "enclosed range of the polynomial"
@@ -70,11 +92,26 @@ class PolynomialModel(Model):
         self.samples, self.tolerance = samples, tolerance
         self.test_rows = find_other_runs(samples.points, design.points)
         self.design = design
-        self.surrogate = fit(design, samples.values[match_points(design.points, samples.points)])
+        runs = samples.points, samples.values, samples.failed_points
+        values, self.lost_error = complete_runs(design, *runs)
+        self.surrogate = fit(design, values)
         self.attributes = {"design_runs": design.run_count}
 
-    def range(self) -> Range:
-        return find_surrogate_range(self.surrogate, self.tolerance)
+    def range(self, columns: np.ndarray | None = None) -> Range:
+        if columns is None:
+            return find_surrogate_range(self.surrogate, self.tolerance)
+        wanted = replace(self.surrogate, coefficients=self.surrogate.coefficients[:, columns])
+        return spread_out(find_surrogate_range(wanted, self.tolerance), columns)
+
+    @cached_property
+    def left_out(self) -> np.ndarray:
+        """Values (R, n, T) of the runs less the polynomial's; NaN for those that are fitted."""
+        left_out = np.full(self.samples.values.shape, np.nan)
+        points = self.samples.points[self.test_rows]
+        left_out[self.test_rows] = self.samples.values[self.test_rows] - self.surrogate.evaluate(
+            points
+        )
+        return left_out
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         samples, surrogate = self.samples, self.surrogate
@@ -82,7 +119,8 @@ class PolynomialModel(Model):
         residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
         decay = estimate_decay(surrogate, time, window)
         decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
-        return estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
+        error = estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
+        return replace(error, total=error.total + self.lost_error)
 
     def centre(self) -> np.ndarray:
         return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]
@@ -117,7 +155,7 @@ class ScanModel(Model):
             "share_outside_95": share_outside(draws, 0.95),
         }
 
-    def range(self) -> Range:
+    def range(self, columns: np.ndarray | None = None) -> Range:
         total, points = self.total, self.points
         return to_range(total.low, total.high, points[total.low_run], points[total.high_run])
 
@@ -182,13 +220,28 @@ class SplineModel(Model):
             "spline_scales": self.spline.scales[self._inverse].tolist(),
         }
 
+    @cached_property
+    def left_out(self) -> np.ndarray:
+        """Values (R, n, T) of the runs less those of the spline through all others; NaN for those
+        that are nearly the same as another."""
+        left_out = np.full(self.samples.values.shape, np.nan)
+        rows = match_points(self.spline.points, self.samples.points[:, self.order])
+        left_out[rows] = self.spline.left_out
+        return left_out
+
     @property
     def _inverse(self) -> np.ndarray:
         """Places of the dataset's parameters among the spline's."""
         return np.argsort(self.order)
 
-    def range(self) -> Range:
-        bounds = spline_range(self.spline)
+    def range(self, columns: np.ndarray | None = None) -> Range:
+        if columns is None:
+            bounds = spline_range(self.spline)
+        else:
+            names = set(self.spline.__dataclass_fields__) - {"points", "scales"}
+            parts = {n: getattr(self.spline, n) for n in names}
+            cut = {n: x[columns] if n in _PLAIN else x[:, columns] for n, x in parts.items()}
+            bounds = spread_out(spline_range(replace(self.spline, **cut)), columns)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
@@ -218,8 +271,196 @@ class SplineModel(Model):
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]
 
 
+class AlignedModel(Model):
+    """Splines through all runs (`samples`), aligned at the events that all runs have (aligned.py).
+
+    Where some runs lack an event, or have two in another order, the runs are split by that if the
+    parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
+    run. Behind `until`, where the last stretch of some runs has ended, they are those of the runs,
+    and their width is the error.
+    The error is the largest left-out error of the aligned curves, of the runs inside the box and
+    those that `design`, if given, does not contain, and the most by which the bounds change within
+    the left-out error of event times, or with what is near the borders of parts."""
+
+    kind = "attained range of splines through all runs, aligned at their events"
+
+    def __init__(self, samples: Samples, design: Design | None = None) -> None:
+        check_spline_runs(samples.points)
+        # Extremes are looked for in one direction after the other, in the order of names.
+        self.order = np.argsort(samples.source["parameter"].values, kind="stable")
+        self.samples, self.points = samples, samples.points[:, self.order]
+        rows = distinct(self.points)
+        self.tests = (np.abs(self.points[rows]) < 1).all(axis=1)
+        if design is not None:
+            others = find_other_runs(self.points[rows], design.points[:, self.order])
+            self.tests[others] = True
+        self.tests = rows[self.tests] if self.tests.any() else rows
+        runs = [{} for _ in self.points]
+        if all(name in samples.source for name in EVENT_NAMES):
+            columns = [samples.source[name].values for name in EVENT_NAMES]
+            runs = name_events(np.stack(columns, axis=-1))
+        self.parts = split_runs(self.points, samples.values, samples.time, runs)
+        self.differ = first_difference(runs)
+        if len(self.parts) > 1:  # where a part ends, runs inside the box are at its edge
+            self.tests = rows
+        self.until = min(part.curves.until for part in self.parts)
+        count = max(part.curves.times.shape[1] for part in self.parts)
+        self.attributes = {
+            "design_runs": len(self.points),
+            "error_kind": "largest difference of a run and the aligned splines through the others",
+            "aligned_events": count,
+        }
+
+    @cached_property
+    def left_out(self) -> np.ndarray:
+        """Values (R, n, T) of runs less those of the splines through all others; NaN for those
+        that are nearly the same as others, and behind `until`."""
+        return self._of_parts(lambda curves: curves.left_out)
+
+    def _of_parts(self, curves_of: Callable[[AlignedCurves], np.ndarray]) -> np.ndarray:
+        values = np.full(self.samples.values.shape, np.nan)
+        for part in self.parts:
+            values[part.rows] = curves_of(part.curves)
+        values[:, :, self.samples.time > self.until] = np.nan
+        return values
+
+    def range(self, columns: np.ndarray | None = None) -> Range:
+        values, time = self.samples.values, self.samples.time
+        columns = np.ones(values.shape[1:], bool) if columns is None else columns
+        columns = columns & (time <= self.until)
+        sides = []
+        self.border_error = np.zeros(columns.shape)
+        for sign in (-1.0, 1.0):
+            run = (sign * values).argmax(axis=0)
+            best = sign * np.take_along_axis(values, run[None], axis=0)[0]
+            x = self.points[run]
+            near = best.copy()
+            for part in self.parts:
+                found, where, beyond = part.maximum(sign, columns)
+                near[columns] = np.maximum(near[columns], beyond)
+                better = found > best[columns]
+                best[columns] = np.where(better, found, best[columns])
+                x[columns] = np.where(better[:, None], where, x[columns])
+            self.border_error = np.maximum(self.border_error, near - best)
+            sides += [sign * best, x[..., np.argsort(self.order)]]
+        low, x_low, high, x_high = sides
+        return to_range(low, high, x_low, x_high)
+
+    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        time = self.samples.time
+        shapes = self._of_parts(lambda curves: curves.left_out_shapes)[self.tests]
+        held_out = np.nan_to_num(np.abs(shapes)).max(axis=0)
+        shift = 0.0
+        for part in self.parts:
+            tested = part.curves.time_errors[np.isin(part.rows, self.tests)]
+            shift = max(shift, float(np.abs(tested).max(initial=0.0)))
+        wide = _ALIGNED_WINDOW * (time[-1] - time[0]) if window is None else window
+        estimate = estimate_error(time, held_out, np.zeros_like(held_out), wide)
+        total = estimate.total + self.border_error
+        for curve in (bounds.inner_lower, bounds.inner_upper):
+            total = total + change_within(time, curve, shift)
+        beyond = time > self.until
+        total[:, beyond] = (bounds.inner_upper - bounds.inner_lower)[:, beyond]
+        return replace(estimate, total=total)
+
+    def centre(self) -> np.ndarray:
+        point = np.zeros((1, self.points.shape[1]))
+        part = next((part for part in self.parts if part.contains(point)[0]), self.parts[0])
+        return part.curves.evaluate(point, self.samples.time)[0]
+
+
+class AutoModel(Model):
+    """For each response and stretch of time the model that predicts left-out runs best: polynomial,
+    spline or aligned splines.
+
+    Stretches end where the first or last of the runs has an event at which curves are aligned. The
+    runs that decide are those that the polynomial is not fitted to, else all."""
+
+    kind = "range of the model that predicts left-out runs best"
+
+    def __init__(self, samples: Samples, design: Design | None = None) -> None:
+        self.samples = samples
+        self.fits: list[Model] = []
+        if design is not None and len(design.multi_indices):
+            self.fits.append(PolynomialModel(samples, design))
+        aligned = None
+        is_small = len(samples.points) <= AUTO_RUNS or not self.fits
+        with suppress(IntervalError):
+            if not is_small:
+                raise IntervalError("runs", len(samples.points), f"at most {AUTO_RUNS}")
+            self.fits.append(SplineModel(samples, design))
+            aligned = AlignedModel(samples, design)
+            if aligned.attributes["aligned_events"]:
+                self.fits.append(aligned)
+        if not self.fits:
+            raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
+        self.choice = self._choose(aligned)
+        self.test_rows = self.fits[0].test_rows
+        names = [next(n for n, kind in MODELS.items() if type(fit) is kind) for fit in self.fits]
+        self.attributes = {**self.fits[-1].attributes, "models": names}
+
+    def _choose(self, aligned: AlignedModel | None) -> np.ndarray:
+        """The index of the model (n, T)."""
+        time, choice = self.samples.time, np.zeros(self.samples.values.shape[1:], int)
+        errors = [fit.left_out for fit in self.fits]
+        ends = [time[0], np.inf]
+        if aligned is not None:
+            ends.append(min(aligned.differ, time[-1]))
+        for part in aligned.parts if aligned else ():
+            ends += [
+                *part.curves.times.min(axis=0),
+                *part.curves.times.max(axis=0),
+                part.curves.until,
+            ]
+        tests = self.fits[0].test_rows
+        # More runs tell splines apart than those that the polynomial is not fitted to.
+        runs = tests if aligned is None or not len(tests) else np.union1d(tests, aligned.tests)
+        for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
+            loss = np.array([_mean_square(e[runs, :, first:last]) for e in errors])
+            best = loss[1:].argmin(axis=0) + 1 if len(errors) > 1 else 0
+            if len(tests):
+                loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
+                best = np.where(loss[0] <= loss[best, np.arange(len(loss[0]))], 0, best)
+            if aligned is not None and len(aligned.parts) > 1 and time[last - 1] > aligned.differ:
+                best = len(errors) - 1  # the others pass over what happens in a part of the box
+            choice[:, first:last] = np.reshape(best, (-1, 1))
+        return choice
+
+    def range(self, columns: np.ndarray | None = None) -> Range:
+        ranges = [fit.range(self.choice == i) for i, fit in enumerate(self.fits)]
+        return self._join(ranges)
+
+    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        return self._join([fit.error(bounds, window) for fit in self.fits])
+
+    def _join(self, results: list) -> Any:
+        """One Range or ErrorEstimate, of which each instant has the chosen model's."""
+        joined = {}
+        for name in results[0].__dataclass_fields__:
+            arrays = np.array([getattr(result, name) for result in results])
+            choice = self.choice.reshape(1, *self.choice.shape, *[1] * (arrays.ndim - 3))
+            joined[name] = np.take_along_axis(arrays, choice, axis=0)[0]
+        return replace(results[0], **joined)
+
+    def centre(self) -> np.ndarray:
+        return self.fits[0].centre()
+
+    def variables(self) -> dict:
+        text = "model whose bounds these are, by its index in the attribute models"
+        return {"model": (("response", "time"), self.choice, {"long_name": text})}
+
+
+def _mean_square(errors: np.ndarray) -> np.ndarray:
+    """Mean squares (n) of left-out errors (R, n, T), infinite where none is known."""
+    known = np.isfinite(errors).sum(axis=(0, 2))
+    squares = np.where(np.isfinite(errors), errors, 0.0) ** 2
+    return np.where(known > 0, squares.sum(axis=(0, 2)) / np.maximum(known, 1), np.inf)
+
+
 MODELS: dict[str, type[Model]] = {
     "polynomial": PolynomialModel,
     "spline": SplineModel,
     "scan": ScanModel,
+    "aligned": AlignedModel,
+    "auto": AutoModel,
 }

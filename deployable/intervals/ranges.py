@@ -32,11 +32,39 @@ class Range:
         """By how much (...) outer bounds lie outside the attained ones, both sides together."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
+    def include(
+        self, low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray
+    ) -> "Range":
+        """Widen the range to values that runs take: `low`, `high` (...), the least and largest of
+        them, at `argmin`, `argmax` (..., k); returns a copy."""
+        is_lower, is_higher = low < self.inner_lower, high > self.inner_upper
+        return Range(
+            np.minimum(self.lower, low),
+            np.maximum(self.upper, high),
+            np.minimum(self.inner_lower, low),
+            np.maximum(self.inner_upper, high),
+            np.where(is_lower[..., None], argmin, self.argmin),
+            np.where(is_higher[..., None], argmax, self.argmax),
+        )
+
 
 def to_range(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
     """Make the Range of a model without an enclosure: low, high (...) are attained values, which
     become outer bounds, too; argmin, argmax (..., k): their points in [-1, 1]^k."""
     return Range(low, high, low, high, argmin, argmax)
+
+
+def spread_out(bounds: Range, columns: np.ndarray) -> Range:
+    """Return the range of C columns as that of all responses and instants (n, T), with NaN where
+    the mask `columns` (n, T) of the C is False."""
+
+    def place(values: np.ndarray) -> np.ndarray:
+        whole = np.full((*columns.shape, *values.shape[1:]), np.nan)
+        whole[columns] = values
+        return whole
+
+    ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
+    return Range(*map(place, ends), place(bounds.argmin), place(bounds.argmax))
 
 
 def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:

@@ -102,6 +102,13 @@ class Samples:
             return np.zeros(len(self.names), bool)
         return self.source["response_ratio"].values[self.rows] > 0
 
+    @property
+    def failed_points(self) -> np.ndarray:
+        """Points (F, k) of the runs that failed, normalized; these are not among the others."""
+        if "failed_normalized" not in self.source:
+            return self.points[:0]
+        return self.source["failed_normalized"].values
+
     def read(self, runs: slice) -> np.ndarray:
         """Read the responses (r, n, T) of the r runs that the slice `runs` selects, in the number
         type of the dataset; the values of other runs are not loaded."""
@@ -155,6 +162,35 @@ class Samples:
         return lambda points: middle + half * points
 
 
+def add_runs(
+    samples: xr.Dataset, points: np.ndarray, values: np.ndarray, curves: np.ndarray,
+    events: np.ndarray,
+) -> xr.Dataset:  # fmt: skip
+    """Return a samples dataset with r further runs. points, values (r, k): where they are,
+    normalized and in the parameters' units; curves (r, n, T): their responses; events (r, e, 3):
+    time (s), what, and which way, of each event, padded with NaN. Other variables of the runs than
+    these and their role are left out."""
+    import xarray as xr
+
+    more = {
+        "values": (("run", "response", "time"), curves),
+        "normalized": (("run", "parameter"), points),
+        "value": (("run", "parameter"), values),
+        "role": ("run", np.array(["further"] * len(points), dtype=object)),
+    }
+    for i, name in enumerate(("event_time", "event_contact", "event_closing")):
+        more[name] = (("run", "event"), events[..., i])
+    known = samples[list(more)]
+    size = max(samples.sizes["event"], events.shape[1])
+    both = [
+        part.pad(event=(0, size - part.sizes["event"]), constant_values=np.nan)
+        for part in (known.drop_vars(set(known.coords) - set(known.dims)), xr.Dataset(more))
+    ]
+    joined = xr.concat(both, "run", join="override", coords="minimal", compat="override")
+    rest = samples.drop_dims("run")
+    return rest.merge(joined).assign_attrs(samples.attrs)
+
+
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
     """Check a samples dataset and return it as `Samples`, whose values are read at first use;
     responses: names of those wanted, None: all. IntervalError for what is missing or unknown.
@@ -164,7 +200,8 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     in the place of ``values`` and ``role``, the least and largest value within each quarter of its
     runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
     and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
-    parameters, at which its first run then is."""
+    parameters, at which its first run then is; perhaps ``failed_normalized`` (failed, parameter),
+    points of the design whose runs failed."""
     arrays = ("values",) if "lower_run" not in samples else _BOUND_NAMES
     for name in ("time", "response", *arrays, "normalized", "value"):
         if name not in samples:

@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .box import find_other_runs, match_points
+from .box import find_other_runs
 from .chebyshev import Surrogate
-from .designs import Design, fit
+from .designs import Design, complete_runs, fit
 from .estimates import estimate_decay, widen
 from .line_range import line_range
 from .samples import Samples, read_samples
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+_ROUNDING = 1e-12  # of a response's largest value: a difference of runs that is rounding
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,8 @@ def sensitivity_dataset(
     -------
     xarray.Dataset
         Over (response, parameter, time): ``width``, of the range when only this parameter varies,
-        in the response's units, ``first`` and ``total`` Sobol indices. Over (response, time):
+        in the response's units, ``first`` and ``total`` Sobol indices, all 0 where the runs differ
+        by rounding alone. Over (response, time):
         ``error``, the largest error of the polynomial at runs that it was not fitted to, within a
         short time (without such runs, by the decay of its coefficients): a width that is not above
         it may be the fit's noise. Over (response, parameter): ``width_overall``, the width where it
@@ -82,8 +86,9 @@ def sensitivity_dataset(
     import xarray as xr
 
     data = read_samples(samples, responses)
-    surrogate = fit(design, data.values[match_points(design.points, data.points)])
-    error = _error(data, design, surrogate)
+    values, lost_error = complete_runs(design, data.points, data.values, data.failed_points)
+    surrogate = fit(design, values)
+    error = _error(data, design, surrogate) + lost_error
     influence = measure_sensitivity(surrogate)
     arrays = influence.width, influence.first, influence.total
     width, first, total = (np.moveaxis(array, 0, 1) for array in arrays)
@@ -93,6 +98,10 @@ def sensitivity_dataset(
         weight = np.trapezoid(variance, data.time)
         parts = np.trapezoid(total[i] * variance, data.time)
         wide[i], shares[i] = area / (area.sum() or 1.0), parts / (weight or 1.0)
+    # Where runs differ by rounding alone, no parameter contributes anything.
+    limit = _ROUNDING * np.abs(values).max(axis=(0, 2))[:, None]
+    is_blank = (np.ptp(values, axis=0) <= limit)[:, None]
+    width, first, total = (np.where(is_blank, 0.0, part) for part in (width, first, total))
     curve, number = ("response", "parameter", "time"), ("response", "parameter")
     share = {"units": "1"}
     variables = {
@@ -141,9 +150,9 @@ def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:
         "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"})
     }
     if len(indices):
-        rows = match_points(design.points, data.points)
+        runs, _ = complete_runs(design, data.points, data.values, data.failed_points)
         # one response after the other: products of larger matrices round in another way
-        values = [fit(design, data.values[rows, i]).coefficients for i in range(len(data.names))]
+        values = [fit(design, runs[:, i]).coefficients for i in range(len(data.names))]
         axes = ("response", "term", "time")
         variables["coefficient"] = (axes, values, {"long_name": "Chebyshev coefficients"})
     return xr.Dataset(variables, coords=data.coordinates(), attrs=samples.attrs)

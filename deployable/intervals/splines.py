@@ -137,6 +137,19 @@ def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None
     raise IntervalError("runs", len(runs), need)
 
 
+def predict_runs(
+    points: np.ndarray, values: np.ndarray, places: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Predict the values (F, ...) at `places` (F, k) by a spline through the nearest runs, at most
+    400, and estimate the error (...): the largest left-out error of these. points (N, k),
+    values (N, ...): of the runs. Raises IntervalError if they do not suffice for a spline."""
+    distances = np.linalg.norm(points[:, None] - places, axis=-1).min(axis=1)
+    rows = np.argsort(distances, kind="stable")[:_SCALE_RUNS]
+    check_spline_runs(points[rows])
+    spline = fit_spline(points[rows], values[rows])
+    return spline.evaluate(places), np.abs(spline.left_out).max(axis=0) + spline.misfit
+
+
 def _spline_of(
     runs: np.ndarray, rows: np.ndarray, values: np.ndarray, scales: np.ndarray | None
 ) -> Spline | None:

@@ -43,7 +43,6 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     for key, kernel in hooks.KERNELS.items():
         hooks.KERNELS[key] = in_part(_name_of(kernel), kernel)
     substitutes = {id(compiled_loop.prepare_call): lambda _, *rest: partial(loop.run, *rest)}
-    substitutes |= _find_overloads()
     for name, operation in {**operations, **_find_rows(**operations)}.items():
         substitutes[id(getattr(vectors if hasattr(vectors, name) else lanes, name))] = operation
     for name, value in list(vars(loop).items()):
@@ -91,31 +90,3 @@ def _name_of(kernel: Callable) -> str:
     """A kernel as a part of the loop: its module and its name."""
     module = kernel.__module__.rsplit(".", 1)[-1].removesuffix("_kernels")
     return f"{module}.{kernel.__name__}"
-
-
-def _find_overloads() -> dict[int, Callable]:
-    """For functions that are implemented by the types of their arguments (by id): Python's way."""
-    from numba.core.typing.templates import builtin_registry
-
-    functions = {}
-    for template in builtin_registry.functions:
-        choose = getattr(template, "_overload_func", None)
-        if choose and str(getattr(template.key, "__module__", "")).startswith("fpm."):
-            functions[id(template.key)] = _dispatch(choose)
-    return functions
-
-
-def _dispatch(choose: Callable) -> Callable:
-    """Call what `choose` gives for the type of the first argument."""
-    from numba import typeof
-
-    implementations: dict[tuple, Callable] = {}
-
-    def call(first, *rest):
-        # Numba's own type of a tuple of arrays takes longer to find than a kernel runs.
-        key = type(first), *(map(type, first) if isinstance(first, tuple) else ())
-        if key not in implementations:
-            implementations[key] = choose(typeof(first), *rest)
-        return implementations[key](first, *rest)
-
-    return call

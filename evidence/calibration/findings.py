@@ -95,8 +95,8 @@ def findings(scans: list[Scan]) -> dict:
     """How sharp the fit is, and what explains it; numbers for summary.json and table.md."""
     main, k = scans[0], default("K_F")
     numbers = main.numbers_at(k)
-    twice = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
-    near = [n for n in main.numbers if abs(n.K_F - k) <= 0.1 + 1e-9]
+    stiffnesses = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
+    neighbours = [n for n in main.numbers if abs(n.K_F - k) <= 0.1 + 1e-9]
     is_at_second = main.fits & main.at_second_closure
     facts = {
         "K_F of the scene (N/rad)": k,
@@ -108,7 +108,7 @@ def findings(scans: list[Scan]) -> dict:
             main.K_F, is_at_second
         ),
         "least K_F with the second closure of all samples within 1 s (N/rad)": min(
-            twice, default=None
+            stiffnesses, default=None
         ),
         "closings of the rigid linkage (s)": rigid_closings(k).tolist(),
     }
@@ -116,7 +116,7 @@ def findings(scans: list[Scan]) -> dict:
         times = numbers.closure(index)
         facts[f"{word} closure of the samples (s)"] = [float(times.min()), float(times.max())]
     for name in PAPER:
-        values = [n.largest[name] for n in near]
+        values = [n.largest[name] for n in neighbours]
         key = f"{name} for K_F within 0.1 N/rad of the scene's ({UNITS[name]})"
         facts[key] = [min(values), max(values)]
     return facts

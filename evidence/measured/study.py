@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 
 from deployable import campaign
 from evidence.measured.two_arms import CURVES, largest_differences
-from evidence.plots import BLUE, panels
 from evidence.registry import ROOT
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most, info
@@ -42,15 +41,13 @@ def config_of(name: str, intervals: Mapping, duration: float, measured: Mapping)
 
 
 def find(config: Mapping) -> dict[str, Any]:
-    """What measured.json of a campaign says; of its curves the residuals of the nearest run."""
+    """What measured.json of a campaign says, without the curves."""
     with tempfile.TemporaryDirectory() as folder:
         campaign.run(config, folder, figures=False, notify=lambda text: None)
         path = Path(folder, config["campaign"], "measured.json")
         facts = json.loads(path.read_text(encoding="utf-8"))
     for test in facts["tests"]:
-        curve = test.pop("curves")["phi"]
-        residuals = np.subtract(curve["best"], curve["values"]) if "best" in curve else np.empty(0)
-        test |= {"times": curve["times"], "residuals": residuals.tolist()}
+        del test["curves"]
     return facts
 
 
@@ -168,7 +165,7 @@ PARTS = {
 def report(parts: Mapping[str, Any]) -> Report:
     """What the study claims, and what was found of each test as tables."""
     rows: list[Row] = []
-    text, figures = "", {}
+    text = ""
     if tests := [*parts.get("truths", ()), *parts.get("lacks", ())]:
         rows += _synthetic_rows(parts["truths"], parts["lacks"])
         lines = [
@@ -190,21 +187,9 @@ def report(parts: Mapping[str, Any]) -> Report:
                  for p in facts["parameters"]]  # fmt: skip
         header = ("parameter", "lower", "upper", "nearest run", "after, lower", "after, upper")
         text += f"\n## The arm, {name} model\n\n" + table(header, lines)
-        figures[f"arm-{name}"] = draw_residuals(facts["tests"])
     for name, difference in (parts.get("two-arms") or {}).items():
         rows.append(info(f"two driven arms, largest difference of the {name}", difference, "rad"))
-    return Report(rows, dict(parts), text, figures)
-
-
-def draw_residuals(tests: list[dict[str, Any]]) -> Any:
-    """A figure of what is left over of each test (mrad) by the run that comes nearest to all."""
-    tests = [test for test in tests if test["residuals"]]
-    figure, axes = panels(len(tests), size=(6.4, 1.3 * len(tests)), sharex=True, sharey=True)
-    for panel, test in zip(axes, tests, strict=True):
-        panel.plot(test["times"], 1e3 * np.array(test["residuals"]), color=BLUE)
-        panel.set_ylabel(f"{test['name']} (mrad)", fontsize=8)
-    axes[-1].set_xlabel("time (s)")
-    return figure
+    return Report(rows, dict(parts), text)
 
 
 def _synthetic_rows(truths: list[dict[str, Any]], lacks: list[dict[str, Any]]) -> list[Row]:

@@ -1,8 +1,8 @@
 """What a verification problem works with: it runs scenes, notes what they cost, and keeps rows.
 
 A problem is a function of a Bench. It builds small scenes through the public interface of ``fpm``,
-runs them with ``bench.simulate`` and hands its findings to ``bench.check`` (a value against a
-reference) and ``bench.figure`` (for the plots)."""
+runs them with ``bench.simulate`` and hands its findings to ``bench.check``: a value against a
+reference."""
 
 import time
 from collections.abc import Iterator
@@ -12,12 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 import fpm
-from evidence.plots import Chart
 from evidence.rows import Row, at_least, close_to
 
 
 class Bench:
-    """Runs the scenes of one problem and collects its rows and figures, and what they cost.
+    """Runs the scenes of one problem and collects its rows, and what they cost.
 
     quick: the problem may leave out its finest meshes and longest runs (the tests do).
     element_steps; cpu (s): of all runs so far."""
@@ -25,7 +24,6 @@ class Bench:
     def __init__(self, problem: str, quick: bool = False):
         self.problem, self.quick = problem, quick
         self.rows: list[Row] = []
-        self.figures: list[Chart] = []
         self.element_steps = 0
         self.cpu = 0.0
 
@@ -81,11 +79,6 @@ class Bench:
 
     def _add(self, row: Row) -> None:
         self.rows.append(replace(row, name=f"{self.problem}: {row.name}", group=self.problem))
-
-    def figure(self, title: str, x_label: str, y_label: str, **options) -> Chart:
-        """Start a plot of this problem."""
-        self.figures.append(Chart(title, x_label, y_label, **options))
-        return self.figures[-1]
 
 
 def observed_orders(errors, factor: float = 2.0) -> np.ndarray:

@@ -37,7 +37,6 @@ def rigid_linkage(bench: Bench) -> None:
     angles = ANGLES[:1] if bench.quick else ANGLES
     scenes = [linkage(pair) for pair in angles]
     outcomes = bench.simulate(scenes, duration=times[-1], instants=times.size)
-    figure = bench.figure("Rigid Bennett linkage", "time (s)", "BD (m)")
     for pair, outcome in zip(angles, outcomes, strict=True):
         name = f"λ = {pair[0]:g}°, μ = {pair[1]:g}°"
         rigid = RigidBennett(lambda_deg=pair[0], mu_deg=pair[1])
@@ -63,8 +62,6 @@ def rigid_linkage(bench: Bench) -> None:
         )
         bench.check_small(f"{name}: shape at the same opening", worst, 0.005,
                           "sin β sin γ = const", "their ranges")  # fmt: skip
-        figure.curve(times[is_before], result["BD"][is_before], name)
-        figure.curve(times[is_before], expected["BD"][is_before], f"{name}, rigid", True)
 
 
 def flexibility(bench: Bench) -> None:
@@ -89,11 +86,6 @@ def flexibility(bench: Bench) -> None:
     for column, (key, least, source) in enumerate(expected):
         ratio = errors[-2, column] / errors[-1, column]
         bench.check_at_least(f"{key}: error ratio from E = 1e11 to 1e12 Pa", ratio, least, source)
-    figure = bench.figure("Bennett linkage: flexible against rigid", "E (Pa)",
-                          "largest difference / range", logarithmic=True)  # fmt: skip
-    figure.curve(moduli, errors[:, 0], "BD")
-    figure.curve(moduli, errors[:, 1], "z-velocity of B")
-    figure.curve(moduli, errors[0, 0] * moduli[0] / moduli, "1 / E", True)
 
 
 PROBLEMS = {"rigid Bennett linkage": rigid_linkage, "flexible Bennett linkage": flexibility}

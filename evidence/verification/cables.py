@@ -29,7 +29,6 @@ def bounce(bench: Bench) -> None:
     mass, rest, drop = 2.0, 1.0, 0.2
     stiffnesses = (1e3, 1e4, 1e5)
     fall = np.sqrt(2 * drop / G)
-    figure = bench.figure("A mass falls into a cable", "time (s)", "tension (N)")
     scenes = [hanging_mass(mass, EA, rest, rest - drop) for EA in stiffnesses]
     outcomes = bench.simulate(scenes, duration=2.0, instants=4001, step=1e-4)
     for EA, outcome in zip(stiffnesses, outcomes, strict=True):
@@ -49,7 +48,6 @@ def bounce(bench: Bench) -> None:
                     "m g + √((m g)² + m k v²)")  # fmt: skip
         worst = np.abs(outcome.energies["balance"]).max() / (mass * G * drop)
         bench.check_small(f"energy balance, {name}", worst, 1e-3, "no damping", "m g d")
-        figure.curve(outcome.time[:2000], tension[:2000], name)
 
 
 def atwood(bench: Bench) -> None:
@@ -218,7 +216,6 @@ LET_GO = (3.3, 2.0)
 
 def stick(bench: Bench) -> None:
     """A mass bounces and swings on a cable over eyelets: they slip, stick and slip back."""
-    figure = bench.figure("A mass bounces on a cable over eyelets", "time (s)", "tension (N)")
     for points in (2,) if bench.quick else EYELETS:
         rope = bouncing_rope(points)
         motion = list(phases(rope, np.array(LET_GO), 2.0))
@@ -253,7 +250,6 @@ def stick(bench: Bench) -> None:
             delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
             text = f"{name}: slack at, error (s)"
             bench.check(text, delay, 0.0, tolerance, source, measure="absolute")
-        figure.curve(outcome.time, outcome.tensions["rope"], f"{points} eyelets")
 
 
 def _slip_events(outcome) -> Iterator[tuple[str, str, float]]:

@@ -40,9 +40,6 @@ def slider(bench: Bench) -> None:
     end_error = np.abs(motor_force - force).max() / peak
     bench.check_small("force at the ends of the motion", end_error, 5e-3, source, "its peak")
     _balance(bench, outcome)
-    figure = bench.figure("Slider led by a smooth step", "time (s)", "force of the motor (N)")
-    figure.curve(outcome.time, motor_force, "computed")
-    figure.curve(outcome.time, force, "closed form", True)
 
 
 def half_sine(bench: Bench) -> None:

@@ -77,9 +77,6 @@ def pendulum(bench: Bench) -> None:
     bench.check_small("angle at 5 ms (rad)", errors[-1] / np.pi, 1e-3, source, "π")
     bench.check_at_least("order of the angle", observed_orders(errors).min(), 1.9, source)
     bench.check_small("energy balance", _balance_error(outcomes[-1]), 1e-3, "required", "energy")
-    figure = bench.figure("Pendulum in air", "time (s)", "angle (°)")
-    figure.curve(outcomes[-1].time, np.degrees(swings[-1]), "computed")
-    figure.curve(outcomes[-1].time, np.degrees(exact), "DOP853", True)
 
 
 def _run(bench: Bench, scene, duration: float, step: float):

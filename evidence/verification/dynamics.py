@@ -44,7 +44,7 @@ def spin_up(bench: Bench) -> None:
     row = np.argmin(lag)
     bench.check("largest tip lag (m)", lag[row], -0.574, 0.01, source)
     bench.check("time of the largest lag (s)", time[row], 6.76, 0.01, source)
-    exact_time, exact = linear_spin_up(length, 1.4e4, 1.2)
+    _, exact = linear_spin_up(length, 1.4e4, 1.2)
     bench.check("largest tip lag (m), own reference", lag[row], exact.min(), 0.01,
                 "second-order rotating beam, 6 modes, DOP853")  # fmt: skip
     steady = stretches[time > 15.0].mean()
@@ -54,9 +54,6 @@ def spin_up(bench: Bench) -> None:
     rotation = spin_angle(time)[0]
     worst = np.abs(angle - rotation).max()
     bench.check_small("angle of the root (rad)", worst, 1e-4, "prescribed", "1")
-    figure = bench.figure("Spin-up", "time (s)", "tip lag (m)")
-    figure.curve(time, lag, "computed")
-    figure.curve(exact_time, exact, "rotating beam, 6 modes", True)
 
 
 @cache
@@ -135,11 +132,9 @@ def elbow_scene(elements: int) -> fpm.Scene:
 
 def elbow(bench: Bench) -> None:
     """Right-angle cantilever pushed out of its plane: bending and torsion in large motion."""
-    tracks = {}
-    for elements in (10,) if bench.quick else (10, 20):
-        (outcome,) = bench.simulate(elbow_scene(elements), duration=30.0, instants=3001)
-        tracks[elements] = [outcome.points[name][0][:, 2] for name in ("tip", "elbow")]
-    time, (tip, knee) = outcome.time, tracks[elements]
+    scene = elbow_scene(10 if bench.quick else 20)
+    (outcome,) = bench.simulate(scene, duration=30.0, instants=3001)
+    time, (tip, knee) = outcome.time, (outcome.points[p][0][:, 2] for p in ("tip", "elbow"))
     extremes = (
         ("first peak of the tip", tip, 1, (0, 12), 8.25, 7.44),
         ("trough of the tip", tip, -1, (10, 20), -9.73, 15.87),
@@ -150,10 +145,6 @@ def elbow(bench: Bench) -> None:
         row = window[np.argmax(sign * track[window])]
         bench.check(f"{name} (m)", track[row], value, 0.03, ELBOW_SOURCE)
         bench.check(f"{name}, time (s)", time[row], instant, 0.15, ELBOW_SOURCE, 1.0, "absolute")
-    figure = bench.figure("Right-angle cantilever", "time (s)", "displacement out of plane (m)")
-    for elements, (tip, knee) in tracks.items():
-        figure.curve(time, tip, f"tip, {elements} elements a leg")
-        figure.curve(time, knee, f"elbow, {elements} elements a leg")
 
 
 FLYING_SOURCE = "Simo and Vu-Quoc, J. Appl. Mech. 53 (1986) 849 and 855 (EI = 500)"
@@ -198,17 +189,12 @@ def flying_beam(bench: Bench) -> None:
         for axis, value, reference in zip("xy", end, published, strict=False):
             bench.check(f"{name} at 5 s, {axis} (m)", value, reference, 0.02, FLYING_SOURCE,
                         length, "share of L")  # fmt: skip
-    figure = bench.figure("Flying beam", "x (m)", "y (m)", equal=True)
-    for i in range(0, 501, 100):
-        shape = np.array([outcome.points[f"{p}"][0][i, :2] for p in particles])
-        figure.curve(*shape.T, f"{time[i]:g} s")
 
 
 def free_bodies(bench: Bench) -> None:
     """Free bodies over a million steps: momenta to rounding, energy bounded and without drift."""
     section, material = fpm.Section.rectangle(0.04, 0.02), fpm.Material(2e8, 0.3, 1000.0)
     instants = 401
-    figure = bench.figure("Free bodies", "step", "energy off its mean / energy")
     # A million roundings of one sign would make 2e-10, of random sign 2e-13. A hinge may be open
     # by g < 1e-10 m besides, and its two impulses then make a moment.
     cases = (("bending bar", free_bar, 1e-11), ("hinged pair", free_pair, 1e-10))
@@ -238,7 +224,6 @@ def free_bodies(bench: Bench) -> None:
         chance = 4 * spread * np.sqrt(12 / instants)
         bench.check_small(f"{name}: drift of the energy over all steps", abs(slope),
                           max(chance, 1e-12), source, "energy")  # fmt: skip
-        figure.curve(np.linspace(0, outcome.steps, instants), share - share.mean(), name)
 
 
 def free_bar(section, material) -> fpm.Scene:

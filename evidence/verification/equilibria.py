@@ -77,9 +77,6 @@ def let_go(bench: Bench) -> None:
         "end of the rod over two periods", np.abs(height - expected).max() / parts[0], 1e-2,
         f"{source}, β₁ L = {betas[0]:.4f}", "amplitude",
     )  # fmt: skip
-    figure = bench.figure("Rod let go from its bent shape", "time (s)", "height of the end (m)")
-    figure.curve(outcome.time, height, "computed")
-    figure.curve(outcome.time, expected, "modes", True)
 
 
 PROBLEMS = {"sag of a rod from the start": sag, "rod let go from its bent shape": let_go}

@@ -42,10 +42,6 @@ def hinge_force(bench: Bench) -> None:
     rate = outcome.columns["opening_rate", "O"]
     worst = np.abs(rate**2 - square).max() / square.max()
     bench.check_small("square of the rate", worst, 1e-4, "energy", "largest")
-    figure = bench.figure("Force of a pendulum's hinge", "angle (°)", "force / m g")
-    order = np.argsort(angle)
-    figure.curve(np.degrees(angle[order]), -axial[order] / weight, "along, closed form", True)
-    figure.curve(np.degrees(angle[order]), -(force * radial).sum(axis=1)[order] / weight, "along")
 
 
 def clamped_bar(bench: Bench) -> None:

@@ -43,7 +43,6 @@ def pendulum(bench: Bench) -> None:
     g, angles = 9.81, np.radians([5.0, 60.0, 120.0, 170.0])
     scenes = [swinging_body(angle, g) for angle in angles]
     outcomes = bench.simulate(scenes, duration=20.0, instants=4001, step=1e-3)
-    figure = bench.figure("Physical pendulum", "time (s)", "angle (°)")
     source = "T = 4 √(I / m g d) K(sin θ₀/2)"
     for angle, outcome in zip(angles, outcomes, strict=True):
         name = f"{np.degrees(angle):.0f}°"
@@ -52,7 +51,6 @@ def pendulum(bench: Bench) -> None:
         bench.check(f"period, swing {name} (s)", period(outcome.time, swing), exact, 1e-3, source)
         worst = np.abs(outcome.energies["balance"]).max() / np.ptp(outcome.energies["kinetic"])
         bench.check_small(f"energy balance, swing {name}", worst, 1e-3, "no damping", "energy")
-        figure.curve(outcome.time[:1200], np.degrees(swing[:1200]), name)
 
     length, angle = 1.0, np.radians(60.0)
     values = {"L": length, "E": 2e11, "g": g, "angle": 60.0}
@@ -102,7 +100,6 @@ def contact_bounce(bench: Bench) -> None:
         scene.add_contact(0, stiffness)
         scenes.append(scene)
     outcomes = bench.simulate(scenes, duration=0.25, instants=2501, step=2e-5)
-    figure = bench.figure("One contact", "time (s)", "opening (rad)")
     source = "half sine: π √(I / k), ω₀ √(I / k)"
     for stiffness, outcome in zip(stiffnesses, outcomes, strict=True):
         name = f"k = {stiffness:.0e} N m/rad"
@@ -114,7 +111,6 @@ def contact_bounce(bench: Bench) -> None:
         bench.check(f"time of contact, {name} (s)", release - closure, np.pi * scale, 1e-3, source)
         bench.check(f"deepest overlap, {name} (rad)", -swing.min(), rate * scale, 1e-3, source)
         bench.check(f"rate after contact, {name} (rad/s)", speed, rate, 1e-3, "elastic contact")
-        figure.curve(outcome.time, swing, name)
 
 
 PENDULUM = """
@@ -233,9 +229,6 @@ def off_loaded_panel(bench: Bench) -> None:
     weightless = rest * (1 - np.cos(np.sqrt(0.3 / inertia) * times))
     worst = np.abs(outcomes[-1].openings["hinge"] - weightless).max() / weightless.max()
     bench.check_small("angle off that without weight", worst, 0.05, "1 - cos(w t)", "the largest")
-    figure = bench.figure("Panel off-loaded by a trolley", "time (s)", "angle (°)")
-    figure.curve(times, np.degrees(outcomes[-1].openings["hinge"]), "off-loaded")
-    figure.curve(times, np.degrees(weightless), "without weight", True)
 
 
 PROBLEMS = {

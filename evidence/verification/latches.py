@@ -43,7 +43,6 @@ def latches(bench: Bench) -> None:
     scenes = [flap(Latch(0, angle, hold), spring=(k, rest)) for k in stiffnesses]
     scenes.append(flap(Latch(0, angle, hold, max_capture_rate=1.4), spring=(0.1, rest)))
     outcomes = bench.simulate(scenes, duration=4.0, instants=4001, step=2e-4)
-    figure = bench.figure("A panel with a spring and a latch", "time (s)", "opening (°)")
     for k, outcome in zip(stiffnesses, outcomes, strict=False):
         name, exact = f"k = {k:g} N m/rad", np.sqrt(J / k) * np.arccos((rest - angle) / rest)
         time, opening = outcome.time, outcome.openings["hinge"]
@@ -64,7 +63,6 @@ def latches(bench: Bench) -> None:
                     "momentum: minus that of the spring", J * fast, "of J w")  # fmt: skip
         worst = np.abs(outcome.energies["balance"]).max() / (k * rest**2 / 2)
         bench.check_small(f"energy balance, {name}", worst, 1e-5, "no loss", "the spring's energy")
-        figure.curve(time, np.degrees(opening), name)
     fly_by = outcomes[-1]
     exact = rest * (1 - np.cos(np.sqrt(0.1 / J) * fly_by.time))
     worst = np.abs(fly_by.openings["hinge"] - exact).max() / rest
@@ -93,7 +91,6 @@ def friction(bench: Bench) -> None:
     shares = (0.5, 0.99, 1.1)
     scenes += [flap(Friction(0, 0.2), spring=(1e-9, share * 0.2e9)) for share in shares]
     outcomes = bench.simulate(scenes, duration=12.0, instants=12001, step=2e-4)
-    figure = bench.figure("A flap stopped by friction", "time (s)", "opening (rad)")
     for moment, outcome in zip(moments, outcomes, strict=False):
         name, exact = f"M = {moment:g} N m", J / (2 * moment)
         opening = outcome.openings["hinge"]
@@ -103,7 +100,6 @@ def friction(bench: Bench) -> None:
         motion = np.ptp(opening[-1000:])
         bench.check(f"moves in the last second, {name} (rad)", motion, 0.0, 1e-6, "it sticks",
                     1.0, "absolute")  # fmt: skip
-        figure.curve(outcome.time, opening, name)
     for share, outcome in zip(shares, outcomes[len(moments) :], strict=True):
         opening = outcome.openings["hinge"]
         if share < 1:

@@ -149,8 +149,6 @@ def flores(bench: Bench) -> None:
     energies = outcome.energies
     worst = np.abs(energies["balance"]).max() / energies["kinetic"].max()
     bench.check_small("energy balance", worst, 1e-6, "required", "the kinetic energy")
-    figure = bench.figure("Flores' slider-crank", "time (ms)", "eccentricity (mm)")
-    figure.curve(1e3 * outcome.time, 1e3 * distance, "0.5 mm of play")
 
 
 def ideal(bench: Bench) -> None:

@@ -107,7 +107,6 @@ def swings(bench: Bench) -> None:
                 "4 √(I/(m g d)) K(sin²(A/2))")  # fmt: skip
     worst = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
     bench.check_small("energy balance", worst, 1e-3, "no loss but the latch's", "most kinetic")
-    figure = bench.figure("A rod that is let go", "time (s)", "angle (rad)")
     for release, outcome in zip(times, outcomes, strict=True):
         name, angle = f"let go at {release:g} s", outcome.openings["third"]
         motion = np.abs(angle[outcome.time <= release]).max()
@@ -118,7 +117,6 @@ def swings(bench: Bench) -> None:
         exact = release + np.sqrt(2 * L / (3 * G)) * ellipk(0.5)
         bench.check(f"{name}: hangs at (s)", instant, exact, 1e-6, "t + √(2 l/(3 g)) K(1/2)",
                     measure="absolute")  # fmt: skip
-        figure.curve(outcome.time, angle, name)
 
 
 def elastic(bench: Bench) -> None:
@@ -160,9 +158,6 @@ def elastic(bench: Bench) -> None:
     worst = np.abs(tips[-1] - series)[is_caught].max() / np.abs(series).max()
     bench.check_small("deflection of the tip over a period", worst, 0.01, "modes of a cantilever",
                       "the largest")  # fmt: skip
-    figure = bench.figure("An elastic panel that is caught", "time (s)", "deflection (m)")
-    figure.curve(outcome.time[is_caught], tips[-1][is_caught], "32 elements")
-    figure.curve(outcome.time[is_caught], series[is_caught], "five modes")
 
 
 PROBLEMS = {

@@ -65,8 +65,6 @@ def friction(bench: Bench) -> None:
                     abs(a - b), 1e-4, "the way between its turns")  # fmt: skip
     worst = np.abs(outcomes[5].energies["balance"]).max() / (G / 2)
     bench.check_small("energy balance of the swings", worst, 1e-5, "no other loss", "m g l/2")
-    figure = bench.figure("Swings against friction that sticks", "time (s)", "angle (rad)")
-    figure.curve(outcomes[5].time, psi, "M = 0.3 N m")
 
 
 def oscillator(time, start, stiffness, moment):
@@ -96,9 +94,6 @@ def swings(bench: Bench) -> None:
     bench.check_small("way, at most off (rad)", errors[-1], 2e-5, "closed form", "1 rad")
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     bench.check_at_least("order in the step", order, 1.9, "locates its turns within a step")
-    figure = bench.figure("Swings on a spring and friction", "time (s)", "angle (rad)")
-    figure.curve(outcome.time, exact, "closed form", True)
-    figure.curve(outcome.time, psi, f"step {steps[-1]:g} s")
 
 
 def motors(bench: Bench) -> None:

@@ -1,57 +1,132 @@
-"""Joints whose second part slides and turns: closed forms, and equations written from scratch."""
-
-from collections.abc import Callable
+"""Joints whose second part slides and turns, on a part that swings: Lagrange's equations."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
+import fpm
 from evidence.verification.bench import Bench, observed_orders
+from fpm.elements import Damper
+from fpm.elements.joints.joint_types import TYPES
 from fpm.structures import loads
 
-STEPS = 0.004, 0.002, 0.001
-G, MASS, ARM, STIFF, SPRING = 9.81, 2.0, 0.3, 1.5, 40.0
-INERTIA = MASS * (0.1**2 + 0.2**2) / 12  # of the box about its centre, along the axis
-TILT = 0.6  # rad, of the axis against the vertical
+STEPS = 5e-3, 2.5e-3, 1.25e-3  # a whole number of them between instants
+GRAVITY = np.array([2.0, -3.0, -9.0])
+HUB, ARM = np.array([0.1, 0.2, -0.1]), np.array([0.4, 0.1, 0.2])
+OFFSET = np.array([0.1, -0.2, 0.15])
+MASSES, INERTIA = (2.0, 1.0), (0.02, 0.03, 0.04)
+PIVOT, AXIS = np.array([0.0, 0.6, 0.8]), np.array([0.48, 0.6, 0.64])
+X = np.array([0.8, 0.0, -0.6])
+DIRECTIONS = {"axis": AXIS, "x": X, "y": np.cross(AXIS, X)}
+LEAD, START = -0.07, (0.4, -0.1, 0.2)
+STIFFNESS, DAMPING = (3.0, 2.0, 30.0, 20.0), (0.1, 0.05, 0.4, 0.3)
+JOINTS = "cylindrical", "planar", "screw", "pin in slot"
+KINDS = [(type, swap) for type in JOINTS for swap in (0, 1)]
 
-BODY = f"bodies: {{b: {{mass: {MASS}, centre: c, points: [o], box: [10 cm, 20 cm, 5 cm]"
-AXIS = f"[sin({TILT} rad), 0, cos({TILT} rad)]"
-AXES = f"x: [cos({TILT} rad), 0, -sin({TILT} rad)], up: {AXIS}"
-SCREW = f"""
-gravity: [0, 0, {-G}]
-points: {{o: [0, 0, 0], c: [0, 0, 0]}}
-{BODY}, {AXES}}}}}
-joints: {{s: {{type: screw, parts: [ground, b], at: o, axis: {AXIS}, pitch: 0.3 m}}}}
-actions: {{k: {{type: torsion spring, joint: s, stiffness: {STIFF}}}}}
-"""
-SHAFT = f"""
-gravity: [0, 0, {-G}]
-points: {{o: [0, 0, 0], c: [0, {ARM}, 0]}}
-{BODY}, {AXES}}}}}
-joints: {{s: {{type: cylindrical, parts: [ground, b], at: o, axis: {AXIS}}}}}
-opening_rates: {{spin: {{joint: s_turn, rate: 9 rad/s}}, throw: {{joint: s_slide, rate: 2 m/s}}}}
-"""
-PLANE = f"""
-points: {{o: [0, 0, 0], c: [0, {ARM}, 0]}}
-{BODY}}}}}
-joints: {{s: {{type: planar, parts: [ground, b], at: o, axis: z, x: x, opening_x: 0.2 m}}}}
-actions:
-  k: {{type: spring, joint: s_x, stiffness: {SPRING}}}
-  l: {{type: spring, joint: s_y, stiffness: {2 * SPRING}}}
-  t: {{type: torsion spring, joint: s_turn, stiffness: {STIFF}}}
-opening_rates:
-  spin: {{joint: s_turn, rate: 3 rad/s}}
-  x: {{joint: s_x, rate: 0}}
-  y: {{joint: s_y, rate: 0}}
-"""
+
+def scene_of_all() -> fpm.Scene:
+    """A body that swings on the ground, and another on it by each of the joints, either one first;
+    springs and dampers are on all openings."""
+    scene = fpm.Scene("all", GRAVITY)
+    scene.fix(scene.add_particles(np.zeros(3), 1.0, 1.0))
+    for number, (type, swap) in enumerate(KINDS):
+        place = np.array([3.0 * number, 0.0, 0.0])
+        pair = scene.add_particles([place + HUB, place + ARM + OFFSET], MASSES, INERTIA)
+        name = f"{type}{swap}"
+        first = scene.add_hinge(f"{name}_root", (0, pair[0]), place, PIVOT)
+        pair = pair[::-1] if swap else pair
+        x, lead = (None, LEAD) if type == "screw" else (X, 0.0)
+        openings = START[: len(TYPES[type].openings)]
+        scene.add_sliding_joint(name, type, pair, place + ARM, AXIS, openings, x, lead)
+        for k, hinge in enumerate(range(first, len(scene.hinges))):
+            scene.add_torsion_spring(hinge, STIFFNESS[k])
+            scene.add(Damper(hinge, DAMPING[k]))
+    return scene
+
+
+def points_of(q, type: str, swap: int) -> np.ndarray:
+    """Positions (..., 12, 3) of point masses that stand for both bodies, of a sixth of each's mass,
+    by the pivot's angle and the openings' changes q (..., n), complex ones as well."""
+
+    def turn(axis, angle):
+        cross = np.cross(np.eye(3), axis)
+        angle = np.asarray(angle)[..., None, None]
+        return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+    root = turn(PIVOT, q[..., 0])
+    frame_b = root @ turn(AXIS, -q[..., 1] if swap else q[..., 1])
+    shift_local = np.zeros((*q.shape[:-1], 3), q.dtype)
+    for k, (_, direction) in enumerate(TYPES[type].openings):
+        shift_local = shift_local + (
+            DIRECTIONS[direction] * q[..., k + 1, None] if direction else 0.0
+        )
+    if type == "screw":
+        shift_local = LEAD * q[..., 1, None] * AXIS
+    shift = np.einsum("...ij,...j->...i", -frame_b if swap else root, shift_local)
+    centres = root @ HUB, root @ ARM + shift + frame_b @ OFFSET
+    return np.concatenate(
+        [
+            centre[..., None, :] + sign * np.swapaxes(frame * np.sqrt(length), -1, -2)
+            for centre, frame, mass in zip(centres, (root, frame_b), MASSES, strict=True)
+            for length in [3 / mass * (sum(INERTIA) / 2 - np.array(INERTIA))]
+            for sign in (1, -1)
+        ],
+        axis=-2,
+    )
+
+
+def exact(time, type: str, swap: int) -> np.ndarray:
+    """Openings (n, t) by Lagrange's equations, derivatives of the positions by complex steps."""
+    count = 1 + len(TYPES[type].openings)
+    start = np.array([0.0, *START[: count - 1]])
+    masses = np.repeat(MASSES, 6) / 6
+    stiffness, damping = np.array(STIFFNESS[:count]), np.array(DAMPING[:count])
+
+    def jacobian(change):
+        values = points_of(change + 1e-30j * np.eye(count), type, swap)
+        return values.imag / 1e-30  # (n, 12, 3)
+
+    def slopes(_, y):
+        change, rates = y[:count] - start, y[count:]
+        rows, span = jacobian(change), 1e-4 / (1e-9 + np.abs(rates).max())
+        bend = (jacobian(change + span * rates) - jacobian(change - span * rates)) / (2 * span)
+        inertial = np.einsum("npi,n->pi", bend, rates)
+        matrix = np.einsum("p,npi,mpi->nm", masses, rows, rows)
+        force = np.einsum("p,npi,pi->n", masses, rows, GRAVITY - inertial)
+        force -= stiffness * y[:count] + damping * rates
+        return [*rates, *np.linalg.solve(matrix, force)]
+
+    options = {"method": "DOP853", "t_eval": time, "rtol": 1e-9, "atol": 1e-11}
+    return solve_ivp(slopes, (0, time[-1]), [*start, *np.zeros(count)], **options).y[:count]
+
+
+def bodies(bench: Bench) -> None:
+    """Each of the joints between two bodies, either one first, with springs and dampers."""
+    scene, errors = scene_of_all(), []
+    motions = [exact(np.linspace(0.0, 0.6, 13), *kind) for kind in KINDS]
+    for step in STEPS:
+        (outcome,) = bench.simulate(scene, duration=0.6, instants=13, step=step)
+        openings = iter(outcome.openings[hinge.name] for hinge in scene.hinges)
+        errors.append([])
+        for motion in motions:
+            errors[-1].append(max(np.abs(next(openings) - values).max() for values in motion))
+    source = "Lagrange's equations, DOP853"
+    for (joint, swap), *misses in zip(KINDS, *errors, strict=True):
+        name = f"{joint}, {'second' if swap else 'first'} part swings"
+        bench.check_small(f"{name}: openings at 1.25 ms", misses[-1], 1e-3, source, "1 rad or 1 m")
+        bench.check_at_least(f"{name}: order", observed_orders(misses).min(), 1.95, source)
+    bench.check_small("energy balance", _balance_error(outcome), 1e-3, "required", "energy")
+
+
+CRANK, CRANK_INERTIA, YOKE_MASS = 0.3, 0.01, 2.0
 YOKE = f"""
 parameters: {{rate: {{value: 5, unit: rad/s}}}}
-points: {{o: [0, 0, 0], p: [{ARM}, 0, 0]}}
+points: {{o: [0, 0, 0], p: [{CRANK}, 0, 0]}}
 bodies:
-  crank: {{mass: 1, centre: o, points: [p], inertia: [0.1, 0.1, {INERTIA}]}}
-  yoke: {{mass: {MASS}, centre: p, inertia: [0.1, 0.1, 0.1]}}
+  crank: {{mass: 1, centre: o, points: [p], inertia: [0.1, 0.1, {CRANK_INERTIA}]}}
+  yoke: {{mass: {YOKE_MASS}, centre: p, inertia: [0.1, 0.1, 0.1]}}
 joints:
   axle: {{type: revolute, parts: [ground, crank], at: o, axis: z}}
-  guide: {{type: prismatic, parts: [ground, yoke], at: p, axis: x, opening: {ARM}}}
+  guide: {{type: prismatic, parts: [ground, yoke], at: p, axis: x, opening: {CRANK}}}
   pin: {{type: pin in slot, parts: [yoke, crank], at: p, axis: z, x: y}}
 """
 DRIVE = """
@@ -60,102 +135,38 @@ actions: {motor: {type: motor, joint: axle, rate: rate, curve: one}}
 """
 
 
-def screw(bench: Bench) -> None:
-    """A nut that falls along a tilted thread, and turns against a spring."""
-    lead = 0.3 / (2 * np.pi)
-    inertia, moment = INERTIA + MASS * lead**2, -MASS * G * np.cos(TILT) * lead
-
-    def exact(time):
-        return {"s": moment / STIFF * (1 - np.cos(np.sqrt(STIFF / inertia) * time))}
-
-    _compare(bench, SCREW, exact, "(J + m (p/2π)²) ψ'' = -m g p/2π cos t - k ψ")
-
-
-def shaft(bench: Bench) -> None:
-    """A rod that hangs on a tilted shaft, thrown up along it and with spin about it."""
-    inertia = INERTIA + MASS * ARM**2
-
-    def slopes(_, y):
-        return [y[1], -MASS * G * np.sin(TILT) * ARM * np.cos(y[0]) / inertia]
-
-    def exact(time):
-        turn = _solve(slopes, [0.0, 9.0], time)[0]
-        return {"s_turn": turn, "s_slide": 2.0 * time - 0.5 * G * np.cos(TILT) * time**2}
-
-    _compare(bench, SHAFT, exact, "J ψ'' = -m g a sin t cos ψ; s'' = -g cos t")
-
-
-def plane(bench: Bench) -> None:
-    """A plate on a plane, held by springs beside its centre of mass, thrown with spin."""
-
-    def slopes(_, y):
-        x, z, turn, *rates = y
-        arm = ARM * np.array([-np.sin(turn), np.cos(turn)])
-        normal = np.array([-arm[1], arm[0]])
-        matrix = MASS * np.eye(3)
-        matrix[:2, 2] = matrix[2, :2] = MASS * normal
-        matrix[2, 2] = INERTIA + MASS * ARM**2
-        forces = np.array([-SPRING * x, -2 * SPRING * z, -STIFF * turn])
-        forces[:2] += MASS * arm * rates[2] ** 2
-        return [*rates, *np.linalg.solve(matrix, forces)]
-
-    def exact(time):
-        states = _solve(slopes, [0.2, 0, 0, 0, 0, 3.0], time)
-        return dict(zip(("s_x", "s_y", "s_turn"), states, strict=False))
-
-    _compare(bench, PLANE, exact, "Lagrange's equations of x, y and ψ, DOP853")
-
-
 def yoke(bench: Bench) -> None:
     """A Scotch yoke: led by a motor x = r cos wt; and spun and let go."""
     (outcome,) = bench.simulate(loads(YOKE + DRIVE).build(), duration=2.0, instants=101, step=0.005)
-    travel = ARM * np.cos(5.0 * outcome.time)
-    error = np.abs(outcome.openings["guide"] - travel).max() / ARM
+    travel = CRANK * np.cos(5.0 * outcome.time)
+    error = np.abs(outcome.openings["guide"] - travel).max() / CRANK
     bench.check_small("led: way of the yoke", error, 1e-8, "r cos wt", "r")
-    error = np.abs(outcome.openings["pin_slide"] - ARM * np.sin(5.0 * outcome.time)).max() / ARM
+    error = np.abs(outcome.openings["pin_slide"] - CRANK * np.sin(5.0 * outcome.time)).max() / CRANK
     bench.check_small("led: way in the slot", error, 1e-8, "r sin wt", "r")
 
     def slopes(_, y):
-        inertia = INERTIA + MASS * (ARM * np.sin(y[0])) ** 2
-        return [y[1], -MASS * ARM**2 * np.sin(y[0]) * np.cos(y[0]) * y[1] ** 2 / inertia]
+        inertia = CRANK_INERTIA + YOKE_MASS * (CRANK * np.sin(y[0])) ** 2
+        pull = YOKE_MASS * CRANK**2 * np.sin(y[0]) * np.cos(y[0])
+        return [y[1], -pull * y[1] ** 2 / inertia]
 
-    def exact(time):
-        turn = _solve(slopes, [0.0, 5.0], time)[0]
-        travel = ARM * np.cos(turn)
-        return {"axle": turn, "guide": travel, "pin_slide": ARM * np.sin(turn), "pin_turn": turn}
+    scene = loads(YOKE + "opening_rates: {spin: {joint: axle, rate: rate}}").build()
+    errors, source = [], "(J + m r² sin² φ) φ'² = constant, DOP853"
+    for step in STEPS:
+        (outcome,) = bench.simulate(scene, duration=2.0, instants=101, step=step)
+        options = {"t_eval": outcome.time, "rtol": 1e-11, "atol": 1e-12}
+        turn = solve_ivp(slopes, (0, 2), [0.0, 5.0], "DOP853", **options).y[0]
+        motions = {"axle": turn, "guide": CRANK * np.cos(turn), "pin_slide": CRANK * np.sin(turn)}
+        misses = [np.abs(outcome.openings[n] - x).max() / np.ptp(x) for n, x in motions.items()]
+        errors.append(max(misses))
+    bench.check_small("spun: openings at 1.25 ms", errors[-1], 1e-3, source, "their ranges")
+    bench.check_at_least("spun: order", observed_orders(errors).min(), 1.95, source)
+    bench.check_small("energy balance", _balance_error(outcome), 1e-3, "required", "energy")
 
-    text = YOKE + "opening_rates: {spin: {joint: axle, rate: rate}}"
-    _compare(bench, text, exact, "(J + m r² sin² φ) φ'² = constant, DOP853")
 
-
-def _solve(slopes, start, time) -> np.ndarray:
-    options = {"method": "DOP853", "t_eval": time, "rtol": 1e-11, "atol": 1e-12}
-    return solve_ivp(slopes, (0, time[-1]), start, **options).y
-
-
-def _compare(bench: Bench, text: str, exact: Callable, source: str) -> None:
-    """Rows of all openings against `exact`, with the order in the step, and of the balance."""
-    scene = loads(text).build()
-    outcomes = [bench.simulate(scene, duration=2.0, instants=101, step=step)[0] for step in STEPS]
-    figure = bench.figure(bench.problem.capitalize(), "time (s)", "opening (rad; m)")
-    for name, values in exact(outcomes[-1].time).items():
-        size = np.ptp(values)
-        errors = [np.abs(o.openings[name] - values).max() / size for o in outcomes]
-        bench.check_small(f"{name}: at 1 ms", errors[-1], 1e-3, source, "its range")
-        if errors[0] > 1e-9:  # else exact but for rounding, as under a constant force
-            orders = observed_orders(errors)
-            bench.check_at_least(f"{name}: order", orders.min(), 1.95, source)
-        figure.curve(outcomes[-1].time, outcomes[-1].openings[name], name)
-        figure.curve(outcomes[-1].time, values, "exact", True)
-    energies = dict(outcomes[-1].energies)
+def _balance_error(outcome: fpm.Outcome) -> float:
+    energies = dict(outcome.energies)
     balance = np.abs(energies.pop("balance")).max()
-    largest = max(np.abs(energy).max() for energy in energies.values())
-    bench.check_small("energy balance", balance / largest, 1e-3, "required", "energy")
+    return float(balance / max(np.abs(energy).max() for energy in energies.values()))
 
 
-PROBLEMS = {
-    "nut on a screw": screw,
-    "rod on a shaft": shaft,
-    "plate on a plane": plane,
-    "Scotch yoke": yoke,
-}
+PROBLEMS = {"bodies on sliding joints": bodies, "Scotch yoke": yoke}

@@ -85,7 +85,6 @@ def slides(bench: Bench) -> None:
     releases and motors that hold exactly."""
     (outcome,) = bench.simulate(scene_of_all(), duration=2.0, instants=2001, step=1e-4)
     time, opening = outcome.time, outcome.openings
-    figure = bench.figure("Slides", "time (s)", "opening (m)")
 
     def curve(name, exact, tolerance, source):
         size = np.abs(exact).max()
@@ -101,8 +100,6 @@ def slides(bench: Bench) -> None:
     exact = start * cosine + (0.3 + decay * start) / omega_d * sine
     exact = rest + np.exp(-decay * time) * exact
     curve("swing", exact, 1e-6, "m s'' = -k (s - l) - c s' + m g·a")
-    figure.curve(time, opening["swing"], "spring and damper")
-    figure.curve(time, exact, "exact", True)
     omega = np.sqrt(60.0 / MASS_RATIO)
     exact = 0.1 * (1 - np.cos(omega * time)) + 0.5 / omega * np.sin(omega * time)
     curve("pair", exact, 1e-5, "ω² = k (1/m + 1/M)")
@@ -125,7 +122,6 @@ def slides(bench: Bench) -> None:
     contact = (time >= 0.3) & (time < free)
     exact[contact] += np.sin(omega * (time[contact] - 0.3)) / omega
     curve("stopped", exact, 1e-6, "m s'' = -k (s - s_c) beyond s_c")
-    figure.curve(time, opening["stopped"], "stop")
     stand = opening["rubbed"][-1]
     bench.check("rubbed: comes to rest at (m)", stand, 2.0 / (2 * 3.0), 1e-4, "m v²/(2 F)")
     drift = np.ptp(opening["rubbed"][time > 1.5])

@@ -158,9 +158,6 @@ def squeezer(bench: Bench) -> None:
     bench.check_at_least("order of the angles", observed_orders(errors).min(), 1.9, source)
     worst = np.abs(fine.energies["balance"]).max() / np.ptp(fine.energies["kinetic"])
     bench.check_small("energy balance", worst, 1e-4, "torque and spring", "energy")
-    figure = bench.figure("Andrews' squeezer", "time (ms)", "angle (rad)")
-    for name in ("gamma", "Phi", "delta", "epsilon"):
-        figure.curve(1e3 * times, START[name] + fine.openings[HINGES[name]], name)
 
 
 PROBLEMS = {"Andrews' squeezer": squeezer}

@@ -49,7 +49,6 @@ def roll_up(bench: Bench) -> None:
     length, material = 1.0, fpm.Material(1e9, 0.3, 1000.0)
     section = fpm.Section.square(0.02)
     meshes, errors, gaps = (20, 40) if bench.quick else (20, 40, 80), [], []
-    figure = bench.figure("Roll-up by an end moment", "x (m)", "y (m)", equal=True)
     for elements in meshes:
         scene = cantilever(elements, section, material, length)
         moment = 2 * np.pi * material.E * section.Iz / length
@@ -60,21 +59,12 @@ def roll_up(bench: Bench) -> None:
         circle = length / (2 * np.pi) * np.column_stack([np.sin(turn), 1 - np.cos(turn)])
         errors.append(np.linalg.norm(nodes - circle, axis=1).max() / length)
         gaps.append(np.linalg.norm(nodes[-1]) / length)
-        if elements != 40:
-            figure.curve(*nodes.T, f"{elements} elements")
-    turn = np.linspace(0, 2 * np.pi, 200)
-    figure.curve(np.sin(turn) / (2 * np.pi), (1 - np.cos(turn)) / (2 * np.pi), "circle", True)
     source = "pure bending: closed circle of circumference L"
     bench.check_small("gap of the closed circle, 40 elements", gaps[1], 0.01, source, "L")
     bench.check_small("worst node off the circle, 40 elements", errors[1], 0.01, source, "L")
     for coarse, fine, order in zip(meshes, meshes[1:], observed_orders(errors), strict=False):
         name, source = f"error ratio from {coarse} to {fine} elements", "order 2 makes 4"
         bench.check_at_least(name, 2.0**order, 3.0, f"at least 3, as required; {source}")
-    convergence = bench.figure(
-        "Roll-up: worst node", "elements", "distance to the circle / L", logarithmic=True
-    )
-    convergence.curve(meshes, errors, "computed")
-    convergence.curve(meshes, errors[0] * (meshes[0] / np.array(meshes)) ** 2, "order 2", True)
 
 
 STRIP = """
@@ -167,12 +157,6 @@ def bend(bench: Bench) -> None:
     for case in errors:
         order = observed_orders(case)[-1]
         bench.check_at_least("order of convergence", order, 1.8, "order 2 of straight elements")
-    figure = bench.figure(
-        "45° bend", "elements", "tip off the rod's / displacement", logarithmic=True
-    )
-    figure.curve(meshes, errors[0], "GJ = EI, computed")
-    figure.curve(meshes, errors[1], "GJ of a square, computed")
-    figure.curve(meshes, errors[0][0] * (meshes[0] / np.array(meshes)) ** 2, "order 2", True)
 
 
 PRINCETON = np.array(
@@ -222,10 +206,6 @@ def princeton(bench: Bench) -> None:
     errors = np.linalg.norm(tips - rods, axis=1)
     errors /= np.linalg.norm(rods - [length * 1e3, 0, 0], axis=1)
     bench.check_small("worst tip off the rod's", errors.max(), 5e-3, ROD, "tip displacement")
-    figure = bench.figure("Princeton beam", "roll of the load (°)", "tip displacement (mm)")
-    for column, axis in ((1, "stiff"), (2, "soft")):
-        figure.curve(cases[:, 0], tips[:, column], f"{axis} axis, computed")
-        figure.curve(PRINCETON[:, 0], PRINCETON[:, column], f"{axis} axis, ANSYS", True)
 
 
 PROBLEMS = {

@@ -73,9 +73,6 @@ def eigenvalues(bench: Bench) -> None:
         "axial": "(n − 1/2) π √(E/ρ) / L",
         "torsion": "(n − 1/2) π √(GJ / ρ Ip) / L",
     }
-    figure = bench.figure(
-        "Frequencies of the linearised scene", "elements", "relative error", logarithmic=True
-    )
     for support, source in sources.items():
         with bench.time_solver():
             frequencies = np.array([modes(bar(n, support, THIN), support) for n in meshes])
@@ -90,16 +87,11 @@ def eigenvalues(bench: Bench) -> None:
         orders = observed_orders(errors[:, 0])
         bench.check_at_least(f"{support}, order of mode 1, 5 to 20 elements", orders[:2].min(), 1.9,
                              "order 2 (or better) of lumped masses")  # fmt: skip
-        figure.curve(meshes, errors[:, 0], f"{support}, mode 1")
-    figure.curve(meshes, 0.1 / np.array(meshes) ** 2.0, "order 2", True)
 
 
 def check_frequencies_of_runs(bench: Bench) -> None:
     """The same frequencies from the time signal of bars set off in their first mode."""
     elements = 10
-    figure = bench.figure(
-        "Strain energy of bars in mode 1", "time / period", "share of the largest"
-    )
     for support in (*ROOTS, "axial", "torsion"):
         scene = bar(elements, support)
         linear = modes(scene, support)[0]
@@ -122,14 +114,12 @@ def check_frequencies_of_runs(bench: Bench) -> None:
                     "closed form, as above")  # fmt: skip
         bench.check(f"{support}, run against eigenvalue (rad/s)", frequency, linear, 1e-4,
                     "eigenvalue of the linearised scene")  # fmt: skip
-        figure.curve(outcome.time / (2 * np.pi / linear), strain, support)
 
 
 def check_modal_damping(bench: Bench) -> None:
     """Modes of thick bars that are damped in proportion to stiffness, each as an oscillator with
     the share z = beta w/2 of critical damping: exp(-z w t) sin(w' t)/w', w' = w sqrt(1 - z²)."""
     share, source = 0.05, "Rayleigh: z = beta w/2 for every mode"
-    figure = bench.figure("Bars damped by 5 % in a mode", "w t", "way, scaled")
     for support, mode in (("cantilever", 0), ("cantilever", 1), ("axial", 0)):
         scene = bar(5, support, THICK)
         linear = modes(scene, support)[mode]
@@ -150,7 +140,6 @@ def check_modal_damping(bench: Bench) -> None:
             errors.append(np.abs(displacement - exact).max() / exact.max())
         name = f"{support}, mode {mode + 1}"
         bench.check_small(f"{name}, largest error of the way", errors[-1], 3e-4, source, "the way")
-        figure.curve(linear * outcome.time, linear * displacement, name)
     order = observed_orders(np.array(errors)).min()
     bench.check_at_least("axial, order in the step", order, 1.95, source)
 
@@ -161,7 +150,6 @@ def check_sudden_pull(bench: Bench) -> None:
     """
     elements, force = 40, 1.0
     duration = LENGTH / np.sqrt(MATERIAL.E / MATERIAL.rho)
-    figure = bench.figure("Largest stress in a bar pulled at once", "time / way", "over F/A")
     for share in (0.0, 0.2):
         scene = bar(elements, "axial")
         end = int(scene.beams[0].nodes[-1, 1])
@@ -171,7 +159,6 @@ def check_sudden_pull(bench: Bench) -> None:
         record = [("stress", "all")]
         (outcome,) = bench.simulate(scene, duration=4 * duration, instants=801, record=record)
         stress = outcome.columns[record[0]] / (force / SECTION.A)
-        figure.curve(outcome.time / duration, stress, f"viscosity {share:g}")
     bench.check("largest stress (F/A)", stress.max(), 2.0, 0.02, "d'Alembert")
     is_middle = (outcome.time > 0.5 * duration) & (outcome.time < 0.9 * duration)
     bench.check("stress of the first wave (F/A)", stress[is_middle].max(), 1.0, 0.05, "d'Alembert")

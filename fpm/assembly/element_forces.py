@@ -13,7 +13,6 @@ from fpm.elements import Hinge, energies_of
 from fpm.elements.batch import Batch
 from fpm.kernels import layout
 from fpm.kernels.world import StepTime
-from fpm.scenes.curve import Curve
 
 LONG_STEP = 1e300
 """Time step (s) of a quasi-static motion, so long that forces by rates vanish."""
@@ -42,7 +41,7 @@ class ElementForces:
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         # As at the start: kernels take means of curves over a step.
-        part_scene.curves = [Curve.table(np.zeros(1), c.value(np.zeros(1))) for c in scene.curves]
+        part_scene.curves = [curve.constant_at(0.0) for curve in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
         rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
         batch = Batch([part_scene], kinds, *rest)

@@ -27,7 +27,6 @@ import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba import types
-from numba.core.codegen import CodeLibrary, initialize_llvm
 
 from fpm.errors import SceneError
 from fpm.kernels import run as loop
@@ -52,9 +51,8 @@ def source_digest() -> str:
 def processor() -> str:
     """Return a digest (8 hex digits) of what numba compiles for: the processor's name and features,
     in which machines that share a file system may differ."""
-    from numba.core.registry import cpu_target
-
-    target = repr(cpu_target.target_context.codegen().magic_tuple())
+    features = llvm.get_host_cpu_features().flatten()
+    target = repr([llvm.get_process_triple(), llvm.get_host_cpu_name(), features])
     return hashlib.sha256(target.encode()).hexdigest()[:8]
 
 
@@ -335,9 +333,7 @@ def _constants_of(kernel: Any) -> list | None:
     return constants
 
 
-def _compile(
-    function: Callable, kinds: Sequence[types.Type]
-) -> tuple[CodeLibrary, tuple[str, bytes]]:
+def _compile(function: Callable, kinds: Sequence[types.Type]) -> tuple[Any, tuple[str, bytes]]:
     """A function compiled for arguments of some types: its library, and the name of the function in
     machine code and that code."""
     dispatcher = numba.njit(**{**INLINE, "pipeline_class": EntryCompiler})(function)
@@ -353,7 +349,7 @@ def _make_ready(
     returns code, and whether other processes may load it, as it has no addresses of this one;
     is_kept: False: the file is neither read nor written. The first process compiles, and others
     wait for its lock; so do threads."""
-    with THREADS, _one_at_a_time(path):
+    with THREADS, _one_at_a_time(path) if is_kept else ExitStack():
         code = _read(path) if is_kept else {}
         if not code:
             with _collect_seldom():
@@ -403,7 +399,8 @@ def _write(path: Path, code: Code) -> None:
 
 def _load(symbol: str, code: bytes) -> int:
     """The address of a function in machine code, which stays in memory."""
-    initialize_llvm()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
@@ -416,7 +413,7 @@ def _load(symbol: str, code: bytes) -> int:
 def _collect_seldom() -> Iterator[None]:
     """With fewer searches for circles, which take a tenth of a compiler's time."""
     threshold = gc.get_threshold()
-    gc.set_threshold(20_000)
+    gc.set_threshold(500_000)
     try:
         yield
     finally:

@@ -2,44 +2,19 @@
 
 numba makes machine code of every function that it compiles, and optimises each together with all
 that it calls. Kernels become part of what the loop calls at a hook, or of the loop: these are
-optimised whole, and alone get machine code. What kernels do not need is left out: numba's passes
-for other languages than theirs, its search for circles and counts of references, its engine. These
-are insides of numba; it was tried with 0.62 and 0.68."""
+optimised whole, and alone get machine code. That takes insides of numba, tried with 0.62 and 0.68.
+Without the library, compiler and dispatcher below, compiling takes 1.6 times as long for the solar
+array and 1.7 times for the telescope; with operators typed by `numba.extending`, 1.4 times for the
+boom."""
 
-import os
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
-from numba.core import typed_passes, types, untyped_passes
+from numba import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
-from numba.core.typing.context import BaseContext
 from numba.core.typing.templates import AbstractTemplate, ConcreteTemplate, Signature, infer_global
 from numba.extending import lower_builtin
-
-_PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"
-
-PASSES = PassManager("kernel")
-"""What numba does with a kernel, in this order."""
-
-for _pass in (
-    untyped_passes.TranslateByteCode,
-    untyped_passes.FixupArgs,
-    untyped_passes.IRProcessing,
-    untyped_passes.RewriteSemanticConstants,
-    untyped_passes.DeadBranchPrune,
-    untyped_passes.GenericRewrites,
-    untyped_passes.ReconstructSSA,
-    untyped_passes.DeadBranchPrune,
-    typed_passes.NopythonTypeInference,
-    typed_passes.PreLowerStripPhis,
-    typed_passes.NativeLowering,
-    typed_passes.NoPythonBackend,
-):
-    PASSES.add_pass(_pass, _pass.__name__)
-PASSES.finalize()
 
 
 class KernelLibrary(JITCodeLibrary):
@@ -100,15 +75,8 @@ class KernelCompiler(Compiler):
 
     library = KernelLibrary
 
-    def __init__(self, typing: BaseContext, target, library, *rest):
+    def __init__(self, typing, target, library, *rest):
         super().__init__(typing, target, self.library(target.codegen(), "kernel"), *rest)
-
-    def define_pipelines(self) -> list[PassManager]:
-        """Return PASSES, as a list; for kernels outside of this package, which may use whatever
-        numba has, all of its own."""
-        path = self.state.func_id.filename
-        is_ours = path.startswith(_PACKAGE) or path == "<string>"  # entries: hooks.entry_of
-        return [PASSES] if is_ours else super().define_pipelines()
 
 
 class EntryCompiler(KernelCompiler):

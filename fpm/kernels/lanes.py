@@ -18,8 +18,6 @@ import operator
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
-from numba.core.typing.templates import signature
 from numba.extending import lower_builtin, models, register_model
 
 from fpm.kernels.inlining import intrinsic, type_operator
@@ -28,6 +26,7 @@ WIDTH = 8
 """Samples that share one register in double precision."""
 
 CONTRACT = ("contract",)
+WORD = ir.IntType(64)
 
 
 def width(dtype: np.dtype) -> int:
@@ -87,7 +86,7 @@ def _register_binary(op, instruction):
     for lane in ALL_LANES:
         pairs = [(lane, lane)] + [(lane, s) for s in _SCALARS] + [(s, lane) for s in _SCALARS]
         for lhs, rhs in pairs:
-            cases.append(signature(lane, lhs, rhs))
+            cases.append(lane(lhs, rhs))
 
             @lower_builtin(op, lhs, rhs)
             def lower(context, builder, sig, args, lane=lane):
@@ -96,7 +95,7 @@ def _register_binary(op, instruction):
                 return getattr(builder, instruction)(x, y, flags=CONTRACT)
 
     numbers = (types.float64, types.int64)[: 1 if op is operator.truediv else 2]
-    type_operator(op, [signature(n, n, n) for n in numbers] + cases)
+    type_operator(op, [n(n, n) for n in numbers] + cases)
 
 
 for _op, _instruction in _BINARY.items():
@@ -110,7 +109,7 @@ def _register_negative():
         def lower(context, builder, sig, args):
             return builder.fneg(args[0])
 
-    type_operator(operator.neg, [signature(lane, lane) for lane in ALL_LANES])
+    type_operator(operator.neg, [lane(lane) for lane in ALL_LANES])
 
 
 _register_negative()
@@ -140,11 +139,11 @@ def _addresses(context, builder, sig, args, count):
     fields from args[2] on."""
     field = context.cast(builder, args[2], sig.args[2], types.intp)
     if sig.args[1] == PAIR:
-        rows = cgutils.unpack_tuple(builder, args[1])
+        rows = [builder.extract_value(args[1], k) for k in range(2)]
     else:
         rows = [context.cast(builder, args[1], sig.args[1], types.intp)]
     first = [_pointer(context, builder, sig.args[0], args[0], row, field) for row in rows]
-    rest = [[builder.gep(a, [cgutils.intp_t(k)]) for a in first] for k in range(1, count)]
+    rest = [[builder.gep(a, [WORD(k)]) for a in first] for k in range(1, count)]
     return [first, *rest]
 
 
@@ -211,8 +210,9 @@ def _unary(name):
         def codegen(context, builder, sig, args):
             vector = context.get_value_type(sig.args[0])
             suffix = f"v{sig.args[0].count}f{sig.args[0].scalar.bitwidth}"
-            names = ir.FunctionType(vector, [vector]), f"llvm.{name}.{suffix}"
-            function = cgutils.get_or_insert_function(builder.module, *names)
+            full_name, kind = f"llvm.{name}.{suffix}", ir.FunctionType(vector, [vector])
+            function = builder.module.globals.get(full_name)
+            function = function or ir.Function(builder.module, kind, full_name)
             return builder.call(function, [args[0]])
 
         return x(x), codegen

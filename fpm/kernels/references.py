@@ -6,12 +6,13 @@ reference they are two."""
 
 from collections.abc import Callable
 
+from llvmlite import ir
 from numba import types
-from numba.core.cgutils import alloca_once, for_range_slice, gep_inbounds, intp_t, raw_memcpy
-from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import lower_getattr_generic, models, register_model
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
 
 from fpm.kernels.inlining import intrinsic
+from fpm.kernels.lanes import WORD
 
 
 class Reference(types.Type):
@@ -47,7 +48,8 @@ class _Fields(AttributeTemplate):
 
 @lower_getattr_generic(Reference)
 def _field(context, builder, reference, value, name):
-    pointer = gep_inbounds(builder, value, 0, reference.tuple_type.fields.index(name))
+    place = [ir.IntType(32)(0), ir.IntType(32)(reference.tuple_type.fields.index(name))]
+    pointer = builder.gep(value, place, inbounds=True)
     return pointer if isinstance(reference.field(name), Reference) else builder.load(pointer)
 
 
@@ -57,12 +59,21 @@ def local_copy(typingctx, reference):
     compiler then knows that no array overlaps with it. typingctx: numba's."""
 
     def codegen(context, builder, sig, args):
-        size = intp_t(context.get_abi_sizeof(args[0].type.pointee))
-        copy = alloca_once(builder, args[0].type.pointee)
-        raw_memcpy(builder, copy, args[0], size, 1)
+        copy = _room(builder, args[0].type.pointee)
+        size = WORD(context.get_abi_sizeof(args[0].type.pointee))
+        address = ir.IntType(8).as_pointer()
+        memcpy = builder.module.declare_intrinsic("llvm.memcpy", [address, address, WORD])
+        places = [builder.bitcast(pointer, address) for pointer in (copy, args[0])]
+        builder.call(memcpy, [*places, size, ir.IntType(1)(0)])
         return copy
 
     return reference(reference), codegen
+
+
+def _room(builder, kind):
+    """Room for a value in the memory of the function, once, also within a loop."""
+    with builder.goto_entry_block():
+        return builder.alloca(kind)
 
 
 def calls_of(number: int) -> Callable:
@@ -81,16 +92,26 @@ def calls_of(number: int) -> Callable:
         arg_types = [types.voidptr, *sig.args[1:], types.intp]
         signature = context.call_conv.get_function_type(types.none, arg_types)
         packer = context.get_arg_packer(arg_types)
-        result = alloca_once(builder, signature.args[0].pointee)
+        result = _room(builder, signature.args[0].pointee)
         no_error = signature.args[1](None)  # kernels raise none
-        start, end = item("starts", intp_t(number)), item("starts", intp_t(number + 1))
-        with for_range_slice(builder, start, end, intp_t(1)) as (index, count):
-            row = builder.mul(index, intp_t(2))
-            code = builder.inttoptr(item("addresses", row), signature.as_pointer())
-            data = item("addresses", builder.add(row, intp_t(1)))
-            part = builder.inttoptr(data, context.get_value_type(types.voidptr))
-            arguments = packer.as_arguments(builder, [part, *values, count])
-            builder.call(code, [result, no_error, *arguments])
+        start, end = item("starts", WORD(number)), item("starts", WORD(number + 1))
+        origin = builder.block
+        test, body, end_block = (builder.append_basic_block(f"calls.{k}") for k in range(3))
+        builder.branch(test)
+        builder.position_at_end(test)
+        index = builder.phi(WORD)
+        index.add_incoming(start, origin)
+        builder.cbranch(builder.icmp_signed("<", index, end), body, end_block)
+        builder.position_at_end(body)
+        row = builder.mul(index, WORD(2))
+        code = builder.inttoptr(item("addresses", row), signature.as_pointer())
+        data = item("addresses", builder.add(row, WORD(1)))
+        part = builder.inttoptr(data, context.get_value_type(types.voidptr))
+        arguments = packer.as_arguments(builder, [part, *values, builder.sub(index, start)])
+        builder.call(code, [result, no_error, *arguments])
+        index.add_incoming(builder.add(index, WORD(1)), builder.block)
+        builder.branch(test)
+        builder.position_at_end(end_block)
         return context.get_dummy_value()
 
     return codegen

@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 from llvmlite import ir
 from numba import config, types
-from numba.core.typing.templates import signature
 from numba.extending import lower_builtin, make_attribute_wrapper, models, register_model
 
 from fpm.kernels.inlining import InlinedKernel, KernelCompiler, intrinsic, type_operator
@@ -84,7 +83,7 @@ def _register_sum(op):
             pairs = zip(*(_components(builder, arg) for arg in args), strict=True)
             return _pack(context, builder, vector, [function(builder, pair) for pair in pairs])
 
-    type_operator(op, [signature(vector, vector, vector) for vector in VECTORS])
+    type_operator(op, [vector(vector, vector) for vector in VECTORS])
 
 
 def _register_product():
@@ -92,7 +91,7 @@ def _register_product():
     cases = []
     for vector in VECTORS:
         for factor in (vector.lane, *_FACTORS):
-            cases.append(signature(vector, factor, vector))
+            cases.append(vector(factor, vector))
 
             @lower_builtin(operator.mul, factor, vector)
             def lower(context, builder, sig, args, vector=vector, factor=factor):

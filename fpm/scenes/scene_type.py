@@ -76,7 +76,9 @@ class SceneType:
     files: paths of files that a structure's text names, whose content counts in its digest, too.
     prepare: takes values of all parameters by name, of several samples, and returns a function that
     builds the scene of one of them, or returns None where `function` is to build it; None: there is
-    none."""
+    none.
+    find_turns: takes values of all parameters by name, the name of one, and two values of it, and
+    returns those between at which an expression of a text file turns back or bends."""
 
     name: str
     description: str
@@ -90,6 +92,7 @@ class SceneType:
     digest: str = ""
     files: tuple[Path, ...] = ()
     prepare: Callable[[Sequence[Mapping]], Callable[[Mapping], Scene | None]] | None = None
+    find_turns: Callable[..., list[float]] = lambda *_: []
 
     @cached_property
     def sample(self) -> Scene:

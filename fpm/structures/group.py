@@ -38,11 +38,7 @@ class SampleGroup:
     def __init__(
         self, model: FileStatements, values: Mapping[str, float], parameters: Collection[str]
     ):
-        names, numbers = model.names, {*parameters}
-        for name in names.order:
-            bound = names.numbers[name].bound
-            if bound and not numbers.isdisjoint(bound.full.values()):
-                numbers.add(name)
+        names, numbers = model.names, model.names.dependents(parameters)
         self._model, self._numbers = model, [name for name in names.order if name in numbers]
         self._first = build_sample(model, values, problems := Problems(""))
         self._is_sound = not problems

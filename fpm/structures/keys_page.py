@@ -12,25 +12,27 @@ HEAD = "| key | what it is | allowed | default |\n|---|---|---|---|\n"
 
 def keys_page() -> str:
     """Return all keys of structure files as Markdown, a heading and a table for each statement."""
-    return "\n".join(_section(one) for one in (*STATEMENTS, overall))
+    return "\n".join(map(_section, (*STATEMENTS, overall)))
 
 
-def _section(one: Statement) -> str:
-    what = f"`{one.group}`" if one.group else "at the top of the file"
-    title = f"{what}, `type: {one.type}`" if one.type else what
-    both = any(opening.slides is None for opening in one.openings.values())
-    slides = one.for_slides(["joint", "watch"] if both else [])
+def _section(statement: Statement) -> str:
+    group = f"`{statement.group}`" if statement.group else "at the top of the file"
+    title = f"{group}, `type: {statement.type}`" if statement.type else group
+    is_either = any(opening.slides is None for opening in statement.openings.values())
+    slide_keys = statement.for_slides(["joint", "watch"] if is_either else [])
     rows = [
-        f"| `{name}`{_if(other, name, '`')} | {key.text} | {key.allowed}"
-        f"{_if(slid.allowed, key.allowed)} | {_default(key.default)} |\n"
-        for (name, key), (other, (_, slid)) in zip(one.keys.items(), slides.items(), strict=True)
+        f"| `{name}`{_on_slide(slide_name, name, '`')} | {key.text} | {key.allowed}"
+        f"{_on_slide(slide_key.allowed, key.allowed)} | {_default(key.default)} |\n"
+        for (name, key), (slide_name, (_, slide_key)) in zip(
+            statement.keys.items(), slide_keys.items(), strict=True
+        )
     ]
-    return f"## {title}\n\n{one.text}\n\n{HEAD}{''.join(rows)}"
+    return f"## {title}\n\n{statement.text}\n\n{HEAD}{''.join(rows)}"
 
 
-def _if(other: str, own: str, quote: str = "") -> str:
-    """What is other on a slide."""
-    return "" if other == own else f" (on a slide {quote}{other}{quote})"
+def _on_slide(text: str, usual: str, quote: str = "") -> str:
+    """What differs on a slide."""
+    return "" if text == usual else f" (on a slide {quote}{text}{quote})"
 
 
 def _default(value: Any) -> str:

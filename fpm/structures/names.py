@@ -86,9 +86,11 @@ class Bound:
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
         """Return the dimension of the expression. numbers: each NamedNumber of the file by full
         name. SkippedError if one that it refers to has none, being wrong itself."""
-        found = {name: numbers[full].dimension for name, full in self.full.items()}
-        dimensions = {name: one for name, one in found.items() if one is not None}
-        if len(dimensions) < len(found):
+        dimensions: dict[str, Dimension] = {}
+        for name, full in self.full.items():
+            if (dimension := numbers[full].dimension) is not None:
+                dimensions[name] = dimension
+        if len(dimensions) < len(self.full):
             raise SkippedError(self.expression.text)
         return self.expression.dimension(dimensions)
 
@@ -116,8 +118,8 @@ class Names:
     as "bars", the line of each entry by full name; types: of joints by full name, "" if unknown;
     openings: (joint, number) by name of each opening of joints with several; uses: how often names
     are referred to, of numbers in full, of entries as "bars:AB"; absent: (group, name) of entries
-    left out; bad_names: given ones that nothing may have; order: full names of numbers, each after
-    those it depends on."""
+    left out; bounds: all expressions of the file; bad_names: given ones that nothing may have;
+    order: full names of numbers, each after those it depends on."""
 
     def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
         self.problems, self.files = problems, files
@@ -127,6 +129,7 @@ class Names:
         self.openings: dict[str, tuple[str, int]] = {}
         self.uses: Counter[str] = Counter()
         self.absent: set[tuple[str, str]] = set()
+        self.bounds: list[Bound] = []
         self.bad_names: set[str] = set()
         self.order: list[str] = []
         self._is_sorted = False
@@ -139,6 +142,15 @@ class Names:
         all_uses.update(uses)
         self.uses = all_uses
         return value, frozenset(uses)
+
+    def dependents(self, parameters: Iterable[str]) -> set[str]:
+        """Return full names of `parameters` and of all numbers that depend on any of them."""
+        numbers = {*parameters}
+        for name in self.order:
+            bound = self.numbers[name].bound
+            if bound and not numbers.isdisjoint(bound.full.values()):
+                numbers.add(name)
+        return numbers
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
         """Return whether something may be called `name`; else a problem is noted. It must be of
@@ -305,7 +317,8 @@ class Place:
         if len(full) < len(expression.names):
             raise SkippedError(self.key)
         self.names.uses.update(full.values())
-        return Bound(expression, full)
+        self.names.bounds.append(Bound(expression, full))
+        return self.names.bounds[-1]
 
     def number(
         self, node: Node, dimension: Dimension | None, allowed: str, angle=False, vector=False

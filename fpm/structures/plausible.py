@@ -291,11 +291,11 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
     if SIDES[latch.side] * travel < 0 and abs(travel) > max(latch.capture_range, 1e-9):
-        other = "above" if latch.side == "below" else "below"
+        start_side = "above" if latch.side == "below" else "below"
         yield (
-            f"{head} catches from {latch.side}, but its joint starts {other} it, at "
+            f"{head} catches from {latch.side}, but its joint starts {start_side} it, at "
             f"{opening_text(hinge, start)}, and can be caught on the way back only: take `side: "
-            f"{other}`"
+            f"{start_side}`"
         )
     yield from _drive(scene, latch.hinge, travel, head, duration)
 

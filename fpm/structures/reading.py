@@ -125,7 +125,6 @@ class Problems:
 
     def say(self, line: int, sentence: str) -> None:
         """Note a problem on a line (from 1; 0: none); sentence: what is wrong, first its key."""
-        sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
         text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
         self._problems.setdefault((line, text), Problem(line, sentence))
 

@@ -7,9 +7,12 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError, parse
 from fpm.arithmetic.units import NUMBER, Unit, UnitError, unit
@@ -25,13 +28,15 @@ from fpm.structures.reading import (
     OF_CAMPAIGNS,
     Node,
     Problems,
+    SkippedError,
     check_keys,
     commas,
     correct_keys,
     read,
     read_text,
 )
-from fpm.structures.sample import build_sample
+from fpm.structures.sample import build_sample, find_numbers
+from fpm.structures.turns import find_turns
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")
 NAME_RULE = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
@@ -85,6 +90,28 @@ class _File:
             return lambda sample: None
         group = SampleGroup(model, first, names)
         return lambda sample: group.build(self._values(sample))
+
+    def find_turns(self, parameters: Mapping, name: str, lower: float, upper: float) -> list[float]:
+        """Values between two of one parameter at which an expression that depends on it turns back
+        or bends, at values given of the others, each in its parameter's unit."""
+        model = self._model(self._values(parameters), Problems(self.source))
+        names, numbers = model.names, model.names.dependents([name])
+        order = [number for number in names.order if number in numbers]
+        pairs = ((b, b.full.values()) for b in names.bounds)
+        bounds = {(b.expression.text, *x): b for b, x in pairs if not numbers.isdisjoint(x)}
+        build = Builder(Problems(self.source))
+        find_numbers(build, model, self._values(parameters), names.order)
+
+        def evaluate(value: float) -> np.ndarray:
+            find_numbers(build, model, self._values({**parameters, name: value}), order)
+            values = np.full(len(bounds), np.nan)  # of vectors, the coordinates are numbers as well
+            for k, bound in enumerate(bounds.values()):
+                with suppress(SceneError, SkippedError, TypeError):
+                    values[k] = float(build.number(bound, ""))
+            return values
+
+        with np.errstate(all="ignore"):
+            return find_turns(evaluate, len(bounds), lower, upper)
 
     def _values(self, parameters: Mapping) -> dict[str, float]:
         return {name: p.si(parameters[name]) for name, p in self.parameters.items()}
@@ -157,6 +184,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
         prepare=file.prepare,
+        find_turns=file.find_turns,
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh or None,
         digest=hashlib.sha256(content).hexdigest()[:16],

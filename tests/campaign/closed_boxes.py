@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from deployable.campaign.answers import discretization, evaluations
+from deployable.campaign.answers import discretization, evaluations, quantity_bounds
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.plan.runs import RunAccount
 from deployable.intervals import Box
@@ -88,7 +88,7 @@ class ClosedBench(ModelEvaluator):
         )  # fmt: skip
         self.points = scan_points(np.ones(closed.k, dtype=bool), count)
         self.numbers, self.margins = self.evaluate(self.plan, self.points)
-        self.notify, self.account = lambda text: None, RunAccount()
+        self.notify, self.account, self.finest_step = lambda text: None, RunAccount(), 1.0
 
     @property
     def experiment(self):
@@ -110,10 +110,11 @@ class _Point(np.ndarray):
 
 
 def without_runs(monkeypatch):
-    """Levels of these plans, and no runs."""
+    """Levels of these plans, no runs, and no expressions that turn back."""
     levels = {
         "step": discretization.RefinementLevel((0.5, 1.0), (0.25, 1.0), True),
         "mesh": discretization.RefinementLevel((0.5, 0.5), (0.5, 2.0), False),
     }
-    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: levels)
+    monkeypatch.setattr(discretization, "_levels", lambda plan, parts, step: levels)
+    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda model: [])
     monkeypatch.setattr(evaluations, "runs_at", lambda plan, points: [_Point(p) for p in points])

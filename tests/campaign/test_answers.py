@@ -236,6 +236,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
     there are twice the runs; so is the search where no more may be made."""
 
     class Bench:
+        failures = ()
         points = np.zeros((1, 1))
         iterations = 0
         experiment = SimpleNamespace(quantity_list=[None])
@@ -256,6 +257,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
     monkeypatch.setattr(quantity_bounds, "_infill", lambda bench, ends, specs: points * len(ends))
     monkeypatch.setattr(quantity_bounds, "_spread", lambda *_: points)
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
     monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
     bench = Bench()
@@ -268,6 +270,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
     """Where every round asks for another one."""
 
     class Bench:
+        failures = ()
         points = np.zeros((0, 1))
         experiment = SimpleNamespace(quantity_list=[None])
 
@@ -282,6 +285,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         quantity_bounds, "_infill", lambda bench, ends, specs: [np.array([float(x)]) for x in ends]
     )
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
     monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
     bench = Bench()

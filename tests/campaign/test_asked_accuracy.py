@@ -322,7 +322,7 @@ def test_rounds_refine_what_is_too_coarse(met):
     summary = json.loads((met / "summary.json").read_text())
     rounds = summary["adaptive"]["rounds"]
     last = met.round(len(rounds) - 1)
-    for name in ("samples.nc", "bounds.nc"):
+    for name in ("samples.nc", "design_bounds.nc"):
         assert (met / name).read_bytes() == (last / name).read_bytes()
     assert list(met.path.glob("rounds/*/trajectories")) == []
     assert {"runs", "stop"} <= {row["action"] for row in rounds}

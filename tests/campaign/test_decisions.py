@@ -14,7 +14,7 @@ from opening_panel import PANEL, exact_time, panel, run
 from deployable import campaign
 from deployable.campaign.answers import choice as choice_answer
 from deployable.campaign.answers.choice import recheck
-from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
 from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
@@ -81,10 +81,11 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     share = (0.1 - border(LATEST)) / 0.005
     assert together["max_interval_scale"] == pytest.approx(share, abs=1e-4)
     fails = together["fails"]
-    half = (0.1025 - border(LATEST)) / 0.005
+    half, whole = (0.1025 - border(LATEST)) / 0.005, (0.105 - border(LATEST)) / 0.01
     assert together["halved"] == {
-        "k": {"share": pytest.approx(half, abs=1e-3), "share_uncertainty": ANY}
-    }
+        "k": {"share": pytest.approx(half, abs=1e-3), "share_uncertainty": ANY,
+              "gain": pytest.approx(half - whole, abs=1e-3), "gain_uncertainty": ANY}
+    }  # fmt: skip
     assert fails["requirement"] == "in_time"
     # A thousandth beyond the border, where the run does fail.
     assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
@@ -303,7 +304,8 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(leve
     monkeypatch.setattr(choice_answer, "read_plan", lambda path: plan)
     monkeypatch.setattr(choice_answer, "write_result", lambda path, text: found.update(text=text))
     choice_answer.answer(Folder("none"), wanted.choose, wanted.requirements, wanted.verify,
-                         wanted.jobs, lambda text: None, 1)  # fmt: skip
+                         wanted.jobs, lambda text: None, 1,
+                         FurtherRuns(wanted.experiment))  # fmt: skip
     choice = json.loads(found["text"])
     (best,), (goal,) = choice["parameters"], choice["goals"]
     assert choice["kept"] == choice["safe"] == (level > 0.315)

@@ -9,7 +9,7 @@ import pytest
 
 import fpm
 from deployable.campaign.answers.estimate import estimate
-from deployable.campaign.config.check import load_config
+from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step
 from fpm.scenes.effort import machine
@@ -36,7 +36,7 @@ next, each from its first burst to its last."""
 
 
 def loaded(name: str):
-    return load_config([CONFIG / f"{name}.yaml"])
+    return check_config(CONFIG / f"{name}.yaml")
 
 
 @pytest.mark.parametrize("name", [name for name in SHIPPED if name not in ALIKE])
@@ -86,6 +86,20 @@ def test_runs_that_answers_take_are_foretold():
     assert "further ones for quantities and the choice" in str(asked)
 
 
+def test_the_ends_of_a_time_are_in_order_and_a_choice_is_in_it(raw):
+    from deployable import campaign
+
+    del raw["design"], raw["held_out"]
+    adaptive = {"accuracy": {"tolerance": 0.05, "max_core_minutes": 0.001}}
+    short = estimate(campaign.check_config(raw | adaptive))
+    assert short.seconds <= short.longest <= short.ceiling
+    asks = {"accuracy": 0.05, "quantities": {"most": {"largest": "BD"}}}
+    usual = estimate(campaign.check_config(raw | asks))
+    asks |= {"choose": {"parameters": {"a": [0.034, 0.036]}, "minimise": ["upper(most)"]}}
+    chosen = estimate(campaign.check_config(raw | asks))
+    assert chosen.core_time > usual.core_time and chosen.seconds > usual.seconds + 3
+
+
 def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
     from deployable import campaign
 
@@ -127,3 +141,6 @@ def test_a_campaign_that_is_finished_has_nothing_to_be_done_or_what_is_left(raw,
     assert estimate(config, ["figures", "page"], 0.0).seconds < estimate(config).seconds
     next((tmp_path / "test/trajectories").glob("*.nc")).unlink()
     assert "; 4 of them are there" in _describe_work(config, tmp_path, figures=False)
+    raw["solver"]["duration"] *= 2
+    other = _describe_work(campaign.check_config(raw), tmp_path)
+    assert f"{tmp_path / 'test'} holds is of another config or version, and is replaced" in other

@@ -59,7 +59,7 @@ def test_markdown_of_hostile_texts_has_the_lines_that_it_has(rich, evil, templat
     facts = json.loads((rich[0] / "summary.json").read_text(encoding="utf-8"))
     facts["review"] = {
         "title": "standard", "head": ["first", "second"], "heads": {"clause": "clause"},
-        "rows": [{"clause": "4.7"}],
+        "rows": [{"clause": "4.7", "state": "met"}],
         "budgets": [{"title": "budget", "heads": ["part"], "rows": [["spring"]], "sum": "sum"}],
     }  # fmt: skip
     clean = summary_text(facts, template)

@@ -50,7 +50,8 @@ def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, r
     run(raw | {"campaign": "rich"}, tmp_path / "other", figures=False, notify=lambda text: None)
     place = Folder(tmp_path / "rich")
     shutil.copytree(whole.path, place.path)
-    shutil.copy(tmp_path / "other" / "rich" / "bounds.nc", place.bounds)
+    for name in ("design_bounds.nc", "bounds.nc"):
+        shutil.copy(tmp_path / "other" / "rich" / name, place / name)
     for command in ("answers", "figures", "page"):
         assert main([command, str(place.path), "--config", sections[command]]) == 1
         told = capsys.readouterr().err

@@ -12,14 +12,22 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
+from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
+from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import read_json
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.report import from_results
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, limits_of
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
-from deployable.campaign.results.run_samples import RunTable, describe_events, open_samples
+from deployable.campaign.results.run_samples import (
+    RunTable,
+    describe_events,
+    open_samples,
+    read_refinement,
+)
 from deployable.campaign.text.numbers import tie_units
 from evidence.attack import victim
+from evidence.attack.victim import silent
 from fpm.files.seals import DamagedError
 
 
@@ -80,6 +88,28 @@ def test_quantities_have_their_further_runs(rich):
         )
     before = FittedRuns.read(folder, refinements=False)
     np.testing.assert_array_equal(before.points, runs.points[: len(before.points)])
+
+
+def test_bounds_of_curves_contain_the_runs_of_all_answers(rich):
+    """Those of choices where they are in the box, at the values of the campaign."""
+    folder, _ = rich
+    plan, choice = read_plan(folder.plan), read_json(folder.choice)["fitted"]
+    box, (low, high) = plan.experiment.box, choice["intervals"]["a"]
+    values = low + (np.array(choice["points"]) + 1) / 2 * (high - low)
+    unit = box.to_unit(values[:, :1])
+    unit = [*unit[np.abs(unit[:, 0]) <= 1], *read_refinement(folder)[0].points]
+    model = ModelEvaluator.from_folder(folder, Jobs(), silent)
+    records = model.records(plan, runs_at(plan, unit))
+    planned = read_bounds(folder, of_design=True)
+    for i, (bounds, before) in enumerate(
+        zip(read_bounds(folder).responses, planned.responses, strict=True)
+    ):
+        curves = np.array([record.values[i] for record in records])
+        slack = 1e-6 * bounds.width.max()  # of values that are computed in another way
+        assert (curves >= bounds.lower - slack).all() and (curves <= bounds.upper + slack).all()
+        missed = np.maximum(before.lower - curves, curves - before.upper).max(axis=0)
+        assert (bounds.error >= missed - slack).all()
+        assert (bounds.upper >= before.upper).all() and (bounds.lower <= before.lower).all()
 
 
 def test_events_are_told_in_the_order_of_time():

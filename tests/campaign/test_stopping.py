@@ -34,7 +34,7 @@ def test_the_command_is_there_before_what_reads_the_number_of_threads():
                 if name == "numpy":
                     sys.exit(os.environ.get("OMP_NUM_THREADS", "any"))
         sys.meta_path.insert(0, Watch())
-        import deployable.__main__
+        import deployable.__main__, deployable.campaign.cli
     """
     ended = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False
@@ -46,20 +46,6 @@ def test_ctrl_c_stays_ignored_where_it_is(interrupts):
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_on_ctrl_c()
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-
-
-def test_a_process_that_leaves_has_told_and_cleared_everything():
-    code = """if True:
-        import atexit, sys
-        from deployable.campaign.interrupts import leave
-        atexit.register(print, "cleared")
-        print("told"), print("warned", file=sys.stderr)
-        leave(3)
-    """
-    ended = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False
-    )
-    assert (ended.returncode, ended.stdout, ended.stderr) == (3, "told\ncleared\n", "warned\n")
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])

@@ -23,6 +23,7 @@ from deployable.campaign.results.facts import (
     happens_only,
     mark_constant,
     why_idle,
+    worst_case,
 )
 from deployable.campaign.results.quantity_results import add_total_error
 from deployable.campaign.results.templates import sentence
@@ -162,6 +163,19 @@ def test_what_fails_only_where_it_does_not_happen_is_told_apart():
     low = {**row, "limits": [{**limit, "kind": "at_least", "level": 0.8}]}
     assert happens_only(low, [v]) == "v"
     assert happens_only(low, [{**v, "lower": 0.85}]) is None
+    # Summary and page tell the margin where it happens, and the run there.
+    places = {"argmin": {"k": 1.0}, "argmax": {"k": 2.0}}
+    places |= {"simulated_lower": 1.0, "simulated_upper": 1.5}
+    absent = {**limit, "margin": None, "units": "m s-1", "at": {"k": 0.36}, "simulated": None}
+    told = worst_case(absent, row, [v | places])
+    assert (told["margin"], told["error"], told["at"], told["simulated"]) == (
+        0.5,
+        0.1,
+        {"k": 2},
+        1.5,
+    )
+    assert sentence("margin", told) == "0.5 ± 0.1 m/s where it happens"
+    assert worst_case({**absent, "margin": -0.1}, row, [v | places])["at"] == {"k": 0.36}
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():
@@ -190,9 +204,11 @@ def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):
         return np.stack([first, second, np.full(len(x), np.nan)], axis=1), None
 
     level = discretization.RefinementLevel(None, None, True)
-    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(
+        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
+    )
     found = discretization.estimate_discretization_errors(
-        SimpleNamespace(plan=None, evaluate=told), ends, ("mesh",)
+        SimpleNamespace(plan=None, evaluate=told, finest_step=1.0), ends, ("mesh",)
     )
     np.testing.assert_allclose(found["mesh"], [[0.2, 0.6], [1.4, 0.0], [np.nan, np.nan]])
 

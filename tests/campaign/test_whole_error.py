@@ -37,8 +37,7 @@ def campaigns(tmp_path_factory):
     halved = {**raw["solver"], "step": found["usual"].attrs["time_step"] / 2}
     found["step"] = run("step", solver=halved)
     finer = {"name": "bennett", "parameters": {"elements": 4}}
-    found["mesh"] = run("mesh", scene=finer)
-    assert found["mesh"].attrs["time_step"] <= found["step"].attrs["time_step"]
+    found["mesh"] = run("mesh", scene=finer, solver=halved)
     return found | {"folder": Folder(results / "usual")}
 
 
@@ -98,8 +97,10 @@ def test_an_error_is_that_of_an_order_from_one_on(monkeypatch, finest, sizes, or
     at, side = np.zeros(1), truth + np.array([0.1, -2.0])
     ends = [SimpleNamespace(argmin=at, argmax=at, lower=x, upper=x) for x in side]
     level = discretization.RefinementLevel(sizes[1], sizes[2], finest)
-    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    model = SimpleNamespace(plan=1.0, evaluate=told)
+    monkeypatch.setattr(
+        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
+    )
+    model = SimpleNamespace(plan=1.0, evaluate=told, finest_step=1.0)
     found = discretization.estimate_discretization_errors(model, ends, ("step",))["step"]
     assert found == pytest.approx(factor * np.array([[0.1] * 2, [2.0] * 2]), rel=1e-4)
     time = np.linspace(0.0, 1.0, 5)
@@ -122,9 +123,11 @@ def test_a_quantity_that_no_run_has_has_no_error_and_takes_no_run(monkeypatch):
         return np.tile([1.1, 3.0, 1.2], (len(points), 1)), None
 
     level = discretization.RefinementLevel(0.5, 0.25, True)
-    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(
+        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
+    )
     monkeypatch.setattr(discretization, "_find_ratio", lambda *arguments: None)
-    model = SimpleNamespace(plan=1.0, evaluate=told)
+    model = SimpleNamespace(plan=1.0, evaluate=told, finest_step=1.0)
     found = discretization.estimate_discretization_errors(model, [there, absent, half], ("step",))[
         "step"
     ]
@@ -143,10 +146,13 @@ def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
 
     monkeypatch.setattr(discretization, "_curves", curves)
     level = discretization.RefinementLevel(None, None, True)
-    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(
+        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
+    )
     box = Box(["a"], [1.0], [3.0])
     plan = SimpleNamespace(runs=SimpleNamespace(normalized=known))
-    model = SimpleNamespace(experiment=SimpleNamespace(box=box, is_adaptive=False), plan=plan)
+    around = SimpleNamespace(box=box, is_adaptive=False)
+    model = SimpleNamespace(experiment=around, plan=plan, finest_step=1.0)
     at = {name: (("response", "time", "parameter"), np.full((1, 4, 1), box.from_unit([value])))
           for name, value in (("argmin", 0.93), ("argmax", -0.2))}  # fmt: skip
     ends = {name: (("response", "time"), np.full((1, 4), value))

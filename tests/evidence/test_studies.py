@@ -28,7 +28,7 @@ def test_what_the_code_does_decides_about_running_again(tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "ROOT", tmp_path)
     for place in ("fpm", "evidence/linkage", "evidence/trial", "evidence"):
         (tmp_path / place).mkdir(parents=True, exist_ok=True)
-    for name in ("rows", "results", "plots", "trial/study"):
+    for name in ("rows", "results", "trial/study"):
         (tmp_path / "evidence" / f"{name}.py").write_text("x = 1\n")
     (tmp_path / "fpm/a.py").write_text("x = 1\n")
     study = registry.Study("trial", "Trying", uses=("evidence/trial",))
@@ -41,7 +41,7 @@ def test_what_the_code_does_decides_about_running_again(tmp_path, monkeypatch):
     (tmp_path / "fpm/a.py").write_text("x = 2\n")
     after = codes()
     assert after[0] == before[0] and after[1] != before[1]
-    (tmp_path / "evidence/plots.py").write_text("x = 2\n")
+    (tmp_path / "evidence/results.py").write_text("x = 2\n")
     assert codes()[0] != after[0]
 
 

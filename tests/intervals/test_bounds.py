@@ -10,7 +10,10 @@ from datasets_for_tests import samples_of
 from deployable.intervals import (
     Box,
     IntervalError,
+    RunBounds,
+    add_errors,
     bounds_dataset,
+    include_runs,
     make_design,
 )
 from deployable.intervals import samples as samples_module
@@ -38,6 +41,37 @@ def test_bounds_agree_with_a_dense_scan_within_the_estimated_error():
     assert bounds["response_units"].values.tolist() == ["m"]
     assert bounds.attrs["design_runs"] == 6
     assert bounds.attrs["held_out_runs"] == 5
+
+
+@pytest.mark.parametrize("parts", [{}, {"step": 1e-3}])
+def test_bounds_contain_every_run_and_the_error_what_they_missed(parts):
+    """A peak between the runs of the design, on which there is a further run."""
+
+    def peak(v):
+        return wave(v) + 2 * np.exp(-(((v[0] - 1.005) / 0.002) ** 2)) * TIME
+
+    box = Box(["f"], [0.9], [1.1])
+    design = make_design("tensor_roots", box, 3)
+    samples = samples_of(peak, box, design, TIME, held_out=4)
+    before = bounds_dataset(samples, design)
+    if parts:
+        parts = {name: np.full((1, len(TIME)), value) for name, value in parts.items()}
+        before = add_errors(before, parts)
+    curve, other = peak([1.005])[None], peak([0.95])[None]
+    runs = RunBounds.from_runs(np.array([other, curve]), np.arange(2))
+    values = np.array([[0.95], [1.005]])
+    after = include_runs(before, runs, values)
+    missed = (curve - before["upper"]).clip(0)
+    assert float((missed - before["error"]).max()) > 0.1  # of 2
+    assert (after["lower"] <= curve).all() and (curve <= after["upper"]).all()
+    assert (after["argmax"].values[..., 0] == 1.005)[missed > 0].all()
+    fit = after["error_surrogate" if parts else "error"]
+    assert (fit >= missed).all()
+    assert (after["error"] == fit + sum(map(float, [p[0, 0] for p in parts.values()]))).all()
+    width = np.trapezoid(after["upper"] - after["lower"], TIME)
+    share = np.trapezoid(after["error"], TIME) / width
+    assert after["error_share_of_width"].values == pytest.approx(share)
+    xr.testing.assert_identical(include_runs(after, runs, values), after)
 
 
 def test_arguments_are_parameter_values_at_which_the_bound_is_taken():

@@ -57,8 +57,12 @@ def test_errors_of_places_are_those_of_the_nearest():
 
 def test_a_budget_adds_its_parts():
     time = np.linspace(0.0, 1.0, 5)
-    curves = {name: (("response", "time"), np.full((1, 5), value))
-              for name, value in (("lower", 0.0), ("upper", 2.0), ("error", 0.1))}  # fmt: skip
+    levels = {"lower": 0.0, "upper": 2.0, "inner_lower": 0.0, "inner_upper": 2.0, "error": 0.1}
+    curves = {
+        name: (("response", "time"), np.full((1, 5), level)) for name, level in levels.items()
+    }
+    places = (("response", "time", "parameter"), np.zeros((1, 5, 1)))
+    curves |= {"argmin": places, "argmax": places}
     numbers = ("largest_error", "largest_error_time", "error_share_of_width")
     curves |= {name: ("response", [0.0]) for name in numbers}
     bounds = xr.Dataset(curves, coords={"time": time})

@@ -14,6 +14,7 @@ from deployable.intervals.chebyshev import (
     tensor,
     total_degree,
 )
+from deployable.intervals.designs import complete_runs, scan_points
 
 
 def keys(points):
@@ -175,3 +176,20 @@ def test_a_scan_has_the_corners_unless_they_took_more_than_half_of_it(dimension)
 def test_no_design_may_have_more_than_ten_million_runs():
     with pytest.raises(IntervalError, match="max_runs"):
         make_design("sobol", 2, samples=8, max_runs=10**7 + 1)
+
+
+@pytest.mark.parametrize("method", ["tensor_roots", "smolyak"])
+def test_runs_that_failed_are_predicted_within_the_error_that_is_told(method):
+    """Of the 25 nodes two failed; the function is known there."""
+    design = make_design(method, 2, 4)
+    points = np.concatenate([design.points, scan_points(np.ones(2, bool), 12, corners=False)])
+    values = np.stack([np.exp(0.5 * points[:, 0]), points[:, 0] * np.sin(points[:, 1])], axis=1)
+    kept = np.delete(np.arange(len(points)), [3, 9])
+    found, error = complete_runs(design, points[kept], values[kept], points[[3, 9]])
+    truth = values[: design.run_count]
+    assert (np.abs(found - truth) <= error).all() and (found[[3, 9]] != truth[[3, 9]]).all()
+    assert (error < 0.2).all()
+    rest = np.delete(np.arange(design.run_count), [3, 9])
+    np.testing.assert_array_equal(found[rest], truth[rest])
+    with pytest.raises(IntervalError, match="no run at 1 of"):
+        complete_runs(design, points[kept], values[kept], points[[3]])

@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import replace
+from math import comb, factorial
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from deployable.intervals.scalars import (
     find_least_scales,
     find_max_scale,
     fit_scalar,
+    share_borders,
     share_of_box,
     shares_of_box,
     sub_box,
@@ -438,6 +440,34 @@ def test_the_share_in_which_something_happens_is_the_true_one_up_to_what_is_open
     assert open_ < 0.06
 
 
+def test_the_uncertainty_of_a_share_has_the_error_of_its_lines():
+    """A sum of eight numbers, which is fitted exactly; its distribution: Irwin (1927), Hall."""
+    k, points = 8, make_design("smolyak", 8, order=1).points
+    surrogate, rows = fit_scalar(points, points.sum(axis=1)), []
+    for level in (-2.2, 0.0, 3.0, 4.5, 5.0):
+        share, open_ = share_of_box([Limit(surrogate, "at_most", level)], np.ones(k))
+        terms = [
+            (-1) ** j * comb(k, j) * ((level + k) / 2 - j) ** k
+            for j in range(int(level + k) // 2 + 1)
+        ]
+        rows.append((abs(share - sum(terms) / factorial(k)), open_))
+    errors, opens = np.array(rows).T
+    assert (errors <= opens).all() and errors.max() > 3e-4
+    assert opens.max() < 0.01
+
+
+def test_an_expression_has_the_border_of_its_part():
+    points = scan_points(np.ones(2, bool), 40)
+    margin = 0.2 + points[:, 0] - 0.3 * points[:, 1] ** 2
+    time = np.where(margin > 0, 2 - np.sqrt(np.maximum(margin, 0.0)), np.nan)
+    other = np.where(points[:, 1] > 0, time, np.nan)
+    pairs = [(time, margin), (3 * time, np.nan * time), (other, np.nan * time)]
+    found = share_borders([fit_scalar(points, values, margin=m) for values, m in pairs])
+    shares = [share_of_box([Limit(s, "happens", 1.0)], np.ones(2)) for s in found]
+    assert shares[1] == shares[0] and shares[0] == pytest.approx((0.55, 0.0), abs=1e-3)
+    assert shares[2] != shares[0]
+
+
 def test_a_border_that_no_function_tells_is_open_as_far_as_it_is_rough():
     """Runs that differ by chance in the middle half of the line."""
     rng = np.random.default_rng(2)
@@ -502,5 +532,5 @@ def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_onc
     monkeypatch.setattr(
         type(surrogate), "predict", lambda s, x: calls.append(len(x)) or predict(s, x)
     )
-    assert shares_of_box(sets, np.ones(2)) == alone
+    np.testing.assert_allclose(shares_of_box(sets, np.ones(2)), alone, rtol=0, atol=1e-12)
     assert sum(calls) < 2048 * 65 * 1.3  # and the other kind of fits on a quarter of the lines

@@ -109,6 +109,31 @@ def test_no_quantity_has_no_bounds():
     assert estimate_bounds(surrogate, unit, np.full(len(unit), np.nan)) == ()
 
 
+def separatrix(u):
+    """A time beside a saddle: minus the logarithm of the distance from a curved border; no margins
+    tell where that is."""
+    energy = u[:, 0] + 0.3 * u[:, 1] ** 2 - 0.2
+    with np.errstate(invalid="ignore"):
+        time = 1.0 - 0.16 * np.log(np.where(energy > 0, energy, np.nan)) + 0.1 * u[:, 1]
+    return time, np.full(len(u), np.nan)
+
+
+def power(u):
+    """The same with a negative power of that distance."""
+    time, margins = separatrix(u)
+    return 1.0 + 0.1 * np.exp(2 * time), margins
+
+
+@pytest.mark.parametrize(
+    ("function", "is_endless"), [(separatrix, True), (power, True), (MUTE, False)]
+)
+def test_a_time_that_grows_with_every_bisection_has_no_upper_end(function, is_endless):
+    """The end of the runs stands for it; beside the edge of a root the bound is finite."""
+    _, values, (_, upper) = search(function, is_time=True)
+    assert np.nanmax(values) < 10.0
+    assert (upper.value == 10.0) == is_endless
+
+
 def test_a_value_has_no_bound_beyond_what_is_possible():
     """Distances are not below 0, whatever the surrogate says."""
     unit = scan_points(np.ones(2, bool), 15)

@@ -38,6 +38,11 @@ def test_dataset_per_instant_and_overall():
     assert found["width_overall"][0].values == pytest.approx([0.5, 0.5])
     assert found["total_overall"][0].values == pytest.approx([0.5, 0.5])
     assert not np.isnan(found["first"][0]).any()
+    tiny = np.where(time < 0.5, 1e-13, 1.0)  # of the value: rounding
+    samples = samples_of(lambda v: 3.0 + (v[0] + v[1]) * tiny, box, design, time)
+    found = sensitivity_dataset(samples, design)
+    for name in ("width", "first", "total"):
+        assert ((found[name][0].values == 0) == (time < 0.5)).all()
 
 
 def test_a_constant_response_has_no_shares():

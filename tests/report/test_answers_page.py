@@ -202,7 +202,8 @@ def poisoned(facts, taken=(), key=""):
 def test_texts_from_outside_are_nothing_else_in_summary_and_page(opened):
     facts = copy.deepcopy(opened.facts)
     facts["quantities"][0]["doubt"] = facts["responses"][0]["doubt"] = "state `stiffness`"
-    facts["review"] = {"title": "a", "head": ["b"], "heads": {"c": "d"}, "rows": [{"c": "e"}]}
+    facts["review"] = {"title": "a", "head": ["b"], "heads": {"c": "d"}}
+    facts["review"]["rows"] = [{"c": "e", "state": "met"}]
     facts["review"]["budgets"] = [{"title": "f", "heads": ["g"], "rows": [["h"]], "sum": "i"}]
     named = {row["name"] for key in ("parameters", "fixed", "quantities") for row in facts[key]}
     text = summary_text(poisoned(facts, named)) + summary_text(poisoned(facts), "review.md.jinja")

@@ -93,6 +93,7 @@ def test_a_folder_of_ones_own_takes_the_file_along(file, tmp_path):
     ("keys", "words"),
     [
         ("file: absent.csv, column: torque", r"file: \S*/absent\.csv: No such file"),
+        (f"file: {'far/' * 40}absent.csv, column: torque", r"file: \S*/far/absent\.csv: No such"),
         ("file: [torques.csv], column: torque", r"file: \['torques.csv'\] is not allowed; allowed"),
         ("file: /dev/zero, column: torque", "file: /dev/zero: it is no plain file"),
         ("file: torques.csv, column: force", "column: 'force' is not allowed; .* torque$"),

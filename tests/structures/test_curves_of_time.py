@@ -171,14 +171,7 @@ record: {{c: {{part: ball, at: c}}}}
 
 
 @pytest.mark.slow
-def test_a_free_body_moves_as_the_integrals_of_its_load_and_as_its_drive_says():
-    load = "loads: {push: {part: ball, at: c, force: [3 N, 0, 0], curve: f}}"
-    text = BALL.format(curve="expression: sin(pi*u), over: [0, 1 s]", rest=load)
-    (outcome,) = simulate(loads(text).build(), duration=1.5, instants=31, step=1e-3)
-    t, late = np.minimum(outcome.time, 1.0), np.maximum(outcome.time - 1.0, 0.0)
-    speed = 1.5 / np.pi * (1 - np.cos(np.pi * t))
-    exact = 1.5 / np.pi * (t - np.sin(np.pi * t) / np.pi) + late * speed
-    assert outcome.points["c"][0][:, 0] == pytest.approx(exact, abs=1e-6)
+def test_a_free_body_moves_as_its_drive_says():
     times, values = [0.1, 0.3, 0.5, 1.2], [0.0, 2.0, 1.0, -1.0]
     drive = "drives: {go: {part: ball, at: c, velocity: [1, 0, 0], curve: f}}"
     text = BALL.format(curve=f"times: {times}, values: {values}, smooth: true", rest=drive)

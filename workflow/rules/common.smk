@@ -12,12 +12,6 @@ ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
 PACKAGES = [str(ROOT)] if (ROOT / "deployable").is_dir() else []
 sys.path[:0] = PACKAGES
 
-from deployable import check_fpm_module
-
-if other := check_fpm_module():
-    print(other, file=sys.stderr)
-    sys.exit(1)
-
 os.environ.update(
     PATH=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")]),
     PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),

@@ -4,6 +4,7 @@
 The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
 import json
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import (
     Choose,
@@ -26,7 +27,9 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.results.quantity_results import QuantityResults, number
+from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text.numbers import duration_text
 from deployable.campaign.text.words import words_of
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
@@ -43,14 +46,17 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
+    further_runs: FurtherRuns,
 ) -> None:
     """Find nominal values of chosen parameters whose worst case is best, by further runs, and write
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
-    jobs: sections of the config; notify: called with each message; threads: how many simulate."""
+    jobs: sections of the config; notify: called with each message; threads: how many simulate;
+    further_runs: takes note of the runs."""
     base_plan = read_plan(folder.plan)
     experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
+    model.further_runs = further_runs
     if base_plan.experiment.is_adaptive:
         results = QuantityResults.read(folder)
         count = base_plan.adaptive.rounds[-1].runs + results.further_runs + results.check_runs
@@ -63,13 +69,18 @@ def answer(
     judge, error = model, _error(model, choose, None if best.is_allowed else specs)
     nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
     for values in (best.values, np.array([nominal[name] for name in choose.parameters])):
-        is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread(trials)
+        is_open = (not best.is_safe and abs(best.safety) < 1) or error > _LARGE * _spread(
+            [best, *trials]
+        )
         if not verify.max_iterations or not is_open or model.account.allowance < len(design):
             break
         local, candidate = _zoom(model, base, choose, specs, values)
         if judge is model or (candidate.is_safe, candidate.safety) > (best.is_safe, best.safety):
             judge, best, safest = local, candidate, None
             error = _error(judge, choose, None if best.is_allowed else specs)
+    lower, upper = _subbox(model, base, choose, best.values)
+    points = model.failed_points
+    has_failed = bool(((points >= lower - 1e-9) & (points <= upper + 1e-9)).all(axis=1).any())
     decides = find_deciding_parameters(trials, error)
     rows = []
     for i, (name, (low, high)) in enumerate(choose.parameters.items()):
@@ -81,8 +92,9 @@ def answer(
         rows.append(row)
     choice = {
         "parameters": rows,
-        "kept": best.is_allowed,
-        "safe": best.is_safe,
+        "kept": best.is_allowed and not has_failed,
+        "safe": best.is_safe and not has_failed,
+        "failures": describe_failures(model.failures, experiment.intervals),
         "goals": list(map(partial(_goal, judge), choose.goals, best.goals, best.goal_points)),
         "limits": list(map(partial(_limit, judge), specs, best.margins, best.worst)),
         "tried": [
@@ -106,6 +118,7 @@ def _search(
     model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
     """What `_best` finds once the places that decide are simulated, or after so many iterations."""
+    start = time.monotonic()
     for iteration in range(iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base, choose, specs)
         points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
@@ -114,6 +127,11 @@ def _search(
         if iteration == iterations or not points:
             break
         model.add(points)
+        seconds = (time.monotonic() - start) / (iteration + 1) * (iterations - iteration)
+        model.notify(
+            f"{base.name}: choosing, {len(model.points)} runs, round {iteration + 1} of at most "
+            f"{iterations}, at most {duration_text(max(1.0, seconds))} left"
+        )
     return best, safest, safe_ranges, trials
 
 
@@ -176,24 +194,30 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
+    surrogates = [s.trend for s in model.surrogates()]
     names = list(model.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
     limits = [Limit(surrogates[spec.quantity], spec.kind, spec.level) for spec in specs]
 
-    def subbox(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        ends = {name: (i.lower, i.upper) for name, i in model.experiment.intervals.items()}
-        for name, value in zip(choose.parameters, values, strict=True):
-            ends[name] = choose.interval(name, float(value), experiment)
-        lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
-        return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
-
+    subbox = partial(_subbox, model, experiment, choose)
     problem = ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
     best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
     ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
     return best, problem.find_safest(trials), ranges, trials
+
+
+def _subbox(
+    model: ModelEvaluator, experiment: Experiment, choose: Choose, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper normalized corner (k) of the box about chosen values."""
+    box = model.experiment.box
+    ends = {name: (i.lower, i.upper) for name, i in model.experiment.intervals.items()}
+    for name, value in zip(choose.parameters, values, strict=True):
+        ends[name] = choose.interval(name, float(value), experiment)
+    lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
+    return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
 
 def _error(model: ModelEvaluator, choose: Choose, specs: list[LimitSpec] | None) -> float:

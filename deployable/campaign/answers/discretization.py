@@ -211,6 +211,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     for name, level in _levels(model.plan, components, model.finest_step).items():
         finer_curves = _curves(model, level.finer, test_points)
         change = np.abs(finer_curves - curves)
+        change = np.where(np.isnan(change), np.nanmax(change, axis=0), change)  # of failed runs
         relative = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
         worst = int(relative.sum(axis=1).argmax())
         evaluate = partial(_curves, model, points=test_points[[worst]])
@@ -237,8 +238,11 @@ def _find_ratio(
 
 
 def _curves(model: ModelEvaluator, plan: Plan, points: np.ndarray) -> np.ndarray:
-    """Responses (P, n, T) of a plan's runs at unit points (P, k)."""
-    return np.array([record.values for record in model.records(plan, runs_at(plan, points))])
+    """Responses (P, n, T) of a plan's runs at unit points (P, k); NaN of those that fail."""
+    experiment = plan.experiment
+    blank = np.full((len(experiment.responses), experiment.solver.instants), np.nan)
+    records = model.records(plan, runs_at(plan, points))
+    return np.array([blank if record is None else record.values for record in records])
 
 
 def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str, RefinementLevel]:

@@ -48,8 +48,11 @@ QUANTITY, RANGE = 0.6, 0.3
 """Seconds to bound a quantity, and to draw it or show it on the page."""
 
 LIMIT, CHOICE = 2.2, 3.0
-"""Seconds to find what of the box keeps a limit, and where it decides; to find the best choice by
-one goal, for each goal and limit whose worst case it takes."""
+"""Seconds to find what of the box keeps a limit, and where it decides; to find the best choice of
+one parameter by one goal, once, for each goal and limit whose worst case it takes."""
+
+TRIALS = (1.0, 1.7, 3.9)
+"""Choices that are tried of one, two, and three or more parameters, over those of one."""
 
 MOTIONS = 3
 """Batches of runs that are made again for the page, on which they move."""
@@ -140,7 +143,9 @@ def estimate(
     if "rounds" in stage_times:
         rest, budget = seconds - stage_times["rounds"][0], 60 * experiment.accuracy.max_core_minutes
         ceiling = rest + budget / count_cores()
+        seconds = min(seconds, ceiling)
         longest = min(ceiling, rest + cost.sum_passes(_rounds(experiment, MANY_ROUNDS))[0])
+        longest = max(seconds, longest)
     curves = _BOUNDS_CURVES * responses
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * responses
@@ -186,8 +191,11 @@ def _stage_seconds(campaign: Campaign, cost: _BatchCost, missing: int) -> dict[s
     limits = len(list_limits(campaign.requirements, list(experiment.quantities)))
     refinement_passes = list(chain.from_iterable(_refinement_passes(campaign).values()))
     if experiment.is_adaptive:
-        refinement_passes = []
-    answer_time = QUANTITY * quantities + LIMIT * limits + CHOICE * goals * (goals + limits)
+        refinement_passes = _refinement_passes(campaign).get("the choice", [])
+    searches = min(ITERATIONS, campaign.verify.max_iterations) / 2 + 1
+    trials = TRIALS[min(len(campaign.choose.parameters), len(TRIALS)) - 1]
+    answer_time = QUANTITY * quantities + LIMIT * limits
+    answer_time += CHOICE * trials * searches * goals * (goals + limits)
     answer_time += TEST * len(campaign.measured) + SHEETS * margins * cost.sweep
     bounds = BOUNDS + _fit_seconds(campaign)
     motion = MOTIONS * cost.batch + repeat_count * (cost.sweep + cost.read_time)
@@ -210,7 +218,7 @@ def _fit_seconds(campaign: Campaign) -> float:
     experiment = campaign.experiment
     scene, curve_values = experiment.nominal_scene, len(experiment.responses)
     curve_values *= experiment.solver.instants
-    if experiment.is_adaptive or campaign.bounds.model == "spline":
+    if experiment.is_adaptive or campaign.bounds.model != "polynomial":
         runs = count_first_runs(experiment) if experiment.is_adaptive else count_runs(experiment)
         return SPLINE * curve_values * runs
     if experiment.design.order is None or experiment.box.free.sum() <= 2:
@@ -313,6 +321,8 @@ def describe_work(
         if lacks:
             notes += f", others lack {words(sorted(lacks))}"
     stages = find_stages(not campaign.experiment.is_adaptive and share > 0)
+    if folder.plan.exists() and {"plan", "rounds"} & {*stages}:
+        notes += f"; what {folder.path} holds is of another config or version, and is replaced"
     if not stages:
         return f"nothing to be done: the results are in {folder.path}"
     return f"{estimate(campaign, stages, share)}{notes}"

@@ -11,20 +11,50 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
-from deployable.campaign.plan.runs import PlannedRun, RunAccount, Runs, run_id
+from deployable.campaign.plan.runs import FailedRun, PlannedRun, RunAccount, Runs, run_id
 from deployable.campaign.results.quantity_results import FittedRuns, limits_of, number
 from deployable.campaign.results.run_samples import open_samples
-from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
+from deployable.campaign.runs.batch import (
+    Simulation,
+    check_failures,
+    check_structure,
+    notify_reruns,
+)
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
+from deployable.intervals.designs import scan_points
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
 SAME_RUN, SAME_POINT = 1e-6, 2e-4
+
+_SPOTS = 4096  # at which the share of the box next to failed runs is counted
+
+
+class FurtherRuns:
+    """Runs that answers made, beside those of the plan, within the box of an `experiment` and at
+    its values of all other parameters: `values`, of the interval parameters in each; `records`,
+    what each gave."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        self.experiment = experiment
+        self.values: list[list[float]] = []
+        self.records: list[RunRecord] = []
+
+    def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
+        """Add a run of a plan for `model`, an experiment that may have other intervals."""
+        parameters = model.parameters(dict(zip(model.intervals, run.values, strict=True)))
+        values, box = [parameters[name] for name in self.experiment.intervals], self.experiment.box
+        nearest = box.from_unit(np.clip(box.to_unit(values), -1.0, 1.0))
+        expected = self.experiment.parameters(dict(zip(box.names, values, strict=True)))
+        if expected == parameters and np.allclose(nearest, values, rtol=1e-12, atol=0.0):
+            self.values.append(values)
+            self.records.append(record)
 
 
 class ModelEvaluator:
@@ -34,14 +64,18 @@ class ModelEvaluator:
     NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
     `account`: of all runs that it makes, which are no more than that allows;
     `finest_step`: the shortest (s) of its runs, below the plan's where some had to be repeated;
+    `further_runs`: takes note of each run by its plan, None: nothing does;
     `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
     some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
-    quantity.
+    quantity. `planned_failures` and `failures`: runs of the plan, and further ones, that failed.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
     called with each message; threads: how many. It has no runs yet (but see `from_folder`)."""
 
     max_refinements: float = math.inf
+    planned_failures: Sequence[FailedRun] = ()
+    failures: Sequence[FailedRun] = ()
+    further_runs: FurtherRuns | None = None
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -76,6 +110,7 @@ class ModelEvaluator:
         model.points, model.numbers, model.margins = runs.points, runs.numbers, runs.margins
         model.rest_count, model.rest_counts = len(runs.rest), np.isfinite(runs.rest).sum(axis=0)
         model.refinements += runs_at(plan, runs.points[len(runs.points) - runs.refinement_count :])
+        model.planned_failures, model.failures = runs.failures
         return model
 
     @property
@@ -88,6 +123,22 @@ class ModelEvaluator:
         """Normalized coordinates (k), -1 to 1 in the box, of the nominal run."""
         return self.experiment.box.to_unit(self.experiment.nominal)
 
+    @property
+    def failed_points(self) -> np.ndarray:
+        """Normalized points (F, k) of all runs that failed."""
+        failures = [*self.planned_failures, *self.failures]
+        points = [failure.run.normalized for failure in failures]
+        return np.reshape(points, (-1, self.points.shape[1]))
+
+    @cached_property
+    def lost_share(self) -> float:
+        """Share of the box's volume that is nearer to a failed run than to any other."""
+        if not len(self.failed_points):
+            return 0.0
+        tree = KDTree(np.concatenate([self.points, self.failed_points]))
+        _, rows = tree.query(scan_points(self.experiment.box.free, _SPOTS, corners=False))
+        return float((rows >= len(self.points)).mean())
+
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """Return the index of the evaluator's run nearest to a normalized point (k), and its
         distance, the largest difference of a normalized coordinate."""
@@ -95,9 +146,10 @@ class ModelEvaluator:
         row = int(distances.argmin())
         return row, float(distances[row])
 
-    def find_missing(self, points: Sequence[np.ndarray] | np.ndarray) -> list[np.ndarray]:
-        """Return those of some normalized points (k) at which the evaluator has no run."""
-        return [point for point in points if self.nearest(point)[1] > SAME_POINT]
+    def find_missing(self, points: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Return those of some normalized points (k) at which the evaluator made no run."""
+        runs = np.concatenate([self.points, self.failed_points])
+        return [x for x in points if np.abs(runs - x).max(axis=1).min() > SAME_POINT]
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
         """Describe a normalized point (k) as a dict for JSON: `at`, parameter values by name, in
@@ -113,11 +165,12 @@ class ModelEvaluator:
     def add(self, points: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
         (`points`, `numbers`, `margins`, `refinements`), and return the index (P) of the run at each
-        point, or of the nearest once `max_refinements` are added, or the `account` allows no more;
-        `CampaignError` if one fails."""
+        point, or of the nearest once `max_refinements` are added, or the `account` allows no more,
+        or where the run fails, which goes to `failures`; `CampaignError` if too many did."""
         additions: list[np.ndarray] = []
         for point in points:
-            present = np.array([*self.points, *additions]).reshape(-1, self.points.shape[1])
+            present = np.array([*self.points, *self.failed_points, *additions])
+            present = present.reshape(-1, self.points.shape[1])
             is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
             if is_new and len(self.refinements) + len(additions) < self.max_refinements:
                 additions.append(np.asarray(point, dtype=float))
@@ -125,11 +178,14 @@ class ModelEvaluator:
         is_allowed = self.account.count_runs(ids)
         additions = list(itertools.compress(additions, is_allowed))
         if additions:
+            runs = runs_at(self.plan, additions)
             numbers, margins = self.evaluate(self.plan, additions)
-            self.numbers = np.concatenate([self.numbers, numbers])
-            self.margins = np.concatenate([self.margins, margins])
-            self.points = np.concatenate([self.points, additions])
-            self.refinements += runs_at(self.plan, additions)
+            lost_ids = {failure.run.id for failure in self.failures}
+            is_sound = np.array([run.id not in lost_ids for run in runs])
+            self.numbers = np.concatenate([self.numbers, numbers[is_sound]])
+            self.margins = np.concatenate([self.margins, margins[is_sound]])
+            self.points = np.concatenate([self.points, np.array(additions)[is_sound]])
+            self.refinements += itertools.compress(runs, is_sound)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
     def narrow(self, experiment: Experiment) -> "ModelEvaluator":
@@ -137,18 +193,13 @@ class ModelEvaluator:
         that lie there; its further runs go to the same store and account."""
         part = copy.copy(self)
         part.__dict__.pop("nominal", None)
-        part.plan, part.refinements, part.simulated = (
-            replace(self.plan, experiment=experiment),
-            [],
-            0,
-        )
+        part.plan = replace(self.plan, experiment=experiment)
+        part.refinements, part.simulated = [], 0
+        part.planned_failures, part.failures = [], []
         points = experiment.box.to_unit(self.experiment.box.from_unit(self.points))
         rows = (np.abs(points) <= 1 + SAME_RUN).all(axis=1)
-        part.points, part.numbers, part.margins = (
-            points[rows],
-            self.numbers[rows],
-            self.margins[rows],
-        )
+        part.points, part.numbers = points[rows], self.numbers[rows]
+        part.margins = self.margins[rows]
         return part
 
     def absorb(self, part: "ModelEvaluator") -> None:
@@ -159,6 +210,11 @@ class ModelEvaluator:
         self.numbers = np.concatenate([self.numbers, part.numbers[new:]])
         self.margins = np.concatenate([self.margins, part.margins[new:]])
         self.simulated += part.simulated
+        for failure in part.failures:
+            values = part.experiment.box.from_unit(np.asarray(failure.run.normalized))
+            normalized = tuple(self.experiment.box.to_unit(values).tolist())
+            run = replace(failure.run, normalized=normalized)
+            self.failures = [*self.failures, failure._replace(run=run)]
 
     @property
     def distinct_rows(self) -> np.ndarray:
@@ -176,20 +232,21 @@ class ModelEvaluator:
         """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
         with mesh and step of `plan`, which may be finer than the evaluator's own. They are
         simulated unless stored, and do not become the evaluator's own runs. NaN of runs that its
-        `account` does not allow."""
+        `account` does not allow, and of those that fail."""
         runs = runs_at(plan, points)
         rows = np.flatnonzero(self.account.count_runs([run.id for run in runs]))
         numbers, margins = np.full((2, len(runs), len(self.experiment.quantities)), np.nan)
         if len(rows):
             records = self.records(plan, [runs[row] for row in rows])
-            numbers[rows] = [record.numbers for record in records]
-            margins[rows] = [record.margins for record in records]
+            for row, record in zip(rows, records, strict=True):
+                if record is not None:
+                    numbers[row], margins[row] = record.numbers, record.margins
         return numbers, margins
 
-    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
+    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord | None]:
         """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in their
-        order, simulated unless stored and counted by the `account`, whatever it allows. Raises
-        `CampaignError` if a run fails."""
+        order, simulated unless stored and counted by the `account`, whatever it allows; None of one
+        that fails. Raises `CampaignError` if too many fail of all that the evaluator has."""
         self.account.count_runs([run.id for run in runs])
         store = open_store(self.keep, self.store, plan.experiment)
         records: dict = {}
@@ -202,12 +259,22 @@ class ModelEvaluator:
                 scene = plan.experiment.build(plan.name_values(missing[0]))
                 warm_up(scene, self.notify, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.previous_columns(missing)))
+            store.note_failures(simulation.failures)
             records |= store.read(group)
         if plan is self.plan:
             self.finest_step = min([self.finest_step, *(r.step for r in records.values())])
         self.simulated += simulation.count
-        simulation.check()
-        return [records[run.id] for run in runs]
+        failures = store.list_failures(Runs.from_runs(runs))
+        if plan is self.plan:
+            known_ids = {f.run.id for f in (*self.planned_failures, *self.failures)}
+            self.failures = [*self.failures, *(f for f in failures if f.run.id not in known_ids)]
+            total = len(self.points) + self.rest_count + len(self.failed_points) + len(records)
+            check_failures(plan, [*self.planned_failures, *self.failures], total)
+        if self.further_runs and plan is self.plan:
+            for run in runs:
+                if run.id in records:
+                    self.further_runs.add(plan.experiment, run, records[run.id])
+        return [records.get(run.id) for run in runs]
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> list[PlannedRun]:

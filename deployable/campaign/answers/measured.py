@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.answers.discretization import halved
-from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
+from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator, runs_at
 from deployable.campaign.answers.limits import describe_limit, list_limits
 from deployable.campaign.config.measured import MeasuredCurves, read_test
 from deployable.campaign.config.sections import Accuracy, Interval, Jobs, ResolvedTest, Verify
@@ -46,12 +46,15 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
+    further_runs: FurtherRuns,
 ) -> None:
     """Find what of a campaign's box explains its measured curves, with the runs that this takes,
     and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
     requirements, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate. Raises `CampaignError`, also if a file of measured curves has changed."""
+    how many simulate; further_runs: takes note of the runs. Raises `CampaignError`, also if a file
+    of measured curves has changed."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
+    model.further_runs = further_runs
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
     sources = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
@@ -115,6 +118,7 @@ class _Test:
             model.plan, experiment=experiment, time=choose_step(experiment), adaptive=None
         )
         self.model = ModelEvaluator(self.plan, model.jobs, folder, model.notify, threads)
+        self.model.further_runs = model.further_runs
         self.responses = list(settings.columns.values())
         self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
         self.rows = [list(base.responses).index(response) for response in self.responses]
@@ -135,15 +139,17 @@ class _Test:
             self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
 
     def evaluate(self, points: np.ndarray, plan: Plan | None = None) -> np.ndarray:
-        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses."""
+        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses; NaN of those
+        that fail."""
         plan = plan or self.plan
         records = self.model.records(plan, runs_at(plan, points))
         self.runs += len(points)
-        curves = np.array([record.values[self.rows] for record in records])
+        blank = np.full((len(self.rows), len(self.instants)), np.nan)
+        curves = np.array([blank if r is None else r.values[self.rows] for r in records])
         least, largest = self.envelope
         self.envelope = (
-            np.minimum(least, curves.min(axis=0)),
-            np.maximum(largest, curves.max(axis=0)),
+            np.fmin(least, np.fmin.reduce(curves)),
+            np.fmax(largest, np.fmax.reduce(curves)),
         )
         return curves
 
@@ -296,6 +302,8 @@ def _describe_left(
     order = [*samples.argmin(axis=0), *samples.argmax(axis=0), *range(len(samples))]
     unit = samples[[*dict.fromkeys(order)][:_MOST_LEFT]]
     records = model.records(model.plan, runs_at(model.plan, unit))
+    is_sound = [record is not None for record in records]
+    unit, records = unit[is_sound], [*itertools.compress(records, is_sound)]
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
     if not model.experiment.quantities:
         return rows
@@ -346,8 +354,8 @@ def _next_tests(
     model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test], folder: Folder
 ) -> list[dict]:
     """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
-    bounds = read_bounds(folder)
-    bands: dict = {}
+    bounds = read_bounds(folder, of_design=True)
+    bands = {}
     for test in tests:
         for response, band in zip(test.responses, test.curves.bands, strict=True):
             bands[response] = min(band.min(), bands.get(response, np.inf))

@@ -11,7 +11,7 @@ from deployable.campaign.answers.discretization import (
     estimate_discretization_errors,
     estimate_fraction_errors,
 )
-from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.campaign.config.sections import Jobs, Verify
@@ -20,6 +20,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns
+from deployable.campaign.plan.runs import failure_columns
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
@@ -35,14 +36,16 @@ def answer(
     jobs: Jobs,
     notify: Notify,
     threads: int,
+    further_runs: FurtherRuns,
 ) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
     need them, and write `quantities.nc` and `refinement.nc` into `folder`, that of a campaign's
     results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
-    with each message; threads: how many simulate."""
+    with each message; threads: how many simulate; further_runs: takes note of the runs."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    check_ids = read_bounds(folder).attributes.get("check_ids", "")  # are counted already
-    model.account.ids |= set(str(check_ids).split())
+    model.further_runs = further_runs
+    attributes = read_bounds(folder, of_design=True).attributes
+    model.account.ids |= set(str(attributes.get("check_ids", "")).split())  # are counted already
     tolerances: list[float] = []
     if model.experiment.is_adaptive:
         model.account.limit = allow_check_runs(model.plan)
@@ -163,4 +166,5 @@ def _refinement_columns(model: ModelEvaluator) -> dict[str, Any]:
         "value": np.array([run.values for run in runs]).reshape(-1, k),
         "quantities": numbers,
         "margin": margins,
+        **failure_columns(model.failures),
     }

@@ -24,6 +24,7 @@ _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
 _MOST_SPREAD = 4  # times as many where a quantity has no value
 _CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
+_MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -90,6 +91,8 @@ def converge_bounds(
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
+    if max_iterations > 0:
+        model.add(_turning_points(model))
     climbs, progress = _Climbs(model), _Progress(tolerances)
     is_searched = max_iterations > 0 and bool(climbs.climbs)
     for iteration in itertools.count():
@@ -108,6 +111,23 @@ def converge_bounds(
             return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
     raise AssertionError  # iterations end above
+
+
+def _turning_points(model: ModelEvaluator) -> list[np.ndarray]:
+    """Unit points (k) at which an expression of the structure's file turns back or bends as one
+    parameter varies: others nominal, then as in the runs at which a quantity is least, largest."""
+    experiment, points, numbers = model.experiment, [], model.numbers.T
+    numbers = [values for values in numbers if np.isfinite(values).any()]
+    rows = [find(values) for values in numbers for find in (np.nanargmin, np.nanargmax)]
+    bases = [model.nominal, *model.points[list(dict.fromkeys(rows))]]
+    nominal = dict(zip(experiment.intervals, experiment.nominal, strict=True))
+    for j, (name, interval) in enumerate(experiment.intervals.items()):
+        arguments = experiment.parameters(nominal), name, interval.lower, interval.upper
+        values = experiment.scene_type.find_turns(*arguments)
+        ends = np.interp(values, arguments[2:], (-1.0, 1.0))
+        pairs = itertools.islice(itertools.product(bases, ends), _MOST_TURNS)
+        points += [np.where(np.arange(len(base)) == j, end, base) for base, end in pairs]
+    return points
 
 
 class _Progress:
@@ -138,9 +158,9 @@ def _spread(model: ModelEvaluator, count: int) -> np.ndarray:
 
 def _grow(model: ModelEvaluator, points: Sequence[np.ndarray] | np.ndarray) -> bool:
     """Add runs at points (P, k), and tell whether there was one to be added."""
-    count = len(model.points)
+    count = len(model.points) + len(model.failures)
     model.add(points)
-    return len(model.points) > count
+    return len(model.points) + len(model.failures) > count
 
 
 def _is_rough(surrogate: Any) -> bool:

@@ -23,7 +23,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.runs.progress import Notify
-from deployable.intervals.scalars import find_halving, shares_of_box
+from deployable.intervals.scalars import find_halving, find_least_scales, shares_of_box
 
 _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
 
@@ -40,7 +40,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     rows = {
         "requirements": [_requirement(model, result, name, shares) for name in requirements],
         "together": {**_combine(model, result, shares), "whole": errors is not None},
-        "runs": len(model.distinct_rows) + model.rest_count,
+        "runs": len(model.distinct_rows) + model.rest_count + len(model.failed_points),
         "further_runs": len(model.refinements),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
@@ -67,15 +67,28 @@ def _indices(result: LimitAssessment, name: str) -> tuple[int, ...]:
 def _judge_limits(
     model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
-    decide where they agree with the surrogates up to the error. That no run keeps one proves
-    nothing: the share is unknown then."""
-    (fraction, open_), indices = shares[limits], list(limits)
+    """Whether all, some or none of the box keeps chosen limits, which share, and what is open. What
+    is nearest to a failed run counts as failing, and is open."""
+    row, share = _judge_sound(model, result, indices, shares), model.lost_share
+    if len(model.failed_points):
+        row["met"] = "none" if row["met"] == "none" else "some"
+        row["share"] *= 1.0 - share
+        row["share_uncertainty"] = min(1.0, row["share_uncertainty"] + share)
+    return row
+
+
+def _judge_sound(
+    model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
+) -> dict:
+    """As `_judge_limits`, by the runs that did not fail. These decide where they agree with the
+    surrogates up to the error. That no run keeps a limit proves nothing: the share is unknown
+    then."""
+    (fraction, open_), indices = shares[indices], list(indices)
     is_met = result.margins[indices].min(axis=0) >= 0
     row = {
         "share": fraction,
         "share_uncertainty": open_,
-        "runs": len(model.distinct_rows) + model.rest_count,
+        "runs": len(model.distinct_rows) + model.rest_count + len(model.failed_points),
     }
     if is_met.all():  # where surrogates break what all runs keep, no run shows it
         row["share_uncertainty"] = max(open_, 1.0 - fraction)
@@ -115,13 +128,15 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
 
 def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) -> dict:
     largest, index, _ = result.largest
+    largest = min([largest, *find_least_scales(model.nominal, model.failed_points)])
     row = {
         **_judge_limits(model, result, tuple(range(len(result.specs))), shares),
         "max_interval_scale": largest,
     }
     row["halved"] = _halve_intervals(model, result)
     is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
-    row["failures"] = None if model.rest_count else int(is_broken.sum())
+    count = int(is_broken.sum()) + len(model.failed_points)
+    row["failures"] = None if model.rest_count else count
     if index is None:
         return {**row, "fails": None}
     spec = result.specs[index]

@@ -89,9 +89,12 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
     return lines.get(key, "")
 
 
-def check_config(raw: Mapping, source: str = "the config") -> Campaign:
+def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campaign:
     """Check a config, fill in all defaults, return the campaign. raw: sections by name, nested as
-    in YAML; source: what messages call the config. Raises `ConfigError` with all that is wrong."""
+    in YAML, or the path of a YAML file; source: what messages call sections. Raises `ConfigError`
+    with all that is wrong."""
+    if not isinstance(raw, Mapping):
+        return load_config([raw])
     sections = Config.__dataclass_fields__.keys()
     if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & sections):
         raise ConfigError(source, [

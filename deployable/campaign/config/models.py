@@ -106,6 +106,9 @@ class Solver(ConfigSection):
     energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005
     """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
+    failures: Annotated[float, Rule(least=0, most=1, unit="1")] = 0.1
+    """Share of the runs that may fail. Up to it failed runs are left out of the fits, and count as
+    failing every requirement; beyond it the campaign ends. The nominal run may not fail."""
 
     def __post_init__(self):
         if self.step != "auto" and self.step > self.duration:
@@ -180,13 +183,14 @@ class DesignSection(ConfigSection):
 class BoundsChoice(ConfigSection):
     """How bounds are taken from the runs."""
 
-    model: Literal["polynomial", "spline"] = "polynomial"
-    """`polynomial`: of the design's order through the design's runs, the paper's way; its range is
-    enclosed. `sobol` without order has none, and its bounds are its extreme samples. `spline`: one
-    cubic spline through all runs, held-out ones and those of a scan included. At the same runs the
-    error of its bounds was mostly 0.12 to 0.8 times as large, up to 1.2 with high order in three
-    dimensions (docs/tradeoff.md), and its range is attained, not enclosed. Sensitivities and
-    `surrogate.nc` are of the polynomial either way."""
+    model: Literal["auto", "polynomial", "spline", "aligned"] = "auto"
+    """`auto`: for each response and stretch of time the one of the following that predicts left-out
+    runs best (docs/intervals.md). `polynomial`: of the design's order through the design's runs,
+    the paper's way; its range is enclosed. `spline`: one cubic spline through all runs, held-out
+    ones and those of a scan included; its range is attained, not enclosed. `aligned`: splines over
+    time that is mapped so that latches, stops and contacts of all runs coincide. `sobol` without
+    order has no polynomial: with `auto` and `polynomial` its bounds are its extreme samples.
+    Sensitivities and `surrogate.nc` are of the polynomial in any case."""
 
 
 @dataclass(frozen=True)

@@ -160,8 +160,8 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     config = replace(
         config,
         scene=scene,
-        design=DesignChoice(cast(Any, ADAPTIVE), None),
-        bounds=BoundsChoice("spline"),
+        design=DesignChoice(ADAPTIVE, None),
+        bounds=BoundsChoice("auto"),
         held_out=0,
         verify=replace(config.verify, discretization=True),
     )

@@ -224,7 +224,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
     """Whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
-    has_none = is_plain and campaign.bounds.model == "polynomial"
+    has_none = is_plain and campaign.bounds.model in ("auto", "polynomial")
     if (problems := keep_problems(campaign)) or experiment.is_adaptive:
         return problems
     try:
@@ -235,14 +235,16 @@ def _design_problems(campaign: Campaign) -> list[str]:
         return [sentence(f"design.{error.key}", error)]
     if has_none:
         return []
-    return _spline_problems(experiment, node_design) if campaign.bounds.model == "spline" else []
+    if campaign.bounds.model not in ("spline", "aligned"):
+        return []
+    return _spline_problems(campaign, node_design)
 
 
-def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
+def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
     """Whether the runs of a plan are enough, and not too many, for a spline."""
-    box = experiment.box
+    experiment, model, box = campaign.experiment, campaign.bounds.model, campaign.experiment.box
     if box.free.sum() > MOST_FULL:
-        text = f"'spline' is not allowed with {box.free.sum()} intervals; allowed: polynomial"
+        text = f"{model!r} is not allowed with {box.free.sum()} intervals; allowed: polynomial"
         return [f"bounds.model: {text}"]
     points = [box.to_unit(experiment.nominal)[None], design.points]
     if experiment.design.method != "sobol":
@@ -251,7 +253,7 @@ def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
         check_spline_runs(np.concatenate(points))
     except IntervalError as error:
         return [
-            f"bounds.model: 'spline' is not allowed with {error.value} runs; "
+            f"bounds.model: {model!r} is not allowed with {error.value} runs; "
             f"allowed: polynomial, or {error.allowed}"
         ]
     return []

@@ -16,6 +16,10 @@ ROLES = ("nominal", "node", "held_out", "further")
 EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 """Variables of events of runs, in the order of the columns of their tables."""
 
+FAILURE_VARIABLES = ("failed_id", "failed_normalized", "failed_value", "failed_time",
+                     "failed_reason")  # fmt: skip
+"""Variables of runs that failed, which no other variable has."""
+
 RUN_ID = re.compile("[0-9a-f]{16}")
 """Pattern of the names of runs, after which files are called."""
 

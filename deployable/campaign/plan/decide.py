@@ -267,9 +267,10 @@ class RefinementState:
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.need_of(action)
         if cost.runs + runs + cost.reserve > budget.max_runs:
-            reserve = 2 * cost.check_runs + cost.reserve
-            purpose = " and quantities" if cost.reserve else ""
-            costs = f"{cost.runs} are spent, {reserve} kept for checks{purpose}"
+            rest = max(0, budget.max_runs - cost.runs)
+            reserve = min(2 * cost.check_runs + cost.reserve, rest)
+            costs = f"{cost.runs} are spent, {reserve} kept for checks"
+            costs += f"{' and quantities' * bool(cost.reserve)}, {rest - reserve} left"
             return f"the budget of {budget.max_runs} runs does not allow more ({costs})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
             costs = f"{duration_text(max(1.0, cost.seconds))} are spent"

@@ -5,12 +5,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
-from deployable.campaign.files.contents import ROLES
+from deployable.campaign.files.contents import FAILURE_VARIABLES, ROLES
 
 _MAX_NAMES = 1 << 17  # names
 
@@ -25,6 +25,26 @@ class PlannedRun:
     role: str
     normalized: tuple[float, ...]
     values: tuple[float, ...]
+
+
+class FailedRun(NamedTuple):
+    """A run whose numbers mean nothing: the planned `run`, the `time` (s) at which that showed, NaN
+    if not known, and the `reason`, a text."""
+
+    run: PlannedRun
+    time: float
+    reason: str
+
+
+def failure_columns(failures: Sequence[FailedRun]) -> dict[str, list]:
+    """Return the columns of a result that tells which runs failed, by name; none where none did."""
+    if not failures:
+        return {}
+    runs, times, reasons = zip(*failures, strict=True)
+    keys = ("id", "normalized", "values")
+    places = {key: [getattr(run, key) for run in runs] for key in keys}
+    columns = zip(FAILURE_VARIABLES, (*places.values(), times, reasons), strict=True)
+    return {name: list(column) for name, column in columns}
 
 
 class Runs(Sequence[PlannedRun]):

@@ -54,7 +54,7 @@ def shown_runs(path: Any) -> list[ShownRun]:
         tables = [samples.table]
         extra_ids: Any = []
         if quantities := list(samples.experiment.quantities):
-            table, extra_ids = read_refinement(folder)
+            table, extra_ids, _ = read_refinement(folder)
             tables.append(table)
             ends = [*_ends_of(quantities, RunTable.join(tables).numbers), *ends]
         values = RunTable.join(tables).values

@@ -16,17 +16,19 @@ from deployable.campaign.config.sections import BoundsChoice, Experiment, make_d
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
+from deployable.campaign.runs.results import pad_events
+from fpm.files.seals import unseal
 
 
 def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
-    """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
-    `folder`, that of its results with `samples.nc`, the responses of all runs. choice: section
-    `bounds` of the config, with the model (polynomial or spline) whose bounds `bounds.nc` has; the
-    other two files are of the polynomial; with_errors: function of the dataset of bounds that
-    returns it with further estimates of their errors; None: it is written as it is. A scan's
-    samples are read in pieces, so they may be larger than memory."""
+    """Fit the runs of a campaign, and write `surrogate.nc`, `design_bounds.nc` and
+    `sensitivities.nc` into `folder`, that of its results with `samples.nc`. choice: section
+    `bounds` of the config, with the model (polynomial or spline) whose bounds these are; the other
+    two files are of the polynomial; with_errors: function of the dataset of bounds that returns it
+    with further estimates of their errors; None: it is written as it is. A scan's samples are read
+    in pieces, so they may be larger than memory."""
     import xarray as xr
 
     with open_dataset(folder.samples) as samples:
@@ -36,9 +38,13 @@ def analyse(
         else:
             design = make_design(experiment.design, experiment.box)
         bounds = intervals.bounds_dataset(samples, design, model=choice.model)
+        if bounds.attrs["held_out_runs"]:  # which a polynomial's range may lack
+            table = samples["values"].values
+            runs = intervals.RunBounds.from_runs(table, np.arange(len(table)))
+            bounds = intervals.include_runs(bounds, runs, samples["value"].values)
         if with_errors is not None:
             bounds = with_errors(bounds)
-        write_dataset(bounds, folder.bounds, "Bounds of the responses")
+        write_dataset(bounds, folder.design_bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
         if not surrogate.sizes["term"]:
@@ -46,6 +52,34 @@ def analyse(
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design)
         write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
+
+
+def include_runs(folder: Folder, runs: Any) -> None:
+    """Write `bounds.nc` into `folder`: the bounds by the planned runs and by further ones.
+
+    runs: the further runs (`answers.evaluations.FurtherRuns`). Models that are chosen by left-out
+    runs are fitted to them as well; other bounds are widened to them."""
+    if not runs.values:
+        with result_file(folder.bounds) as temporary:
+            temporary.write_bytes(unseal(folder.design_bounds))
+        return
+    values = np.array(runs.values)
+    curves = np.array([record.values for record in runs.records], dtype=float)
+    with open_dataset(folder.design_bounds) as bounds, open_dataset(folder.samples) as samples:
+        wider = bounds
+        if "models" in bounds.attrs:
+            events = pad_events([record.events for record in runs.records])
+            points = runs.experiment.box.to_unit(values)
+            more = intervals.add_runs(samples, points, values, curves, events)
+            design = make_design(runs.experiment.design, runs.experiment.box)
+            wider = intervals.bounds_dataset(more, design, model="auto")
+            parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]
+            if parts:
+                errors = {part: bounds[f"error_{part}"].values for part in parts}
+                wider = intervals.add_errors(wider, errors)
+        extremes = intervals.RunBounds.from_runs(curves, np.arange(len(curves)))
+        wider = intervals.include_runs(wider, extremes, values)
+        write_dataset(wider, folder.bounds, "Bounds of the responses")
 
 
 def _design(samples: Any) -> Any:

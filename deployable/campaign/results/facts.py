@@ -20,7 +20,13 @@ from deployable.campaign.results.response_bounds import (
     ResponseBounds,
     read_bounds,
 )
-from deployable.campaign.results.run_samples import RunSamples, describe_events, open_samples
+from deployable.campaign.results.run_samples import (
+    RunSamples,
+    describe_events,
+    describe_failures,
+    open_samples,
+    read_refinement,
+)
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import MAX_TAIL_RATIO
@@ -50,7 +56,7 @@ def facts_of(
     plan = read_plan(folder.plan)
     experiment, bounds = plan.experiment, read_bounds(folder)
     with open_samples(folder) as samples:
-        facts = bounds_facts(bounds, samples, published)
+        facts, failures = bounds_facts(bounds, samples, published), [*samples.failures]
     facts |= _structure(experiment, facts["parameters"])
     facts["quantities"] = []
     bounds_checks = int(bounds.attributes.get("check_runs", 0))
@@ -59,6 +65,7 @@ def facts_of(
         results = QuantityResults.read(folder)
         facts["quantities"], runs["further"] = results.rows, results.further_runs
         runs["checks"] += results.check_runs
+        failures += read_refinement(folder)[2]
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
@@ -75,6 +82,10 @@ def facts_of(
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
         del choice["fitted"]
+    facts["failures"] = describe_failures(failures, experiment.intervals)
+    facts["failures"] += facts.get("choice", {}).pop("failures", [])
+    runs["measured"] = facts.get("measured", {}).get("runs", 0)
+    runs["failed"] = len(facts["failures"])
     rows = [*facts["responses"], *facts["quantities"]]
     mark_constant(facts)
     if plan.adaptive is not None:
@@ -248,10 +259,6 @@ def _response(
     row["trusted"] = _largest_trusted(bounds)
     if bounds.growth is not None:
         row["largest_growth_quarter"] = float(bounds.growth.max())
-    if bounds.violation is not None:
-        row["runs_outside_by"] = float(bounds.violation)
-        coverage = number(np.nan if bounds.coverage is None else bounds.coverage)
-        row["share_outside"] = None if coverage is None else 1.0 - coverage
     if COMPONENTS[0] in bounds.errors:
         errors = {
             name: _mean(bounds.errors[name], time) for name in COMPONENTS if name in bounds.errors
@@ -426,6 +433,21 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     quantity = rows[names.pop()]
     is_kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
     return quantity["name"] if is_kept else None
+
+
+def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:
+    """Return a limit with the margin that summary and page tell, its error, its place and the run
+    there: where its quantity happens (`is_partial`), if its requirement `row` fails only where that
+    does not happen, else the limit as it is. quantities: dicts of all quantities."""
+    name = happens_only(row, quantities)
+    if limit["margin"] is not None or limit["quantity"] != name:
+        return limit
+    quantity = next(quantity for quantity in quantities if quantity["name"] == name)
+    end, place = ("upper", "argmax") if limit["kind"] == "at_most" else ("lower", "argmin")
+    error = quantity.get("errors", {}).get("whole", quantity["error"])
+    margin = abs(limit["level"] - quantity[end])  # is kept by the error
+    worst = {"margin": margin, "error": error, "at": quantity[place], "ran": True}
+    return {**limit, **worst, "simulated": quantity[f"simulated_{end}"], "is_partial": True}
 
 
 def _keeps(quantity: Mapping, limit: Mapping) -> bool:

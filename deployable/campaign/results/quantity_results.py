@@ -9,9 +9,10 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.runs import FailedRun
 from deployable.campaign.results.response_bounds import COMPONENTS, read_parameters
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
-from deployable.intervals.scalars import fit_scalar
+from deployable.intervals.scalars import fit_scalar, share_borders
 
 MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
@@ -127,37 +128,40 @@ class FittedRuns(NamedTuple):
     """The R runs that surrogates (fitted functions) of quantities rest on: `points`, `numbers` and
     `margins` as of `RunTable`. Margins are continuous where a quantity comes and goes in the box,
     and so locate that border. rest (S, q): quantities of the other runs of a large scan;
-    refinement_count: how many of the R runs, the last ones, the search for bounds added."""
+    refinement_count: how many of the R runs, the last ones, the search for bounds added; failures:
+    the planned runs, and those that the search added, that failed, and are not among the R."""
 
     points: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
     rest: np.ndarray = np.zeros((0, 0))
     refinement_count: int = 0
+    failures: tuple[list[FailedRun], list[FailedRun]] = ([], [])
 
     @classmethod
     def read(cls, folder: Folder, refinements: bool = True) -> "FittedRuns":
         """Read the runs from a campaign's folder: those of `samples.nc` (of a large scan those that
         `fitted_rows` chooses) and, with `refinements`, those that answers added."""
         with open_samples(folder) as samples:
-            table = samples.table
+            table, failures = samples.table, [samples.failures, []]
         rows = fitted_rows(table.numbers)
         tables = [RunTable(*(column[rows] for column in table))]
-        tables += [read_refinement(folder)[0]] if refinements else []
+        if refinements:
+            refinement, _, failures[1] = read_refinement(folder)
+            tables.append(refinement)
         rest = np.delete(table.numbers, rows, axis=0)
         table = RunTable.join(tables)
         count = len(table.points) - len(rows)
-        return cls(table.points, table.numbers, table.margins, rest, count)
+        return cls(table.points, table.numbers, table.margins, rest, count, tuple(failures))
 
     def surrogates(self, limits: Iterable[tuple[float | None, float | None]]) -> list[Any]:
         """Fit the `ScalarSurrogate` of each quantity to the runs, in order. limits: of each, its
         physical lower bound and, of a time, the end of the runs (s); None: there is none."""
-        return [
+        columns = zip(self.numbers.T, self.margins.T, limits, strict=True)
+        return share_borders([
             fit_scalar(self.points, column, latest, least, margin)
-            for column, margin, (least, latest) in zip(
-                self.numbers.T, self.margins.T, limits, strict=True
-            )
-        ]
+            for column, margin, (least, latest) in columns
+        ])  # fmt: skip
 
 
 def limits_of(experiment: Experiment) -> list[tuple[float | None, float | None]]:

@@ -28,10 +28,9 @@ class ResponseBounds:
     of `COMPONENTS`; error_shares: those of `COMPONENTS` as fractions of the width, both integrated
     over time; least, most: what bounds are within, for physical reasons, such as 0, NaN where
     there is no limit; impossible: largest distance of the model beyond these, and when (s); growth
-    (T): of a scan's bounds with the last quarter of its runs; violation, coverage: largest distance
-    of validation runs outside the bounds, and the fraction of them inside, NaN or None without any;
-    abscissa: the horizontal axis where it is not time, such as a hinge's opening: a dict of
-    `words`, `unit`, `first` and `last` value, and the `duration` (s) onto which these are mapped.
+    (T): of a scan's bounds with the last quarter of its runs; abscissa: the horizontal axis where
+    it is not time, such as a hinge's opening: a dict of `words`, `unit`, `first` and `last` value,
+    and the `duration` (s) onto which these are mapped.
 
     widths (k, T): of the response's range when one of k parameters varies alone; width_error (T):
     error of the fit, below which a width is none; shares (k): widths above it, integrated over
@@ -52,8 +51,6 @@ class ResponseBounds:
     most: float = np.nan
     impossible: tuple[float, float] = (0.0, 0.0)
     growth: np.ndarray | None = None
-    violation: float | None = None
-    coverage: float | None = None
     abscissa: Mapping[str, Any] | None = None
     widths: Any = None
     width_error: np.ndarray | None = None
@@ -97,24 +94,24 @@ class CampaignBounds:
         return self.responses[0].time
 
 
-def read_bounds(folder: Folder) -> CampaignBounds:
+def read_bounds(folder: Folder, of_design: bool = False) -> CampaignBounds:
     """Read the bounds of a campaign's responses, with what parameters contribute where there is a
-    `sensitivities.nc`. folder: of the results. Raises `DamagedError` for a damaged file."""
+    `sensitivities.nc`. folder: of the results; of_design: whether to read those by the planned runs
+    alone. Raises `DamagedError` for a damaged file."""
     columns: dict[str, Any] = {}
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as file:
             names = {"widths": "width", "width_error": "error", "shares": "width_overall"}
             columns = {key: _column(file, name) for key, name in names.items()}
-    with open_netcdf(folder.bounds) as file:
+    with open_netcdf(folder.design_bounds if of_design else folder.bounds) as file:
         attributes = {name: file.getncattr(name) for name in file.ncattrs()}
         time, nones = file["time"][:], ["null"] * len(file["response"])
-        for key in ("lower", "upper", "nominal", "error", "least", "most", "coverage"):
+        for key in ("lower", "upper", "nominal", "error", "least", "most"):
             columns[key] = _column(file, key)
         columns |= {
             "name": file["response"][:], "units": file["response_units"][:],
             "long_name": file["response_long_name"][:],
             "growth": _column(file, "growth_quarter"),
-            "violation": _column(file, "worst_violation"),
             "impossible": [*zip(*(file[f"largest_impossible{end}"][:].tolist()
                                   for end in ("", "_time")), strict=True)],
             "abscissa": [_axis(text, time) for text in _column(file, "response_along", nones)],

@@ -38,7 +38,6 @@ class Verdict(NamedTuple):
 
 NO_VERDICT = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 REPORT_ONLY = Verdict(REPORT, REPORT)
-ALL_MEET = Verdict(MET, "met in all of the box, by analysis")
 SOME_FAIL = Verdict(UNMET, "not met in at least a part of the box")
 ALL_FAIL = Verdict(UNMET, "not met anywhere in the box")
 
@@ -172,8 +171,11 @@ class _Sheet:
         for row in facts.get("requirements", ()):
             for limit in row["limits"]:
                 self._limits.setdefault(limit["quantity"], []).append((row["name"], limit))
-        self._row_names: set[str] = set()
         self._free = [p["name"] for p in facts["parameters"] if p["upper"] > p["lower"]]
+        runs = facts["runs"]["all"]
+        text = f"met in all of the box, by analysis of {runs} run{'s' * (runs != 1)}"
+        self._met = Verdict(MET, text)
+        self._row_names: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
         """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
@@ -317,7 +319,7 @@ class _Sheet:
             return _because(OPEN, "the limit is within the error")
         if row.get("doubt"):
             return _because(OPEN, f"{row['doubt']}")
-        return ALL_MEET
+        return self._met
 
     def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
         """Whether a limit is kept that is an allowable; nothing where it is none."""
@@ -364,7 +366,7 @@ class _Sheet:
         if row["lower"] is None or row["lower"] < 0:
             return SOME_FAIL
         if _keeps(row, "at_least", 0.0):
-            return ALL_MEET
+            return self._met
         return _because(OPEN, "the least margin is within its error")
 
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
@@ -405,11 +407,9 @@ class _Sheet:
         if locks := [name for name in margin["locked"] if name not in openings]:
             is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
             reasons.append(f"{', '.join(locks)}, which {is_not} moved")
-        apart = [margin["openings"][0], *margin["apart"]] if margin["apart"] else []
-        if apart and not {name for p in peers if not p["apart"] for name in p["openings"]} >= {
-            *apart
-        }:
-            names = " and ".join(apart)
+        group = {margin["openings"][0], *margin["apart"]} if margin["apart"] else set()
+        if group - {name for p in peers if not p["apart"] for name in p["openings"]}:
+            names = " and ".join(name for name in margin["openings"] if name in group)
             reasons.append(f"nothing couples {names}, so that each needs a margin of its own")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
@@ -476,7 +476,7 @@ class _Sheet:
         tolerance = row["upper"] - row["lower"] + 2 * error
         text = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
         if row["lower"] - error >= 3 * tolerance:
-            return Verdict(MET, f"met in all of the box, by analysis: {text}")
+            return Verdict(MET, f"{self._met.text}: {text}")
         return Verdict(UNMET, f"not met in at least a part of the box: {text}")
 
     # -- clauses that are about no single quantity -------------------------------------------------
@@ -529,7 +529,7 @@ class _Sheet:
         failures |= dict.fromkeys(name for name, state in states.items() if state == UNMET)
         outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
-        verdict = ALL_MEET
+        verdict = self._met
         if failures and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["share_uncertainty"])
             verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")

@@ -1,7 +1,7 @@
 """The runs of a campaign: planned ones, of `samples.nc`, and those that answers added, of
 `refinement.nc`. Nothing else that shows or tells results knows these files."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,9 +10,9 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
-from deployable.campaign.files.contents import EVENT_VARIABLES, ROLES
+from deployable.campaign.files.contents import EVENT_VARIABLES, FAILURE_VARIABLES, ROLES
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.runs import namer
+from deployable.campaign.plan.runs import FailedRun, PlannedRun, namer
 
 
 class RunTable(NamedTuple):
@@ -40,10 +40,33 @@ class RunTable(NamedTuple):
         return cls(*map(np.concatenate, zip(*tables, strict=True)))
 
 
-def read_refinement(folder: Folder) -> tuple[RunTable, list[str]]:
-    """Read the runs that answers added, and their ids, from a campaign's `refinement.nc`."""
+def read_failures(file: Any) -> list[FailedRun]:
+    """Read the runs that failed from an open `samples.nc` or `refinement.nc`."""
+    if FAILURE_VARIABLES[0] not in file.variables:
+        return []
+    columns = (file[name][:].tolist() for name in FAILURE_VARIABLES)
+    return [
+        FailedRun(PlannedRun(id_, ROLES[-1], tuple(point), tuple(values)), time, reason)
+        for id_, point, values, time, reason in zip(*columns, strict=True)
+    ]
+
+
+def describe_failures(failures: Iterable[FailedRun], names: Iterable[str]) -> list[dict]:
+    """Describe runs that failed as plain data: parameter values by name (`at`), `time` (s), None if
+    it is not known, and `reason`. names: of the interval parameters."""
+    names = list(names)
+    return [
+        {"at": dict(zip(names, run.values, strict=True)),
+         "time": None if np.isnan(time) else time, "reason": reason}
+        for run, time, reason in failures
+    ]  # fmt: skip
+
+
+def read_refinement(folder: Folder) -> tuple[RunTable, list[str], list[FailedRun]]:
+    """Read the runs that answers added, their ids, and those of them that failed, from a campaign's
+    `refinement.nc`."""
     with open_netcdf(folder.refinement) as file:
-        return RunTable.read(file), file["run_id"][:].tolist()
+        return RunTable.read(file), file["run_id"][:].tolist(), read_failures(file)
 
 
 @contextmanager
@@ -70,6 +93,11 @@ class RunSamples:
         self.overlap = float(file["overlap"][:].max())
         self.assembly_energy = float(getattr(file, "assembly_energy", 0.0))
         self.keeps_extremes = "lower_run" in file.variables
+
+    @cached_property
+    def failures(self) -> list[FailedRun]:
+        """The planned runs that failed, which are not among the others."""
+        return read_failures(self._file)
 
     def __len__(self) -> int:
         return len(self._file.dimensions["run"])

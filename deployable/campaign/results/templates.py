@@ -49,7 +49,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "earliest", "capitalise"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest", "largest",
-                "gains", "best_halvings"),
+                "gains", "best_halvings", "worst_case"),
     }  # fmt: skip
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}

@@ -4,7 +4,7 @@ A batch is one process, or several that share its groups. A process takes its ru
 integrates a group side by side, and hands it to the store while the next is integrated, so that
 memory stays bounded and a killed job loses one group of each process at most, and what of the next
 was integrated while it was written. A run that fails does not harm the others: they are written,
-and the failures are listed at the end."""
+and the store notes which run failed, when and why."""
 
 import json
 import multiprocessing
@@ -25,8 +25,9 @@ import fpm
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
+from deployable.campaign.files.contents import ROLES
 from deployable.campaign.plan.plan import Plan, split_evenly
-from deployable.campaign.plan.runs import PlannedRun, Runs
+from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.progress import MessagePrinter, Notify, Progress, report_step, warm_up
 from deployable.campaign.runs.results import Result, groups_of
@@ -35,8 +36,6 @@ from fpm.files.seals import remove_temporary
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 from fpm.solver.simulate import HALVINGS
-
-Failure = tuple[PlannedRun, str]
 
 _MOST = 100  # runs that failed, named in a message
 
@@ -65,8 +64,8 @@ def run_batch(
     batches; jobs: section of the config, what is kept, and how many runs are integrated together;
     folder: of the store; manifest: path of the JSON file to be written, with numbers of runs and
     seconds; notify: called with each message; threads, processes: threads that share a group of
-    runs, and processes that share the groups. Raises `CampaignError` with the runs that failed,
-    after all others were written; then there is no manifest."""
+    runs, and processes that share the groups. Raises `CampaignError` with the runs that failed if
+    these are too many, after all others were written; then there is no manifest."""
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
@@ -75,12 +74,11 @@ def run_batch(
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
 
-    simulation = Simulation(plan, jobs.group, threads)
+    simulation, total = Simulation(plan, jobs.group, threads), sum(map(len, groups))
     if work:
         check_structure(plan)
         scene = plan.experiment.build(plan.name_values(work[0][1][0]))
         warm_up(scene, notify, plan.experiment.record)
-        total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups))
         loop_start = clocks()
         lots = [work] if processes == 1 else [[item] for item in work]
@@ -94,7 +92,9 @@ def run_batch(
         if simulation.count and jobs.minutes:
             seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
             notify(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
-    simulation.check()
+    store.note_failures(simulation.failures)  # of other processes
+    failures = [failure for group in batch_groups for failure in store.list_failures(group)]
+    check_failures(plan, failures, total)
     facts = {
         "batch": batch,
         "runs": sum(map(len, batch_groups)),
@@ -136,12 +136,13 @@ def _call(number: int) -> Any:
 
 def _simulate_groups(
     simulation: "Simulation", store: Any, work: Sequence[tuple[Runs, Runs]]
-) -> tuple[int, list[Failure], np.ndarray]:
+) -> tuple[int, list[FailedRun], np.ndarray]:
     """Simulate and write what is missing of groups: how many, failures, seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)
     lots = [(missing, store.previous_columns(missing)) for _, missing in work]
     for (group, _), results in zip(work, runner.run_lots(lots), strict=True):
         store.write(group, results)
+        store.note_failures(runner.failures)
     return runner.count, runner.failures, runner.seconds
 
 
@@ -170,8 +171,8 @@ def notify_reruns(store: Any, notify: Notify) -> None:
 def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
     """Simulate the runs of a group that a store lacks, and write them into it. group: runs of the
     plan that the store keeps together; size: how many runs are integrated together; notify: called
-    with each message. Raises `CampaignError` with the runs that failed, or if structure or code
-    changed since the plan was made."""
+    with each message. Raises `CampaignError` if structure or code changed since the plan was
+    made."""
     missing = store.missing(group)
     notify_reruns(store, notify)
     if not len(missing):
@@ -180,22 +181,22 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -
     notify(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
     simulation = Simulation(plan, size)
     store.write(group, simulation.results(missing, store.previous_columns(missing)))
-    simulation.check()
+    store.note_failures(simulation.failures)
 
 
 class Simulation:
     """Simulates runs of a plan in groups of `size`, which `threads` share, and counts them.
-    Attributes: `count`: runs that succeeded; `failures`: pairs of run and reason; `seconds` (2):
+    Attributes: `count`: runs that succeeded; `failures`: those that did not; `seconds` (2):
     spent integrating, wall-clock (mean of the threads) and processor time (their sum)."""
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
         self.plan, self.size, self.threads = plan, size, threads
         self.count, self.seconds = 0, np.zeros(2)
-        self.failures: list[Failure] = []
+        self.failures: list[FailedRun] = []
 
-    def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
-        """Add another simulation's totals: a tuple of the number of runs that succeeded, failures
-        (pairs of run and reason), and seconds (2), wall-clock and processor time."""
+    def take(self, totals: tuple[int, list[FailedRun], np.ndarray]) -> None:
+        """Add another simulation's totals: a tuple of the number of runs that succeeded, those that
+        failed, and seconds (2), wall-clock and processor time."""
         count, failures, seconds = totals
         self.count += count
         self.failures += failures
@@ -235,11 +236,6 @@ class Simulation:
                 self.take((len(results), failures, seconds / (self.threads, 1)))
                 yield from results
 
-    def check(self) -> None:
-        """Raise `CampaignError` with the runs that failed so far, if any did."""
-        if self.failures:
-            raise CampaignError(failure_text(self.plan, self.failures))
-
 
 def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
     """`start(*item)` of all items in order, each when that of the next was called."""
@@ -253,9 +249,9 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
-) -> tuple[list[Result], list[Failure], np.ndarray]:
+) -> tuple[list[Result], list[FailedRun], np.ndarray]:
     """Simulate runs of a plan side by side in this thread: returns a `Result` for each that
-    succeeds, pairs of run and reason for the others, and seconds (2) of integration, wall-clock and
+    succeeds, a `FailedRun` for each other, and seconds (2) of integration, wall-clock and
     processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
@@ -282,26 +278,34 @@ def simulate(
     results, failures = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
-            failures.append((run, str(outcome.failure)))
+            moment = getattr(outcome.failure, "time", np.nan)
+            failures.append(FailedRun(run, float(moment), str(outcome.failure)))
             continue
         if outcome.dropped_events:
             count = len(outcome.events) + outcome.dropped_events
-            failures.append((run, f"{count} contact events, more than are kept: contacts chatter"))
+            reason = f"{count} contact events, more than are kept: contacts chatter"
+            failures.append(FailedRun(run, np.nan, reason))
             continue
         results.append(Result(run, outcome, values, common))
     return results, failures, seconds
 
 
-def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
-    """Write a message that names the runs of a plan that failed, at most 100, with parameter values
-    and reasons. failures: pairs of run and reason."""
-    lines = [f"{len(failures)} of the runs failed; all others were written:"]
-    for run, reason in failures[:_MOST]:
+def check_failures(plan: Plan, failures: Sequence[FailedRun], total: int) -> None:
+    """Raise `CampaignError` if more of the runs failed than the config allows, or the nominal one
+    did. It names at most 100 runs, with parameter values and reasons. failures: all that failed of
+    `total` runs with the plan's parameters."""
+    allowed = plan.experiment.solver.failures
+    nominal = [failure for failure in failures if failure.run.role == ROLES[0]]
+    if not nominal and len(failures) <= allowed * total:
+        return
+    cause = "the nominal run among them" if nominal else f"solver.failures allows {allowed:.3g}"
+    lines = [f"{len(failures)} of {total} runs failed ({cause}); all others were written:"]
+    for run, _, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.name_values(run).items())
         lines.append(f"  run {run.id} ({values}): {reason}")
     if len(failures) > _MOST:
         lines.append(f"  and {len(failures) - _MOST} more")
-    return "\n".join(lines)
+    raise CampaignError("\n".join(lines))
 
 
 def clocks(cpu: Callable[[], float] = time.process_time) -> np.ndarray:

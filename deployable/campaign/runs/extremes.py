@@ -161,7 +161,7 @@ class ScanExtremes(common.Store):
     def missing(self, group: Runs) -> Runs:
         """Return the runs of a chunk (`group`) that are not stored yet, to be simulated."""
         chunk = self.read(group)
-        return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
+        return self.sound(group if chunk is None else group[np.flatnonzero(~chunk.mask)])
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
         """Add results, in the order of the chunk's runs (`group`), to the stored chunk, written

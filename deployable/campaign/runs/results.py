@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,10 +14,14 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import write_result
 from deployable.campaign.files.contents import EVENT_VARIABLES
-from deployable.campaign.plan.runs import PlannedRun, Runs
-from fpm.files.seals import DamagedError, check
+from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
+from fpm.files.seals import DamagedError, check, unseal
 from fpm.files.trajectory import Column
+
+NOTE_SUFFIX = ".failed.json"
+"""Ending of the notes of runs that failed, which are named by their ids."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,8 @@ class Store:
     `quantities`, those that are no expressions of others: these are computed when runs are read. A
     file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
     path); `absences`, by run id, the columns (variable, label) that its file lacks. A subclass can
-    tell which runs of a group are `missing`, `write` results and `read` records."""
+    tell which runs of a group are `missing`, `write` results and `read` records. Each run that
+    failed has a note, `<run id>.failed.json`, and is never missing."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -78,6 +84,38 @@ class Store:
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide runs, in order, into groups that are written together, of at most `size` runs."""
         return groups_of(runs, size)
+
+    @cached_property
+    def _notes(self) -> dict[str, tuple[float, str]]:
+        """Time (s) and reason of the runs that are known to fail, by id."""
+        notes = {}
+        for path in self.folder.glob(f"*{NOTE_SUFFIX}"):
+            try:
+                note = json.loads(unseal(path))
+            except DamagedError as error:
+                self.damage[path] = error
+                continue
+            notes[path.name.removesuffix(NOTE_SUFFIX)] = note["time"], note["reason"]
+        return notes
+
+    def note_failures(self, failures: Iterable[FailedRun]) -> None:
+        """Write down runs that failed, so that they are not simulated again."""
+        for failure in failures:
+            if failure.run.id not in self._notes:
+                text = json.dumps({"time": failure.time, "reason": failure.reason}, indent=1)
+                write_result(self.folder / f"{failure.run.id}{NOTE_SUFFIX}", text)
+                self._notes[failure.run.id] = failure.time, failure.reason
+
+    def list_failures(self, runs: Runs) -> list[FailedRun]:
+        """List those of some runs that are known to fail."""
+        notes = self._notes
+        return [FailedRun(run, *notes[run.id]) for run in runs if run.id in notes] if notes else []
+
+    def sound(self, runs: Runs) -> Runs:
+        """Return those of some runs that are not known to fail."""
+        if not self._notes:
+            return runs
+        return runs[[i for i, run in enumerate(runs) if run.id not in self._notes]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
         """Return the columns (variable, label) that runs to be simulated again must record besides

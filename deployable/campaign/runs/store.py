@@ -50,6 +50,7 @@ class Trajectories(Store):
     def missing(self, group: Runs) -> Runs:
         """Return the runs of a group to be simulated: those without an undamaged file, or whose
         file lacks a variable that responses need."""
+        group = self.sound(group)
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -113,11 +114,12 @@ class Responses(Store):
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: none if all are stored, else all of them."""
+        """Return the runs of a group to be simulated: none if all are stored, or known to fail,
+        else all that are not known to fail."""
         import netCDF4
 
-        path = self.path(group)
-        if not self.is_whole(path):
+        path, group = self.path(group), self.sound(group)
+        if not len(group) or not self.is_whole(path):
             return group
         with report_damage(path), netCDF4.Dataset(path) as file:
             ids = list(file["run_id"][:])
@@ -157,9 +159,10 @@ class Responses(Store):
         file is undamaged and holds all of them."""
         import netCDF4
 
-        if self.missing(group):
+        path, missing, group = self.path(group), self.missing(group), self.sound(group)
+        if missing or not len(group):
             return {}
-        with report_damage(self.path(group)), netCDF4.Dataset(self.path(group)) as file:
+        with report_damage(path), netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
             values, overlaps, steps = (file[name][:] for name in ("values", "overlap", "step"))
@@ -187,12 +190,15 @@ def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
 
 # -- runs as one file, for jobs that share no folder ----------------------------------------------
 
+_SUFFIXES = (".nc", common.NOTE_SUFFIX)
+
 
 def pack(store: str | Path, bundle: str | Path) -> None:
     """Write all result files in the folder `store` into the tar file `bundle`."""
     with whole_file(bundle) as temporary, tarfile.open(temporary, "w") as file:
-        for path in sorted(Path(store).glob("*.nc")):
-            file.add(path, path.name)
+        for path in sorted(Path(store).glob("[!.]*")):
+            if path.name.endswith(_SUFFIXES):
+                file.add(path, path.name)
 
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
@@ -203,7 +209,7 @@ def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
             with tarfile.open(bundle) as file:
                 for member in file:
                     path = Path(store, Path(member.name).name)
-                    if not member.isfile() or path.suffix != ".nc" or path.exists():
+                    if not member.isfile() or not path.name.endswith(_SUFFIXES) or path.exists():
                         continue
                     content: Any = file.extractfile(member)
                     with whole_file(path) as temporary, open(temporary, "wb") as copy:

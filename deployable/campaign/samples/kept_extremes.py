@@ -16,7 +16,7 @@ from deployable.campaign.files import result_file
 from deployable.campaign.files.variables import create
 from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
-from deployable.campaign.runs.batch import make_again
+from deployable.campaign.runs.batch import check_failures, make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.results import complete_numbers
@@ -34,38 +34,47 @@ def gather(
     """Write `samples.nc` to `path` from the stored chunks (parts) of a scan with `jobs.keep:
     extremes`: least and largest responses over quarters of its runs, and quantities of each run.
     plan: the runs; jobs: section of the config; folder: of the store; notify: called with each
-    message. One chunk at a time is in memory. Missing or damaged ones are simulated again; raises
-    `CampaignError` if runs fail."""
+    message. One chunk at a time is in memory. Missing or damaged ones are simulated again; runs
+    that failed are listed apart. Raises `CampaignError` if too many did."""
     import netCDF4
 
-    store, runs = open_store("extremes", folder, plan.experiment), plan.unique_runs()
+    store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs()
+    failures = store.list_failures(unique)
+    check_failures(plan, failures, len(unique))
+    runs = store.sound(unique)
     quarters: list[RunBounds | None] = [None] * 4
-    ends, first = quarter_ends(len(runs)), 0
+    ends, first, place = quarter_ends(len(unique)), 0, 0
     with (
         result_file(path, plan=plan.digest) as temporary,
         netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
     ):
         samples.write_box(file, plan)
+        samples.write_failures(file, failures)
         file.createDimension("run", len(runs))
         samples.write_points(file, runs, **_compression(len(runs), len(plan.experiment.intervals)))
-        for group in store.groups(runs, jobs.group):
+        for group in store.groups(unique, jobs.group):
             chunk = _chunk(plan, store, group, jobs.group, notify)
+            quarter = next(i for i in range(4) if place < ends[i + 1])
+            place += len(group)
+            if chunk is None:  # all of its runs failed
+                continue
             if first == 0:
                 _define(file, chunk, store, len(runs))
             _write(file, chunk, first, store)
-            quarter = next(i for i in range(4) if first < ends[i + 1])
             bounds = chunk.bounds
-            low_run, high_run = bounds.low_run + first, bounds.high_run + first  # in the scan
-            all_bounds = RunBounds(bounds.low, bounds.high, low_run, high_run)
-            quarters[quarter] = all_bounds.merge(quarters[quarter])
+            places = np.cumsum(chunk.mask) - 1 + first  # among the runs that did not fail
+            rows = places[bounds.low_run], places[bounds.high_run]
+            quarters[quarter] = RunBounds(bounds.low, bounds.high, *rows).merge(quarters[quarter])
             file["overlap"][:] = max(float(file["overlap"][:]), chunk.overlap)
-            first += len(group)
+            first += int(chunk.mask.sum())
         _write_quarters(file, quarters)
+    if len(store.list_failures(unique)) > len(failures):  # of runs that were made again
+        gather(plan, jobs, folder, path, notify)
 
 
-def _chunk(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> ScanChunk:
+def _chunk(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> ScanChunk | None:
     chunk = store.read(group)
-    if chunk is None or not chunk.mask.all():
+    if len(store.sound(group)) > (0 if chunk is None else chunk.mask.sum()):
         make_again(plan, store, group, size, notify)
         chunk = store.read(group)
     return chunk
@@ -95,11 +104,11 @@ def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
 
 def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
     """Write the tables of the runs of a chunk, the first of which has the number `first`."""
-    rows = slice(first, first + len(chunk.mask))
+    rows = slice(first, first + int(chunk.mask.sum()))
     for name, values in chunk.events.items():
-        file[name][rows, : values.shape[1]] = values
+        file[name][rows, : values.shape[1]] = values[chunk.mask]
     if store.quantities:
-        table = complete_numbers(store.experiment, chunk.numbers)
+        table = complete_numbers(store.experiment, chunk.numbers[chunk.mask])
         file["quantities"][rows], file["margin"][rows] = table[:, 0], table[:, 1]
 
 

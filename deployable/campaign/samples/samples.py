@@ -18,9 +18,9 @@ from deployable.campaign.files import result_file
 from deployable.campaign.files.contents import EVENT_VARIABLES
 from deployable.campaign.files.variables import create
 from deployable.campaign.plan.plan import Plan, box_columns
-from deployable.campaign.plan.runs import Runs
+from deployable.campaign.plan.runs import FailedRun, Runs, failure_columns
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.batch import make_again
+from deployable.campaign.runs.batch import check_failures, make_again
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.results import RunRecord, pad_events
 from deployable.campaign.runs.store import open_store
@@ -34,43 +34,49 @@ def gather(
     """Write the responses and quantities of all runs of a plan, from their store, to `path`
     (`samples.nc`). jobs: section of the config; folder: of the store; notify: called with each
     message. One group of runs at a time is in memory. Missing or damaged runs are simulated again;
-    raises `CampaignError` if runs fail."""
+    those that failed are listed apart. Raises `CampaignError` if too many did."""
     import netCDF4
 
-    store = open_store(jobs.keep, folder, plan.experiment)
-    groups = store.groups(plan.unique_runs(), jobs.group)
+    store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs()
+    groups, failures = store.groups(unique, jobs.group), store.list_failures(unique)
+    check_failures(plan, failures, len(unique))
+    runs = store.sound(plan.runs)
     rows: dict[str, list[int]] = {}
     finest = plan.time.step
-    for row, run in enumerate(plan.runs):
+    for row, run in enumerate(runs):
         rows.setdefault(run.id, []).append(row)
     with (
         result_file(path, plan=plan.digest) as temporary,
         netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
     ):
-        _write_runs(file, plan)
+        _write_runs(file, plan, runs, failures)
         write_names(file, "response", store.responses)
         if quantities := plan.experiment.quantity_list:
             write_names(file, "quantity", quantities)
-            blanks = np.full((len(plan.runs), len(quantities)), np.nan)
+            blanks = np.full((len(runs), len(quantities)), np.nan)
             for name in ("quantities", "margin"):
                 create(file, _FILE, name, blanks)
         for group in groups:
             records = store.read(group)
-            if len(records) < len(group):
+            if len(records) < len(store.sound(group)):
                 make_again(plan, store, group, jobs.group, notify)
                 records = store.read(group)
+            if not records:
+                continue
             if "time" not in file.variables:
                 _define_curves(file, next(iter(records.values())), plan.experiment.intervals)
             finest = min(finest, *(record.step for record in records.values()))
             pairs = sorted((row, id_) for id_ in records for row in rows[id_])
             _write_rows(file, [row for row, _ in pairs], [records[id_] for _, id_ in pairs])
         file.finest_step = finest
+    if len(store.list_failures(unique)) > len(failures):  # of runs that were made again
+        gather(plan, jobs, folder, path, notify)
 
 
-def _write_runs(file: Any, plan: Plan) -> None:
+def _write_runs(file: Any, plan: Plan, runs: Runs, failures: Sequence[FailedRun]) -> None:
     """Define the dimensions and write what is known of the runs before they are simulated."""
-    runs = plan.runs
     write_box(file, plan)
+    write_failures(file, failures)
     file.createDimension("run", len(runs))
     file.createDimension("event", None)
     create(file, _FILE, "role", [run.role for run in runs])
@@ -81,6 +87,14 @@ def _write_runs(file: Any, plan: Plan) -> None:
         variable = file.createVariable(f"parameter_{name}", "f8", ("run",))
         variable[:] = column
         variable.setncatts({"long_name": f"value of {name}", "units": types[name].unit})
+
+
+def write_failures(file: Any, failures: Sequence[FailedRun]) -> None:
+    """Write the runs that failed into an open `netCDF4.Dataset`."""
+    if failures:
+        file.createDimension("failed", len(failures))
+    for name, column in failure_columns(failures).items():
+        create(file, _FILE, name, column)
 
 
 def write_points(file: Any, runs: Runs, **compression: Any) -> None:

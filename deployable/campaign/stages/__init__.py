@@ -18,8 +18,8 @@ from fpm.errors import SceneError
 from fpm.files.seals import remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
-SENSITIVITIES = "sensitivities.nc"
-BOUNDS_FILES = SAMPLES, "surrogate.nc", BOUNDS, SENSITIVITIES
+DESIGN_BOUNDS, SENSITIVITIES = "design_bounds.nc", "sensitivities.nc"
+BOUNDS_FILES = SAMPLES, "surrogate.nc", DESIGN_BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "refinement.nc"
 
 FRAMES = 401
@@ -78,7 +78,7 @@ class Stage:
         except SceneError as error:  # of the structure that the results name
             place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error
-        except (OSError, RuntimeError) as error:
+        except (MemoryError, OSError, RuntimeError) as error:
             file_error = error_of_files(error, folder.path)
             if file_error is None:
                 raise
@@ -135,7 +135,7 @@ def drawings(experiment: Experiment) -> list[str]:
 
 def _list_answers(campaign: Campaign) -> list[str]:
     """What sums up a campaign, and answers what it asks for."""
-    names = ["summary.json", "summary.md"]
+    names = ["summary.json", "summary.md", BOUNDS]
     names += ANSWERS * bool(campaign.experiment.quantities)
     names += ["requirements.json"] * bool(campaign.requirements)
     names += ["choice.json"] * bool(campaign.choose.parameters)
@@ -167,7 +167,7 @@ STAGES = {
               is_adaptive=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
               ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),
-              (PLAN, SAMPLES, BOUNDS), _list_answers, ("threads",)),
+              (PLAN, SAMPLES, DESIGN_BOUNDS), _list_answers, ("threads",)),
         Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
               ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",

@@ -6,8 +6,10 @@ from typing import Any
 from deployable.campaign.answers import choice, quantities
 from deployable.campaign.answers import measured as tests
 from deployable.campaign.answers import requirements as limits
+from deployable.campaign.answers.evaluations import FurtherRuns
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.bounds import include_runs
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.runs.progress import Notify, report_seconds
 
@@ -17,17 +19,18 @@ def work(
     verify: Any, jobs: Any, measured: Any, threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
-    choice, with the runs that this takes, and write the results and the summary into `folder`.
-    notify: called with each message; threads: how many simulate; others: config sections."""
+    choice, with the runs that this takes, and write the results, the bounds of responses with
+    these runs, and the summary into `folder`. notify: called with each message; threads: how many
+    simulate; others: config sections."""
     experiment = read_plan(folder.plan).experiment
 
     def step(text: str) -> AbstractContextManager[None]:
         return report_seconds(f"{experiment.name}: {text}", notify)
 
-    answers = []
+    answers, further_runs = [], FurtherRuns(experiment)
     if experiment.quantities:
         with step("searching the bounds of quantities"):
-            quantities.answer(folder, requirements, verify, jobs, notify, threads)
+            quantities.answer(folder, requirements, verify, jobs, notify, threads, further_runs)
     if requirements:
         answers.append("requirements")
         with step("finding what meets the requirements"):
@@ -35,11 +38,14 @@ def work(
     if choose.parameters:
         answers.append("choice")
         with step("choosing"):
-            choice.answer(folder, choose, requirements, verify, jobs, notify, threads)
+            choice.answer(folder, choose, requirements, verify, jobs, notify, threads, further_runs)
     if measured:
         answers.append("measured")
         with step("finding what explains the measured curves"):
-            tests.answer(folder, measured, requirements, verify, jobs, notify, threads)
+            tests.answer(
+                folder, measured, requirements, verify, jobs, notify, threads, further_runs
+            )
     with step("writing the answers"):
+        include_runs(folder, further_runs)
         summarise(folder, published, answers, review)
     notify(f"answers: {folder / 'summary.md'}")

@@ -18,11 +18,11 @@ def work(
     bundles: Any = (),
 ) -> None:  # fmt: skip
     """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate, and
-    write its bounds. Into `folder` go `samples.nc` (responses), `surrogate.nc`, `bounds.nc`, with
-    errors by mesh and step if `verify` or the plan asks, and `sensitivities.nc` (influence of each
-    parameter). notify: called with each message; bundles: tar files of runs to be extracted first;
-    threads: how many simulate; bounds, verify, jobs: config sections. Raises `CampaignError` for a
-    bundle that is no tar file, and if runs fail."""
+    write its bounds. Into `folder` go `samples.nc` (responses), `surrogate.nc`,
+    `design_bounds.nc`, with errors by mesh and step if `verify` or the plan asks, and
+    `sensitivities.nc` (influence of each parameter). notify: called with each message; bundles: tar
+    files of runs to be extracted first; threads: how many simulate; bounds, verify, jobs: config
+    sections. Raises `CampaignError` for a bundle that is no tar file, and if runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, notify, bounds, verify, jobs, threads)
 

@@ -38,7 +38,7 @@ def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
     """Choose the runs of the next round towards an accuracy; whether there is to be none."""
     if previous := folder.previous():
         with open_samples(previous) as samples:
-            bounds = read_bounds(previous)
+            bounds = read_bounds(previous, of_design=True)
             plan = extend_plan(experiment, read_plan(previous.plan), samples, bounds)
         notify(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
     else:

@@ -21,7 +21,6 @@ from deployable.campaign.plan.plan import read_plan, read_step
 from deployable.campaign.runs.batch import spread
 from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
-from deployable.one_thread import one_thread
 from fpm.files.seals import DamagedError, check, unseal
 
 
@@ -207,7 +206,10 @@ def run(
     xarray.Dataset
         The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it; with
         cases a dict of it by the name of the case."""
-    with one_thread():
+    import scipy.linalg  # noqa: F401  # its library can be limited once it is loaded
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="blas"):
         campaign = _campaign(config)
         complete(campaign, results, figures, notify)
     workflow = Workflow(campaign, results)
@@ -284,7 +286,7 @@ def _simulate(campaign: Campaign, folder: Folder, notify: Notify) -> bool:
 def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     if isinstance(config, Campaign):
         return config
-    return check_config(config) if isinstance(config, Mapping) else load_config([config])
+    return check_config(config)
 
 
 def _stage(

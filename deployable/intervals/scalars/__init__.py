@@ -19,4 +19,11 @@ from .requirements import (
     sub_box,
 )
 from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
-from .surrogate import Extremes, Influence, ScalarSurrogate, find_influence, fit_scalar
+from .surrogate import (
+    Extremes,
+    Influence,
+    ScalarSurrogate,
+    find_influence,
+    fit_scalar,
+    share_borders,
+)

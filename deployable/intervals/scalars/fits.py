@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import comb
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -20,6 +20,9 @@ from ..estimates import power_mean
 from ..formula import Formula, polynomial
 from ..spline_equations import distinct, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
+
+if TYPE_CHECKING:
+    from .occurrence import Occurrence
 
 _LEAST_RUNS = 4  # below them one more coordinate is not tested
 _HIGHEST = 12  # degree of a polynomial
@@ -55,19 +58,19 @@ class Kriging:
 @dataclass(frozen=True)
 class RootFunction:
     """A time (or another value) of an event as a function of the k normalized parameters and of the
-    root of the event margin, which is above 0 where the event occurs and 0 on the border of that
+    root of a decision function, which is above 0 where the event occurs and 0 on the border of that
     part of the box: near the border the time goes like a root. function: of k + 1 coordinates, the
-    last one 2 sqrt(margin / scale) - 1; margin: fit that gives the event margin (P) at points (P,
-    k); scale: largest event margin of a run."""
+    last one 2 sqrt(decision / scale) - 1; border: gives the decision function (P) at points (P, k);
+    scale: largest decision value of a run."""
 
     function: Surrogate | Spline | Kriging
-    margin: Fit
+    border: Occurrence
     scale: float
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
-        """Values (P, 1) of the function at points `points` (P, k) in [-1, 1]^k, with its own event
-        margins; margins below 0 count as 0."""
-        roots = root_coordinates(self.margin.evaluate(points), self.scale)
+        """Values (P, 1) of the function at points `points` (P, k) in [-1, 1]^k, with its own
+        decision values; those below 0 count as 0."""
+        roots = root_coordinates(self.border.decision(points), self.scale)
         return self.function.evaluate(np.column_stack([points, roots]))
 
     @property
@@ -78,7 +81,7 @@ class RootFunction:
 
     def formula(self) -> Formula:
         """Write the function of parameters alone as a table that other programs can evaluate."""
-        return replace(_formula(self.function), root=self.margin.formula(), root_scale=self.scale)
+        return replace(_formula(self.function), root=self.border.formula(), root_scale=self.scale)
 
 
 def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
@@ -88,12 +91,12 @@ def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
 
 
 def root_fit(
-    points: np.ndarray, values: np.ndarray, margin: Fit, margins: np.ndarray
+    points: np.ndarray, values: np.ndarray, border: Occurrence, margins: np.ndarray
 ) -> Fit | None:
     """Fit values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the points and of the
     roots of event margins (N), above 0 where an event occurs: a `Fit` of a `RootFunction`; None
-    where no margin is positive, or for at most 4 runs. margin: fit that gives the event margin at
-    any points; margins (N): those of the runs."""
+    where no margin is positive, or for at most 4 runs. border: of the event, whose decision
+    function gives the margin at any points; margins (N): those of the runs."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
@@ -102,10 +105,9 @@ def root_fit(
     def add_root(fit: Fit | None) -> Fit | None:
         if fit is None:
             return None
-        kind = f"{fit.kind}, with the root of its margin"
-        function: Any = fit.function
+        kind, function = f"{fit.kind}, with a root at its border", fit.function
         return Fit(fit.points[:, :-1], fit.values, fit.left_out, kind,
-                   RootFunction(function, margin, scale), add_root(fit.rival))  # fmt: skip
+                   RootFunction(function, border, scale), add_root(fit.rival))  # fmt: skip
 
     return add_root(fit)
 
@@ -158,6 +160,15 @@ class Fit:
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P) of the function at `points` (P, k) in [-1, 1]^k."""
         return self.function.evaluate(np.asarray(points, dtype=float))[:, 0]
+
+    def evaluate_border(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) that the function has at `points` (P, k) in [-1, 1]^k if the border of where
+        the event occurs passes there; those of `evaluate` unless it is a `RootFunction`."""
+        if not isinstance(self.function, RootFunction):
+            return self.evaluate(points)
+        return self.function.function.evaluate(np.insert(points, points.shape[1], -1.0, axis=1))[
+            :, 0
+        ]
 
     @property
     def mean_error(self) -> float:

@@ -14,6 +14,7 @@ from .occurrence import FittedOccurrence, Occurrence
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
+_GROUPS = 8  # of lines, whose means tell the error of all lines
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
@@ -191,8 +192,9 @@ def shares_of_box(
     """Volume fractions of the box in which all limits of a set are satisfied, and uncertainties: by
     how much these change by the errors of `Limit.conditions`, calibrated on boxes of known
     fractions (about twice the deviation), or, if that is more, by the other kind of fits. Measured
-    on one line in one dimension, on many lines spread over the box in several; borders of where
-    limits are satisfied are found on each by linear interpolation.
+    on one line in one dimension, on many lines spread over the box in several, whose parts differ
+    by so much that twice the deviation of their mean counts, too; borders of where limits are
+    satisfied are found on each by linear interpolation.
 
     sets: sets of limits, which evaluate surrogates that they share once; free: mask (k) of the
     directions with a width; lower, upper: corners (k each), in [-1, 1]^k, of the part of the box
@@ -219,10 +221,13 @@ def shares_of_box(
             parts, differences = _compare(pairs, flat, len(line), is_tested)
             fractions.append(parts)
             changes += [differences] * is_tested
-        means = np.concatenate(fractions, axis=2).mean(axis=2).tolist()
+        parts = np.concatenate(fractions, axis=2)
+        means, deviations = parts.mean(axis=2).tolist(), _deviations(parts[:, 0]).tolist()
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
-        for i, (fraction, least, most), change in zip(numbers, means, sizes, strict=True):
-            shares[i] = fraction, max(most - fraction, fraction - least, change)
+        for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
+            fraction, least, most = row
+            open_ = max(most - fraction, fraction - least, change)
+            shares[i] = fraction, float(np.hypot(open_, 2 * deviation))
     return shares
 
 
@@ -286,6 +291,15 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
 def _with_gains(shares: np.ndarray) -> np.ndarray:
     """Pairs (..., 2) of the shares of halved and whole boxes as pairs of share and gain."""
     return np.stack([shares[..., 0], shares[..., 0] - shares[..., 1]], axis=-1)
+
+
+def _deviations(parts: np.ndarray) -> np.ndarray:
+    """Standard deviations (n) of the means of parts (n, L) of lines, by those of groups of lines
+    that follow each other; each group is spread over the box."""
+    if parts.shape[1] < _GROUPS:
+        return np.zeros(len(parts))
+    means = np.array([group.mean(axis=1) for group in np.array_split(parts, _GROUPS, axis=1)])
+    return means.std(axis=0, ddof=1) / np.sqrt(_GROUPS)
 
 
 def _compare(

@@ -15,7 +15,7 @@ import scipy
 from ..box import MOST_FULL
 from ..designs import spread_points
 from .fits import Fit
-from .occurrence import Occurrence
+from .occurrence import REACH, Occurrence
 from .surrogate import Extremes, ScalarSurrogate, extreme
 
 TOLERANCE = 1e-3
@@ -32,6 +32,7 @@ _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a 
 _WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
 _END_SHARE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
 _MOST_EXCESS = 0.3  # of the width of the runs: so far beyond them a surrogate may be a bound
+_STEADY, _GROWTH = 0.75, 0.05  # of a time's growth before, and of its width: growth without an end
 _TRUST_RATIO = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
 
 
@@ -119,11 +120,27 @@ def _estimate(
     unit_points = np.array(points).reshape(-1, len(argument))
     # A time that in a part of the box comes after the runs have ended.
     is_late = excess > 0 and end >= surrogate.latest and excess <= _END_SHARE * width
-    if sign > 0 and surrogate.occurrence.is_mixed and (is_late or surrogate.is_censored):
+    is_late = is_late or surrogate.is_censored
+    if sign > 0 and surrogate.occurrence.is_mixed and (is_late or _is_endless(surrogate, argument)):
         return BoundEstimate(surrogate.latest, 0.0, unit_points[: int(excess > tolerance)])
     if is_predicted:
         return BoundEstimate(end, max(error, gain - excess), unit_points)
     return BoundEstimate(value, gain, unit_points)
+
+
+def _is_endless(surrogate: ScalarSurrogate, argument: np.ndarray) -> bool:
+    """Whether a time, largest at a point (k), grows with every bisection of the way to where it
+    ceases, as beside a separatrix: when a run without it is four times as near, about as much as
+    by the four times before, where beside a root's edge it grows by half of that."""
+    occurrence, fit, width = surrogate.occurrence, surrogate.fit, np.ptp(surrogate.fit.values)
+    misses = scipy.spatial.cKDTree(occurrence.points[~occurrence.happens])
+    gaps, gap = misses.query(fit.points)[0], misses.query(argument)[0]
+    order = np.argsort(-gaps, kind="stable")
+    heights = np.maximum.accumulate(fit.values[order])  # the largest that far from all misses
+    ends = -np.log(gap * np.array([16.0, 4.0, 1.0]))
+    first, middle, last = np.interp(ends, -np.log(gaps[order]), heights)
+    is_near = np.isfinite(surrogate.latest) and 16 * gap <= min(REACH, gaps.max())
+    return bool(is_near and last - middle >= max(_STEADY * (middle - first), _GROWTH * width))
 
 
 def _gains(
@@ -132,8 +149,13 @@ def _gains(
     """Unit points (P, k), most promising first, and how far a run there may exceed `value` (P)."""
     occurrence = surrogate.occurrence
     candidates = _candidates(surrogate, argument)
-    candidates = candidates[occurrence.decision(candidates) > -occurrence.band(candidates)]
-    gains = sign * (surrogate.predict(candidates) - value) + local_errors(surrogate.fit, candidates)
+    decision, band = occurrence.decision(candidates), occurrence.band(candidates)
+    candidates, is_open = candidates[decision > -band], (decision < band)[decision > -band]
+    values = sign * surrogate.predict(candidates)
+    values[is_open] = np.maximum(
+        values[is_open], sign * surrogate.fit.evaluate_border(candidates[is_open])
+    )
+    gains = values - sign * value + local_errors(surrogate.fit, candidates)
     physical = surrogate.latest if sign > 0 else surrogate.least
     gains = np.minimum(gains, sign * (physical - value))
     order = np.argsort(-gains, kind="stable")

@@ -3,7 +3,7 @@ over a part of the box, and which parameter widens that."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from typing import Any
@@ -272,13 +272,32 @@ def fit_scalar(
     if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
-    if isinstance(occurrence, FittedOccurrence) and occurrence.latest is None:
-        edge_fit = root_fit(points[happens], values[happens], occurrence.fit, margin[happens])
+    if occurrence.is_mixed and getattr(occurrence, "latest", None) is None:
+        is_known = isinstance(occurrence, FittedOccurrence)
+        margins = margin[happens] if is_known else occurrence.decision(points[happens])
+        edge_fit = root_fit(points[happens], values[happens], occurrence, margins)
         if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
             fit = edge_fit
     return ScalarSurrogate(
         fit, occurrence, -np.inf if least is None else least, np.inf if latest is None else latest
     )
+
+
+def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate]:
+    """Give quantities whose border only runs tell that of one which exists in the same runs, and
+    whose event margin is known, as an expression that of its part: copies, in order."""
+    borders = {
+        border.happens.tobytes(): border
+        for border in (surrogate.occurrence for surrogate in surrogates)
+        if isinstance(border, FittedOccurrence) and border.latest is None
+    }
+
+    def best(border: Occurrence) -> Occurrence:
+        rival = borders.get(border.happens.tobytes(), border)
+        is_better = type(border) is Occurrence and rival.open_fraction < border.open_fraction
+        return rival if is_better else border
+
+    return [replace(surrogate, occurrence=best(surrogate.occurrence)) for surrogate in surrogates]
 
 
 def _occurrence(

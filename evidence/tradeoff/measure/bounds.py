@@ -74,6 +74,6 @@ def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[float]]:
         points, _ = intervals.seek_points(runs.points, runs.values, SEEK, **options)
         if not len(points):
             break
-        before, runs = runs, runs.with_runs(simulate(runs.case, level.elements, points))
-        growth = distance(runs.time, hull(before), hull(runs))
+        narrower, runs = runs, runs.with_runs(simulate(runs.case, level.elements, points))
+        growth = distance(runs.time, hull(narrower), hull(runs))
     return runs, growth

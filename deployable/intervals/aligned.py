@@ -1,0 +1,379 @@
+"""Curves of runs aligned at their events, fitted over the box.
+
+At one instant some runs are before an event (a latch, a stop, a release) and some behind it. No
+polynomial or spline over the box follows the jump between them. But the time of the event is a
+smooth function of the parameters, and so are the curves between two events over mapped time: the
+share of the way from one event to the next, or the time since the last one. So event times and
+mapped curves are fitted, and a value at a time and a point is read at the time that the fitted
+event times map to. Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantification 5 (2017) 540
+(arXiv 1609.09286), who have to estimate the time scale; here the events are known."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .designs import spread_points
+from .errors import IntervalError
+from .spline_equations import distinct
+from .splines import CHUNK, Spline, check_spline_runs, choose_scales, fit_spline
+
+EVENT_NAMES = "event_time", "event_contact", "event_closing"
+"""Variables (run, event) of a samples dataset: time (s), what, and which way, NaN for none."""
+
+MAX_EVENTS = 8
+"""Most events at which curves are aligned, the first ones."""
+
+GAIN = 0.8
+"""Root mean square left-out error of the parts over that of all runs, at which they are split."""
+
+_GAP = 3  # instants that a stretch must have in a run
+_MOST = 0.7  # of the runs must have these
+_SLACK = 0.5  # of the way from the border to the runs beyond it, where a border may be
+_BLOCKS = 8  # of the last stretch, in which the same runs are known
+_SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
+_CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
+_RADII = 0.25 * 0.5 ** np.arange(14)  # of the search about the best of them
+
+
+def name_events(events: np.ndarray) -> list[dict[tuple, float]]:
+    """Return for each of R runs the times (s) of its events by what they are: (what, which way, the
+    how many-th of these). events (R, e, 3): time, what, which way, of each, padded with NaN."""
+    runs = []
+    for table in events:
+        counts: Counter = Counter()
+        named: dict[tuple, float] = {}
+        order = np.argsort(table[:, 0], kind="stable")
+        for when, what, way in table[order[np.isfinite(table[order, 0])]]:
+            named[what, way, counts[what, way]] = when
+            counts[what, way] += 1
+        runs.append(named)
+    return runs
+
+
+def shared_events(runs: list[dict[tuple, float]], time: np.ndarray) -> np.ndarray:
+    """Return the times (R, E) of the events at which the curves of R runs can be aligned.
+
+    runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
+    that all runs have, in one order, and that leaves most of them three instants behind the one
+    before it and before the end. Of events that are closer, or swap, the first counts for all."""
+    keys = [key for key in runs[0] if all(key in named for named in runs[1:])]
+    columns = sorted((np.array([named[key] for named in runs]) for key in keys), key=np.mean)
+    gap, last, kept = _GAP * (time[-1] - time[0]) / (len(time) - 1), time[0], []
+    for column in columns:
+        before, behind = column - last, time[-1] - column
+        if (before >= 0).all() and min(np.mean(before > gap), np.mean(behind > gap)) >= _MOST:
+            kept.append(column)
+            last = column
+    return np.array(kept[:MAX_EVENTS]).reshape(-1, len(runs)).T
+
+
+def first_difference(runs: list[dict[tuple, float]]) -> float:
+    """Return the earliest time (s) of an event that not all runs have, infinite if there is none.
+    runs: times of events by what they are (`name_events`)."""
+    shared = set(runs[0]).intersection(*runs[1:])
+    return min(
+        (t for named in runs for key, t in named.items() if key not in shared), default=np.inf
+    )
+
+
+class AlignedCurves:
+    """Curves of R runs, aligned at E events, as functions of k parameters.
+
+    points (R, k): of the runs in [-1, 1]^k; values (R, n, T): of n responses at `time` (T, s);
+    times (R, E): of the events, s. `spline`: of mapped curves (R, n, S); `times_spline`: of event
+    times, None without any; `until`: the last time (s) that is known in all of the box, since the
+    last stretch is as long as the shortest of any run."""
+
+    def __init__(
+        self, points: np.ndarray, values: np.ndarray, time: np.ndarray, times: np.ndarray,
+        scales: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        self.points, self.values, self.time = points, values, time
+        step = (time[-1] - time[0]) / (len(time) - 1)
+        self.times_spline: Spline | None = None
+        while times.shape[1]:  # those whose times are smooth functions
+            self.times_spline = fit_spline(points, times, scales)
+            error = np.sqrt((self.times_spline.left_out**2).mean(axis=0))
+            smooth = error <= np.maximum(_SMOOTH * times.std(axis=0), step)
+            if smooth.all():
+                break
+            times, self.times_spline = times[:, smooth], None
+        self.times, self.until = times, time[-1]
+        starts = np.concatenate([np.full((len(times), 1), time[0]), times], axis=1)
+        self.reach = time[-1] - starts[:, -1].min()
+        lengths = np.append(np.diff(starts, axis=1).mean(axis=0), self.reach)
+        self.counts = np.maximum(2 * np.ceil(lengths / step).astype(int) + 1, 5)
+        self.offsets = np.cumsum(self.counts) - self.counts
+        mapped = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
+        self._fill(mapped, scales)
+
+    def _map(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+        """Curves (n, T) of a run over mapped time (n, S), from one side at events; NaN where the
+        run has ended, and in a stretch of less than three instants."""
+        ends, parts = np.append(starts[1:], starts[-1] + self.reach), []
+        edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
+        for i, (start, end, count) in enumerate(zip(starts, ends, self.counts, strict=True)):
+            first = np.searchsorted(self.time, start + edge) if i else 0
+            stop = np.searchsorted(self.time, end - edge) if i < len(starts) - 1 else len(self.time)
+            instants = start + np.linspace(0.0, 1.0, count) * (end - start)
+            part = np.full((len(values), count), np.nan)
+            if stop - first >= _GAP:
+                curve = CubicSpline(self.time[first:stop], values[:, first:stop], axis=1)
+                known = instants <= self.time[-1] + edge
+                part[:, known] = curve(instants[known])
+            parts.append(part)
+        return np.concatenate(parts, axis=1)
+
+    def _fill(self, mapped: np.ndarray, scales: np.ndarray | None) -> None:
+        """Fit curves (R, n, S), what is not known of a run (NaN) by the splines through others."""
+        known = np.isfinite(mapped[:, 0])
+        sure = known.all(axis=0)
+        if scales is None:
+            flat = mapped[:, :, sure].reshape(len(mapped), -1)
+            scales = choose_scales(self.points, flat)
+        stretches = np.split(np.arange(known.shape[1]), self.offsets[1:])
+        for block in (*stretches[:-1], *np.array_split(stretches[-1], _BLOCKS)):
+            rows = known[:, block].all(axis=1)
+            if rows.all() or not len(block):
+                continue
+            try:
+                check_spline_runs(self.points[rows])
+                spline = fit_spline(self.points[rows], mapped[rows][:, :, block], scales)
+            except IntervalError:
+                if block[0] < self.offsets[-1]:
+                    raise
+                last = self.times[:, -1].min() if self.times.size else self.time[0]
+                share = (block[0] - 1 - self.offsets[-1]) / (self.counts[-1] - 1)
+                self.until = min(self.until, last + max(share, 0.0) * self.reach)
+                mapped[:, :, block[0] :] = np.nan_to_num(mapped[:, :, block[0] :])
+                break
+            # Far beyond the runs that are known a cubic is anything.
+            part = mapped[rows][:, :, block]
+            filled = np.clip(spline.evaluate(self.points), part.min(axis=0), part.max(axis=0))
+            mapped[:, :, block] = np.where(known[:, None, block], mapped[:, :, block], filled)
+        self.mapped, self.spline = mapped, fit_spline(self.points, mapped, scales)
+        if len(self.spline.points) < len(self.points):
+            raise IntervalError("runs", len(self.points), "runs that are farther apart")
+        self.errors = np.where(known[:, None], self.spline.left_out, 0.0)
+
+    def times_at(self, points: np.ndarray) -> np.ndarray:
+        """Return the event times (P, E), s, at points (P, k)."""
+        spline = self.times_spline
+        return np.zeros((len(points), 0)) if spline is None else spline.evaluate(points)
+
+    def place(self, times: np.ndarray, instants: np.ndarray) -> np.ndarray:
+        """Return where instants (P, T) or (T), s, are along mapped time, as fractions (P, T) of its
+        columns, with event times (P, E)."""
+        times = np.maximum.accumulate(times, axis=1)
+        starts = np.concatenate([np.full((len(times), 1), self.time[0]), times], axis=1)
+        reach = np.full((len(times), 1), self.reach)
+        lengths = np.concatenate([np.diff(starts, axis=1), reach], axis=1)
+        instants = np.broadcast_to(instants, (len(times), np.shape(instants)[-1]))
+        piece = (instants[:, :, None] >= times[:, None, :]).sum(axis=-1)
+        start, length = (np.take_along_axis(x, piece, axis=1) for x in (starts, lengths))
+        share = np.clip((instants - start) / np.maximum(length, 1e-12 * self.reach), 0.0, 1.0)
+        return self.offsets[piece] + share * (self.counts[piece] - 1)
+
+    def read(self, times: np.ndarray, mapped: np.ndarray, instants: np.ndarray) -> np.ndarray:
+        """Return curves (P, n, T) at instants (T) of mapped ones (P, n, S) with times (P, E)."""
+        place = self.place(times, instants)
+        first = np.minimum(place.astype(int), mapped.shape[-1] - 2)
+        share = (place - first)[:, None]
+        low, high = (np.take_along_axis(mapped, c[:, None], axis=2) for c in (first, first + 1))
+        return low + share * (high - low)
+
+    def evaluate(self, points: np.ndarray, instants: np.ndarray) -> np.ndarray:
+        """Return the curves (P, n, T) at points (P, k) in [-1, 1]^k and instants (T), s."""
+        return self.read(self.times_at(points), self.spline.evaluate(points), instants)
+
+    def at(self, points: np.ndarray, response: np.ndarray, instants: np.ndarray) -> np.ndarray:
+        """Return C values at C points (C, k): of responses of these indices (C) at instants (C)."""
+        place = self.place(self.times_at(points), instants[:, None])[:, 0]
+        first = np.minimum(place.astype(int), self.mapped.shape[-1] - 2)
+        share, w = place - first, self.spline.weights
+        weights = w[:, response, first] * (1 - share) + w[:, response, first + 1] * share
+        if self.spline.on_line:
+            index, factor = self.spline.line_rows(points)
+            return (factor * weights[index, np.arange(len(index))[:, None]]).sum(axis=1)
+        return np.einsum("cm,mc->c", self.spline.basis(points), weights)
+
+    @cached_property
+    def left_out(self) -> np.ndarray:
+        """Values (R, n, T) of runs less those of the fit to all others."""
+        times = self.times
+        if self.times_spline is not None:
+            times = times - self.times_spline.left_out
+        return self.values - self.read(times, self.mapped - self.errors, self.time)
+
+    @property
+    def time_errors(self) -> np.ndarray:
+        """Left-out errors (R, E) of event times, s."""
+        if self.times_spline is None:
+            return np.zeros((len(self.points), 0))
+        return self.times_spline.left_out
+
+    @cached_property
+    def left_out_shapes(self) -> np.ndarray:
+        """As `left_out`, of mapped curves: without the errors of event times."""
+        return self.read(self.times, self.errors, self.time)
+
+
+@dataclass(frozen=True)
+class Part:
+    """Runs of one sequence of events, and where in the box it is. rows (r): indices of the runs;
+    curves: fitted to them; borders: pairs of a spline and a sign; the part is where the spline's
+    value (P, 1) at a point times the sign is above 0, for each pair."""
+
+    rows: np.ndarray
+    curves: AlignedCurves
+    borders: list[tuple[Spline, float]] = field(default_factory=list)
+
+    def contains(self, points: np.ndarray, slack: float = 0.0) -> np.ndarray:
+        """Return whether points (P, k) in [-1, 1]^k are in this part of the box (P), or near it:
+        where splines, 1 at runs inside its borders and -1 outside, are above -`slack`."""
+        inside = np.ones(len(points), bool)
+        for spline, sign in self.borders:
+            inside &= sign * spline.evaluate(points)[:, 0] > -slack
+        return inside
+
+    def maximum(
+        self, sign: float, columns: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the largest values (C) of the curves times `sign` over the part of the box, their
+        points (C, k), and the largest values (C) with what is near the borders, for the C responses
+        and instants of the mask `columns` (n, T).
+
+        A search by coordinates, with steps that are halved, starts from the best of the runs and of
+        points spread over the box, and from those of the instants before and behind."""
+        curves, time = self.curves, self.curves.time
+        free = self.curves.spline.scales > 0
+        trial = spread_points(free, _CANDIDATES)
+        trial[:, ~free] = curves.points[0, ~free]
+        trial = np.concatenate([curves.points, trial[self.contains(trial, _SLACK)]])
+        outside = ~self.contains(trial)
+        outside[: len(curves.points)] = False
+        instants = np.flatnonzero(columns.any(axis=0))
+        best = np.full((len(columns), len(instants)), -np.inf)
+        near, which = best.copy(), np.zeros(best.shape, int)
+        step = max(CHUNK // max(best.size, curves.mapped[0].size), 1)
+        for start in range(0, len(trial), step):
+            part = slice(start, start + step)
+            values = sign * curves.evaluate(trial[part], time[instants])
+            near = np.maximum(near, values.max(axis=0))
+            values[outside[part]] = -np.inf
+            top = values.argmax(axis=0)
+            value = np.take_along_axis(values, top[None], axis=0)[0]
+            which = np.where(value > best, start + top, which)
+            best = np.maximum(value, best)
+        chosen = columns[:, instants]
+        response, instant = np.nonzero(chosen)
+        shifted = (np.roll(which, shift, axis=1)[chosen] for shift in (0, 1, -1))
+        found, x = np.full(len(response), -np.inf), np.zeros((len(response), len(free)))
+        for rows in shifted:
+            value, point = self._climb(sign, trial[rows], response, time[instants[instant]])
+            better = value > found
+            found, x = np.where(better, value, found), np.where(better[:, None], point, x)
+        return found, x, np.maximum(found, near[chosen])
+
+    def _climb(self, sign, x, response, instants) -> tuple[np.ndarray, np.ndarray]:
+        """Larger values (C) near points (C, k), and where."""
+        axes = np.diag(self.curves.spline.scales > 0).astype(float)
+        axes = axes[axes.any(axis=1)]
+        # Extremes may lie where an event is at just that instant, along no parameter.
+        oblique = np.random.default_rng(0).uniform(-1.0, 1.0, (2 * len(axes), len(axes))) @ axes
+        best = self._at(sign, x, response, instants)
+        for radius in _RADII:
+            for way in (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes):
+                trial = np.clip(x + radius * way, -1.0, 1.0)
+                value = self._at(sign, trial, response, instants)
+                better = value > best
+                x[better], best[better] = trial[better], value[better]
+        return best, x
+
+    def _at(self, sign, x, response, instants) -> np.ndarray:
+        values = np.full(len(x), -np.inf)
+        step = max(CHUNK // len(self.curves.points), 1)
+        for start in range(0, len(x), step):
+            part = slice(start, start + step)
+            values[part] = sign * self.curves.at(x[part], response[part], instants[part])
+        if self.borders:
+            values[~self.contains(x)] = -np.inf
+        return values
+
+
+def split_runs(
+    points: np.ndarray, values: np.ndarray, time: np.ndarray, events: list[dict], depth: int = 2
+) -> list[Part]:
+    """Fit aligned curves to runs, in parts where that predicts left-out runs better.
+
+    points (R, k): of the runs in [-1, 1]^k; values (R, n, T) at `time` (T, s); events: times of the
+    events of each run by what they are (`name_events`); depth: how many times parts are split."""
+    rows = distinct(points)  # in an order that is not that of the runs
+    rows = rows[np.lexsort(points[rows].T)]
+    return _split(rows, points, values, time, events, [], None, depth)
+
+
+def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:
+    named = [events[row] for row in rows]
+    times = shared_events(named, time)
+    curves = AlignedCurves(points[rows], values[rows], time, times, scales)
+    whole, scales = [Part(rows, curves, borders)], curves.spline.scales
+    for label in _labels(named, time) if depth else ():
+        sides = []
+        try:
+            border = fit_spline(points[rows], np.where(label, 1.0, -1.0)[:, None])
+            for sign in (1.0, -1.0):
+                side = rows[label == (sign > 0)]
+                check_spline_runs(points[side])
+                pairs = [*borders, (border, sign)]
+                sides += _split(side, points, values, time, events, pairs, scales, depth - 1)
+        except IntervalError:  # too few runs on one side
+            continue
+        if _loss(sides, values, time) < GAIN * _loss(whole, values, time):
+            return sides
+    return whole
+
+
+def _labels(events: list[dict], time: np.ndarray) -> Iterator[np.ndarray]:
+    """Masks (R) by which runs may be split: whether they have an event, and which of two comes
+    first, where that is by more than some instants; the two that split them most evenly."""
+    gap = _GAP * (time[-1] - time[0]) / (len(time) - 1)
+    keys = sorted({key for named in events for key in named})
+    has = {key: np.array([key in named for named in events]) for key in keys}
+    masks = [mask for mask in has.values() if not mask.all()]
+    shared = [np.array([named[key] for named in events]) for key in keys if has[key].all()]
+    for i, column in enumerate(shared[:MAX_EVENTS]):
+        for other in shared[i + 1 : MAX_EVENTS]:
+            if (column - other).max() > gap and (other - column).max() > gap:
+                masks.append(column < other)
+    masks = [mask for mask in masks if 0 < mask.sum() < len(mask)]
+    unique = {min(mask.tobytes(), (~mask).tobytes()): mask for mask in masks}
+    yield from sorted(unique.values(), key=lambda mask: abs(mask.mean() - 0.5))[:2]
+
+
+def _loss(parts: list[Part], values: np.ndarray, time: np.ndarray) -> float:
+    """The root mean square left-out error of runs, of responses by the spread of their values."""
+    known = time <= min(part.curves.until for part in parts)
+    spread = np.maximum(np.ptp(values, axis=(0, 2)), 1e-300)[:, None]
+    errors = np.concatenate([part.curves.left_out[..., known] for part in parts]) / spread
+    return float(np.sqrt((errors**2).mean())) if errors.size else np.inf
+
+
+def change_within(time: np.ndarray, curves: np.ndarray, shift: float) -> np.ndarray:
+    """Return by how much curves (n, T) at `time` (T, s) change within a time `shift` (s) of each
+    instant, at most (n, T)."""
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    count = int(shift // step)
+    most = np.zeros_like(curves)
+    for offset in range(1, count + 2):
+        share = 1.0 if offset <= count else shift / step - count
+        change = share * np.abs(curves[:, offset:] - curves[:, :-offset])
+        most[:, offset:] = np.maximum(most[:, offset:], change)
+        most[:, :-offset] = np.maximum(most[:, :-offset], change)
+    return most

@@ -1,0 +1,151 @@
+"""Curves through events against closed forms: stops, events in part of the box, swaps."""
+
+import itertools
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.stats import qmc
+
+from deployable.intervals import bounds_dataset
+from deployable.intervals.aligned import name_events, shared_events
+from deployable.intervals.chebyshev import tensor
+from deployable.intervals.designs import Design
+
+TIME = np.linspace(0.0, 2.0, 400)  # no run at a corner has its event at an instant
+
+
+def stop(x):
+    """A mass at the speed v comes to a stop at L, and leaves it at 0.6 v: position and speed."""
+    v, length = 2 + 0.3 * x[0], 1.5 + 0.2 * x[1]
+    hit = length / v
+    position = np.where(hit > TIME, v * TIME, length - 0.6 * v * (TIME - hit))
+    return [position, np.where(hit > TIME, v, -0.6 * v)], [(hit, 0, 1)]
+
+
+def brake(x):
+    """A mass that brakes evenly, and comes to a stop only if it is fast enough."""
+    v, length = 2 + 0.5 * x[0], 1.6 + 0.15 * x[1]
+    free = [v * TIME - TIME**2 / 2, v - TIME]
+    rest = v * v - 2 * length
+    if rest <= 0 or (hit := v - np.sqrt(rest)) > TIME[-1]:
+        return free, []
+    after, back = TIME - hit, 0.5 * (v - hit)
+    behind = length - back * after - after**2 / 2, -back - after
+    return [np.where(after < 0, *pair) for pair in zip(free, behind, strict=True)], [(hit, 0, 1)]
+
+
+def swap(x):
+    """Two jumps, either of which may come first."""
+    one, other = 1 + 0.3 * x[0], 1 + 0.3 * x[1]
+    jumps = (one < TIME) - 0.7 * (other < TIME) * (1 + 0.2 * x[0])
+    return [np.sin(2 * TIME) + jumps], [(one, 0, 1), (other, 1, 1)]
+
+
+def samples(motion, points):
+    """A samples dataset of the runs at points (R, 2)."""
+    values, events = zip(*map(motion, points), strict=True)
+    table = np.full((len(points), 2, 3), np.nan)
+    for row, found in zip(table, events, strict=True):
+        row[: len(found)] = np.reshape(found, (-1, 3))
+    names = [f"r{i}" for i in range(len(values[0]))]
+    axes = ("event_time", "event_contact", "event_closing")
+    return xr.Dataset(
+        {
+            "values": (("run", "response", "time"), np.array(values)),
+            "normalized": (("run", "parameter"), points),
+            "value": (("run", "parameter"), points),
+            **{name: (("run", "event"), table[..., i]) for i, name in enumerate(axes)},
+        },
+        coords={"time": TIME, "response": names, "parameter": ["a", "b"]},
+    )
+
+
+def runs(order):
+    """A tensor grid (N, 2) with its design, and four further points."""
+    line = np.cos(np.pi * np.arange(order + 1) / order)
+    nodes = np.array(list(itertools.product(line, line)))
+    design = Design(nodes, tensor((order, order)), "tensor_lobatto", (order, order))
+    return design, np.concatenate([nodes, qmc.Sobol(2, seed=7).random(4) * 2 - 1])
+
+
+@pytest.fixture(scope="module")
+def dense():
+    """Points (P, 2) by which bounds are known."""
+    return np.concatenate([qmc.Sobol(2, seed=1).random(4096) * 2 - 1, runs(1)[0].points])
+
+
+def errors(bounds, motion, dense):
+    """Integrated errors (n) of bounds over the widths, and the share (n) of the instants at which
+    the dense runs are within the bounds and their errors."""
+    true = np.array([motion(x)[0] for x in dense])
+    low, high = true.min(axis=0), true.max(axis=0)
+    lower, upper, error = (bounds[name].values for name in ("lower", "upper", "error"))
+    off = np.maximum(np.abs(lower - low), np.abs(upper - high)).sum(axis=1)
+    slack = error + 1e-6 * np.ptp(true)
+    inside = (low >= lower - slack) & (high <= upper + slack)
+    return off / (high - low).sum(axis=1), inside.mean(axis=1)
+
+
+def test_a_jump_that_each_run_has_at_its_own_time_is_followed(dense):
+    design, points = runs(2)
+    data = samples(stop, points)
+    off, inside = errors(bounds_dataset(data, design, model="aligned"), stop, dense)
+    assert (off < 0.01).all() and (inside >= 0.99).all()
+    plain, _ = errors(bounds_dataset(data, design, model="polynomial"), stop, dense)
+    assert plain[1] > 5 * off[1]
+
+
+@pytest.mark.parametrize(("motion", "most"), [(stop, 0.01), (brake, 0.02), (swap, 0.01)])
+def test_the_model_that_predicts_left_out_runs_best_is_taken(motion, most, dense):
+    design, points = runs(4)
+    bounds = bounds_dataset(samples(motion, points), design, model="auto")
+    off, inside = errors(bounds, motion, dense)
+    assert (off < most).all()
+    assert (inside >= (0.85 if motion is brake else 0.99)).all()
+    assert len(np.unique(bounds["model"])) > 1
+
+
+def test_bounds_contain_every_run_and_are_attained_where_they_say():
+    design, points = runs(4)
+    data = samples(brake, points)
+    bounds = bounds_dataset(data, design, model="aligned")
+    assert (data["values"] >= bounds["lower"] - 1e-12).all()
+    assert (data["values"] <= bounds["upper"] + 1e-12).all()
+    at = 100  # before any run has come to the stop
+    for side, where in (("lower", "argmin"), ("upper", "argmax")):
+        x = bounds[where].values[0, at]
+        assert brake(x)[0][0][at] == pytest.approx(bounds[side].values[0, at], abs=1e-4)
+
+
+def test_neither_order_of_runs_and_parameters_nor_units_of_time_and_response_matter():
+    design, points = runs(4)
+    data = samples(stop, points)
+    first = bounds_dataset(data, design, model="auto")
+    shuffled = data.isel(run=np.random.default_rng(0).permutation(len(points)))
+    other = bounds_dataset(shuffled, design, model="auto")
+    scaled = data.copy(deep=True).assign_coords(time=1e3 * TIME)
+    scaled["event_time"].values *= 1e3
+    scaled["values"].values *= 1e-3
+    in_units = bounds_dataset(scaled, design, model="auto")
+    for name in ("lower", "upper"):
+        np.testing.assert_allclose(other[name], first[name], atol=1e-4)
+        np.testing.assert_allclose(1e3 * in_units[name], first[name], atol=1e-4)
+
+
+def test_events_that_not_all_runs_have_or_that_come_together_are_not_shared():
+    tables = np.full((3, 3, 3), np.nan)
+    for i, row in enumerate(tables):
+        row[0] = 0.5 + 0.1 * i, 0, 1
+        row[1] = 0.505 + 0.1 * i, 1, 1  # within an instant of it
+    tables[0, 2] = 1.5, 2, 1
+    times = shared_events(name_events(tables), TIME)
+    np.testing.assert_allclose(times[:, 0], [0.5, 0.6, 0.7])
+    assert times.shape == (3, 1)
+
+
+def test_without_events_the_choice_is_between_polynomial_and_spline():
+    design, points = runs(4)
+    data = samples(stop, points).drop_vars(["event_time", "event_contact", "event_closing"])
+    bounds = bounds_dataset(data, design, model="auto")
+    assert bounds.attrs["models"] == ["polynomial", "spline"]

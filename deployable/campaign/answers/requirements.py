@@ -69,7 +69,7 @@ def _judge_limits(
 ) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. What
     is nearest to a failed run counts as failing, and is open."""
-    row, share = _judge_sound(model, result, indices, shares), model.lost_share
+    row, share = _judge_sound(model, result, limits, shares), model.lost_share
     if len(model.failed_points):
         row["met"] = "none" if row["met"] == "none" else "some"
         row["share"] *= 1.0 - share

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 from deployable.campaign.config.keys import RefusedError
 from deployable.campaign.config.models import (

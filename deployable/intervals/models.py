@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from .aligned import (
+from .alignment import (
     EVENT_NAMES,
     AlignedCurves,
     change_within,
@@ -100,8 +100,8 @@ class PolynomialModel(Model):
     def range(self, columns: np.ndarray | None = None) -> Range:
         if columns is None:
             return find_surrogate_range(self.surrogate, self.tolerance)
-        wanted = replace(self.surrogate, coefficients=self.surrogate.coefficients[:, columns])
-        return spread_out(find_surrogate_range(wanted, self.tolerance), columns)
+        selection = replace(self.surrogate, coefficients=self.surrogate.coefficients[:, columns])
+        return spread_out(find_surrogate_range(selection, self.tolerance), columns)
 
     @cached_property
     def left_out(self) -> np.ndarray:
@@ -240,8 +240,8 @@ class SplineModel(Model):
         else:
             names = set(self.spline.__dataclass_fields__) - {"points", "scales"}
             parts = {n: getattr(self.spline, n) for n in names}
-            cut = {n: x[columns] if n in _PLAIN else x[:, columns] for n, x in parts.items()}
-            bounds = spread_out(spline_range(replace(self.spline, **cut)), columns)
+            fields = {n: x[columns] if n in _PLAIN else x[:, columns] for n, x in parts.items()}
+            bounds = spread_out(spline_range(replace(self.spline, **fields)), columns)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
@@ -272,7 +272,7 @@ class SplineModel(Model):
 
 
 class AlignedModel(Model):
-    """Splines through all runs (`samples`), aligned at the events that all runs have (aligned.py).
+    """Splines through all runs (`samples`), aligned at the events that they share (alignment.py).
 
     Where some runs lack an event, or have two in another order, the runs are split by that if the
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
@@ -282,7 +282,7 @@ class AlignedModel(Model):
     those that `design`, if given, does not contain, and the most by which the bounds change within
     the left-out error of event times, or with what is near the borders of parts."""
 
-    kind = "attained range of splines through all runs, aligned at their events"
+    kind = "attained range of splines through all runs, alignment at their events"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
         check_spline_runs(samples.points)
@@ -292,8 +292,8 @@ class AlignedModel(Model):
         rows = distinct(self.points)
         self.tests = (np.abs(self.points[rows]) < 1).all(axis=1)
         if design is not None:
-            others = find_other_runs(self.points[rows], design.points[:, self.order])
-            self.tests[others] = True
+            other_rows = find_other_runs(self.points[rows], design.points[:, self.order])
+            self.tests[other_rows] = True
         self.tests = rows[self.tests] if self.tests.any() else rows
         runs = [{} for _ in self.points]
         if all(name in samples.source for name in EVENT_NAMES):
@@ -303,7 +303,7 @@ class AlignedModel(Model):
         self.differ = first_difference(runs)
         if len(self.parts) > 1:  # where a part ends, runs inside the box are at its edge
             self.tests = rows
-        self.until = min(part.curves.until for part in self.parts)
+        self.end_time = min(part.curves.end_time for part in self.parts)
         count = max(part.curves.times.shape[1] for part in self.parts)
         self.attributes = {
             "design_runs": len(self.points),
@@ -321,27 +321,27 @@ class AlignedModel(Model):
         values = np.full(self.samples.values.shape, np.nan)
         for part in self.parts:
             values[part.rows] = curves_of(part.curves)
-        values[:, :, self.samples.time > self.until] = np.nan
+        values[:, :, self.samples.time > self.end_time] = np.nan
         return values
 
     def range(self, columns: np.ndarray | None = None) -> Range:
         values, time = self.samples.values, self.samples.time
         columns = np.ones(values.shape[1:], bool) if columns is None else columns
-        columns = columns & (time <= self.until)
+        columns = columns & (time <= self.end_time)
         sides = []
         self.border_error = np.zeros(columns.shape)
         for sign in (-1.0, 1.0):
             run = (sign * values).argmax(axis=0)
             best = sign * np.take_along_axis(values, run[None], axis=0)[0]
             x = self.points[run]
-            near = best.copy()
+            near_values = best.copy()
             for part in self.parts:
-                found, where, beyond = part.maximum(sign, columns)
-                near[columns] = np.maximum(near[columns], beyond)
-                better = found > best[columns]
-                best[columns] = np.where(better, found, best[columns])
-                x[columns] = np.where(better[:, None], where, x[columns])
-            self.border_error = np.maximum(self.border_error, near - best)
+                values_of_part, places, border_values = part.maximum(sign, columns)
+                near_values[columns] = np.maximum(near_values[columns], border_values)
+                better = values_of_part > best[columns]
+                best[columns] = np.where(better, values_of_part, best[columns])
+                x[columns] = np.where(better[:, None], places, x[columns])
+            self.border_error = np.maximum(self.border_error, near_values - best)
             sides += [sign * best, x[..., np.argsort(self.order)]]
         low, x_low, high, x_high = sides
         return to_range(low, high, x_low, x_high)
@@ -352,15 +352,15 @@ class AlignedModel(Model):
         held_out = np.nan_to_num(np.abs(shapes)).max(axis=0)
         shift = 0.0
         for part in self.parts:
-            tested = part.curves.time_errors[np.isin(part.rows, self.tests)]
-            shift = max(shift, float(np.abs(tested).max(initial=0.0)))
+            time_errors = part.curves.time_errors[np.isin(part.rows, self.tests)]
+            shift = max(shift, float(np.abs(time_errors).max(initial=0.0)))
         wide = _ALIGNED_WINDOW * (time[-1] - time[0]) if window is None else window
         estimate = estimate_error(time, held_out, np.zeros_like(held_out), wide)
         total = estimate.total + self.border_error
         for curve in (bounds.inner_lower, bounds.inner_upper):
             total = total + change_within(time, curve, shift)
-        beyond = time > self.until
-        total[:, beyond] = (bounds.inner_upper - bounds.inner_lower)[:, beyond]
+        border_values = time > self.end_time
+        total[:, border_values] = (bounds.inner_upper - bounds.inner_lower)[:, border_values]
         return replace(estimate, total=total)
 
     def centre(self) -> np.ndarray:
@@ -383,45 +383,49 @@ class AutoModel(Model):
         self.fits: list[Model] = []
         if design is not None and len(design.multi_indices):
             self.fits.append(PolynomialModel(samples, design))
-        aligned = None
+        alignment = None
         is_small = len(samples.points) <= AUTO_RUNS or not self.fits
         with suppress(IntervalError):
             if not is_small:
                 raise IntervalError("runs", len(samples.points), f"at most {AUTO_RUNS}")
             self.fits.append(SplineModel(samples, design))
-            aligned = AlignedModel(samples, design)
-            if aligned.attributes["aligned_events"]:
-                self.fits.append(aligned)
+            alignment = AlignedModel(samples, design)
+            if alignment.attributes["aligned_events"]:
+                self.fits.append(alignment)
         if not self.fits:
             raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
-        self.choice = self._choose(aligned)
+        self.choice = self._choose(alignment)
         self.test_rows = self.fits[0].test_rows
         names = [next(n for n, kind in MODELS.items() if type(fit) is kind) for fit in self.fits]
         self.attributes = {**self.fits[-1].attributes, "models": names}
 
-    def _choose(self, aligned: AlignedModel | None) -> np.ndarray:
+    def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
         """The index of the model (n, T)."""
         time, choice = self.samples.time, np.zeros(self.samples.values.shape[1:], int)
         errors = [fit.left_out for fit in self.fits]
         ends = [time[0], np.inf]
-        if aligned is not None:
-            ends.append(min(aligned.differ, time[-1]))
-        for part in aligned.parts if aligned else ():
+        if alignment is not None:
+            ends.append(min(alignment.differ, time[-1]))
+        for part in alignment.parts if alignment else ():
             ends += [
                 *part.curves.times.min(axis=0),
                 *part.curves.times.max(axis=0),
-                part.curves.until,
+                part.curves.end_time,
             ]
         tests = self.fits[0].test_rows
         # More runs tell splines apart than those that the polynomial is not fitted to.
-        runs = tests if aligned is None or not len(tests) else np.union1d(tests, aligned.tests)
+        runs = tests if alignment is None or not len(tests) else np.union1d(tests, alignment.tests)
         for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
             loss = np.array([_mean_square(e[runs, :, first:last]) for e in errors])
             best = loss[1:].argmin(axis=0) + 1 if len(errors) > 1 else 0
             if len(tests):
                 loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
                 best = np.where(loss[0] <= loss[best, np.arange(len(loss[0]))], 0, best)
-            if aligned is not None and len(aligned.parts) > 1 and time[last - 1] > aligned.differ:
+            if (
+                alignment is not None
+                and len(alignment.parts) > 1
+                and time[last - 1] > alignment.differ
+            ):
                 best = len(errors) - 1  # the others pass over what happens in a part of the box
             choice[:, first:last] = np.reshape(best, (-1, 1))
         return choice
@@ -435,12 +439,12 @@ class AutoModel(Model):
 
     def _join(self, results: list) -> Any:
         """One Range or ErrorEstimate, of which each instant has the chosen model's."""
-        joined = {}
+        arrays_by_name = {}
         for name in results[0].__dataclass_fields__:
             arrays = np.array([getattr(result, name) for result in results])
             choice = self.choice.reshape(1, *self.choice.shape, *[1] * (arrays.ndim - 3))
-            joined[name] = np.take_along_axis(arrays, choice, axis=0)[0]
-        return replace(results[0], **joined)
+            arrays_by_name[name] = np.take_along_axis(arrays, choice, axis=0)[0]
+        return replace(results[0], **arrays_by_name)
 
     def centre(self) -> np.ndarray:
         return self.fits[0].centre()
@@ -452,9 +456,9 @@ class AutoModel(Model):
 
 def _mean_square(errors: np.ndarray) -> np.ndarray:
     """Mean squares (n) of left-out errors (R, n, T), infinite where none is known."""
-    known = np.isfinite(errors).sum(axis=(0, 2))
+    is_known = np.isfinite(errors).sum(axis=(0, 2))
     squares = np.where(np.isfinite(errors), errors, 0.0) ** 2
-    return np.where(known > 0, squares.sum(axis=(0, 2)) / np.maximum(known, 1), np.inf)
+    return np.where(is_known > 0, squares.sum(axis=(0, 2)) / np.maximum(is_known, 1), np.inf)
 
 
 MODELS: dict[str, type[Model]] = {

@@ -172,23 +172,27 @@ def add_runs(
     these and their role are left out."""
     import xarray as xr
 
-    more = {
+    extension = {
         "values": (("run", "response", "time"), curves),
         "normalized": (("run", "parameter"), points),
         "value": (("run", "parameter"), values),
         "role": ("run", np.array(["further"] * len(points), dtype=object)),
     }
     for i, name in enumerate(("event_time", "event_contact", "event_closing")):
-        more[name] = (("run", "event"), events[..., i])
-    known = samples[list(more)]
+        extension[name] = (("run", "event"), events[..., i])
+    columns = samples[list(extension)]
+    columns = columns.drop_vars(set(columns.coords) - set(columns.dims))
     size = max(samples.sizes["event"], events.shape[1])
-    both = [
+    parts = [
         part.pad(event=(0, size - part.sizes["event"]), constant_values=np.nan)
-        for part in (known.drop_vars(set(known.coords) - set(known.dims)), xr.Dataset(more))
+        for part in (
+            columns.drop_vars(set(columns.coords) - set(columns.dims)),
+            xr.Dataset(extension),
+        )
     ]
-    joined = xr.concat(both, "run", join="override", coords="minimal", compat="override")
+    runs = xr.concat(parts, "run", join="override", coords="minimal", compat="override")
     rest = samples.drop_dims("run")
-    return rest.merge(joined).assign_attrs(samples.attrs)
+    return rest.merge(runs).assign_attrs(samples.attrs)
 
 
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:

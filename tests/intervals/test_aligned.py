@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.stats import qmc
 
 from deployable.intervals import bounds_dataset
-from deployable.intervals.aligned import name_events, shared_events
+from deployable.intervals.alignment import name_events, shared_events
 from deployable.intervals.chebyshev import tensor
 from deployable.intervals.designs import Design
 

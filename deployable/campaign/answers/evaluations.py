@@ -26,7 +26,7 @@ from deployable.campaign.runs.batch import (
     notify_reruns,
 )
 from deployable.campaign.runs.progress import Notify, warm_up
-from deployable.campaign.runs.results import RunRecord
+from deployable.campaign.runs.results import RunRecord, pad_events
 from deployable.campaign.runs.store import open_store
 from deployable.intervals.designs import scan_points
 
@@ -45,6 +45,11 @@ class FurtherRuns:
         self.experiment = experiment
         self.values: list[list[float]] = []
         self.records: list[RunRecord] = []
+
+    @property
+    def events(self) -> np.ndarray:
+        """Events (R, e, 3) of the runs: time (s), what, and which way, padded with NaN."""
+        return pad_events([record.events for record in self.records])
 
     def add(self, model: Experiment, run: PlannedRun, record: RunRecord) -> None:
         """Add a run of a plan for `model`, an experiment that may have other intervals."""

@@ -16,7 +16,6 @@ from deployable.campaign.config.sections import BoundsChoice, Experiment, make_d
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.results import pad_events
 from fpm.files.seals import unseal
 
 
@@ -68,11 +67,10 @@ def include_runs(folder: Folder, runs: Any) -> None:
     with open_dataset(folder.design_bounds) as bounds, open_dataset(folder.samples) as samples:
         wider = bounds
         if "models" in bounds.attrs:
-            events = pad_events([record.events for record in runs.records])
             points = runs.experiment.box.to_unit(values)
-            more = intervals.add_runs(samples, points, values, curves, events)
+            samples = intervals.add_runs(samples, points, values, curves, runs.events)
             design = make_design(runs.experiment.design, runs.experiment.box)
-            wider = intervals.bounds_dataset(more, design, model="auto")
+            wider = intervals.bounds_dataset(samples, design, model="auto")
             parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]
             if parts:
                 errors = {part: bounds[f"error_{part}"].values for part in parts}

@@ -47,12 +47,12 @@ def name_events(events: np.ndarray) -> list[dict[tuple, float]]:
     runs = []
     for table in events:
         counts: Counter = Counter()
-        named: dict[tuple, float] = {}
+        event_times: dict[tuple, float] = {}
         order = np.argsort(table[:, 0], kind="stable")
-        for when, what, way in table[order[np.isfinite(table[order, 0])]]:
-            named[what, way, counts[what, way]] = when
-            counts[what, way] += 1
-        runs.append(named)
+        for moment, source, direction in table[order[np.isfinite(table[order, 0])]]:
+            event_times[source, direction, counts[source, direction]] = moment
+            counts[source, direction] += 1
+        runs.append(event_times)
     return runs
 
 
@@ -62,23 +62,26 @@ def shared_events(runs: list[dict[tuple, float]], time: np.ndarray) -> np.ndarra
     runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
     that all runs have, in one order, and that leaves most of them three instants behind the one
     before it and before the end. Of events that are closer, or swap, the first counts for all."""
-    keys = [key for key in runs[0] if all(key in named for named in runs[1:])]
-    columns = sorted((np.array([named[key] for named in runs]) for key in keys), key=np.mean)
-    gap, last, kept = _GAP * (time[-1] - time[0]) / (len(time) - 1), time[0], []
+    keys = [key for key in runs[0] if all(key in event_times for event_times in runs[1:])]
+    columns = sorted(
+        (np.array([event_times[key] for event_times in runs]) for key in keys), key=np.mean
+    )
+    gap, last, selection = _GAP * (time[-1] - time[0]) / (len(time) - 1), time[0], []
     for column in columns:
-        before, behind = column - last, time[-1] - column
-        if (before >= 0).all() and min(np.mean(before > gap), np.mean(behind > gap)) >= _MOST:
-            kept.append(column)
+        lead, rest = column - last, time[-1] - column
+        if (lead >= 0).all() and min(np.mean(lead > gap), np.mean(rest > gap)) >= _MOST:
+            selection.append(column)
             last = column
-    return np.array(kept[:MAX_EVENTS]).reshape(-1, len(runs)).T
+    return np.array(selection[:MAX_EVENTS]).reshape(-1, len(runs)).T
 
 
 def first_difference(runs: list[dict[tuple, float]]) -> float:
     """Return the earliest time (s) of an event that not all runs have, infinite if there is none.
     runs: times of events by what they are (`name_events`)."""
-    shared = set(runs[0]).intersection(*runs[1:])
+    common = set(runs[0]).intersection(*runs[1:])
     return min(
-        (t for named in runs for key, t in named.items() if key not in shared), default=np.inf
+        (t for event_times in runs for key, t in event_times.items() if key not in common),
+        default=np.inf,
     )
 
 
@@ -104,14 +107,14 @@ class AlignedCurves:
             if smooth.all():
                 break
             times, self.times_spline = times[:, smooth], None
-        self.times, self.until = times, time[-1]
+        self.times, self.end_time = times, time[-1]
         starts = np.concatenate([np.full((len(times), 1), time[0]), times], axis=1)
         self.reach = time[-1] - starts[:, -1].min()
         lengths = np.append(np.diff(starts, axis=1).mean(axis=0), self.reach)
         self.counts = np.maximum(2 * np.ceil(lengths / step).astype(int) + 1, 5)
         self.offsets = np.cumsum(self.counts) - self.counts
-        mapped = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
-        self._fill(mapped, scales)
+        mapped_curves = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
+        self._fill(mapped_curves, scales)
 
     def _map(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """Curves (n, T) of a run over mapped time (n, S), from one side at events; NaN where the
@@ -125,42 +128,47 @@ class AlignedCurves:
             part = np.full((len(values), count), np.nan)
             if stop - first >= _GAP:
                 curve = CubicSpline(self.time[first:stop], values[:, first:stop], axis=1)
-                known = instants <= self.time[-1] + edge
-                part[:, known] = curve(instants[known])
+                is_known = instants <= self.time[-1] + edge
+                part[:, is_known] = curve(instants[is_known])
             parts.append(part)
         return np.concatenate(parts, axis=1)
 
-    def _fill(self, mapped: np.ndarray, scales: np.ndarray | None) -> None:
+    def _fill(self, mapped_curves: np.ndarray, scales: np.ndarray | None) -> None:
         """Fit curves (R, n, S), what is not known of a run (NaN) by the splines through others."""
-        known = np.isfinite(mapped[:, 0])
-        sure = known.all(axis=0)
+        is_known = np.isfinite(mapped_curves[:, 0])
+        sure = is_known.all(axis=0)
         if scales is None:
-            flat = mapped[:, :, sure].reshape(len(mapped), -1)
+            flat = mapped_curves[:, :, sure].reshape(len(mapped_curves), -1)
             scales = choose_scales(self.points, flat)
-        stretches = np.split(np.arange(known.shape[1]), self.offsets[1:])
+        stretches = np.split(np.arange(is_known.shape[1]), self.offsets[1:])
         for block in (*stretches[:-1], *np.array_split(stretches[-1], _BLOCKS)):
-            rows = known[:, block].all(axis=1)
+            rows = is_known[:, block].all(axis=1)
             if rows.all() or not len(block):
                 continue
             try:
                 check_spline_runs(self.points[rows])
-                spline = fit_spline(self.points[rows], mapped[rows][:, :, block], scales)
+                spline = fit_spline(self.points[rows], mapped_curves[rows][:, :, block], scales)
             except IntervalError:
                 if block[0] < self.offsets[-1]:
                     raise
                 last = self.times[:, -1].min() if self.times.size else self.time[0]
                 share = (block[0] - 1 - self.offsets[-1]) / (self.counts[-1] - 1)
-                self.until = min(self.until, last + max(share, 0.0) * self.reach)
-                mapped[:, :, block[0] :] = np.nan_to_num(mapped[:, :, block[0] :])
+                self.end_time = min(self.end_time, last + max(share, 0.0) * self.reach)
+                mapped_curves[:, :, block[0] :] = np.nan_to_num(mapped_curves[:, :, block[0] :])
                 break
             # Far beyond the runs that are known a cubic is anything.
-            part = mapped[rows][:, :, block]
-            filled = np.clip(spline.evaluate(self.points), part.min(axis=0), part.max(axis=0))
-            mapped[:, :, block] = np.where(known[:, None, block], mapped[:, :, block], filled)
-        self.mapped, self.spline = mapped, fit_spline(self.points, mapped, scales)
+            part = mapped_curves[rows][:, :, block]
+            fills = np.clip(spline.evaluate(self.points), part.min(axis=0), part.max(axis=0))
+            mapped_curves[:, :, block] = np.where(
+                is_known[:, None, block], mapped_curves[:, :, block], fills
+            )
+        self.mapped_curves, self.spline = (
+            mapped_curves,
+            fit_spline(self.points, mapped_curves, scales),
+        )
         if len(self.spline.points) < len(self.points):
             raise IntervalError("runs", len(self.points), "runs that are farther apart")
-        self.errors = np.where(known[:, None], self.spline.left_out, 0.0)
+        self.errors = np.where(is_known[:, None], self.spline.left_out, 0.0)
 
     def times_at(self, points: np.ndarray) -> np.ndarray:
         """Return the event times (P, E), s, at points (P, k)."""
@@ -180,22 +188,28 @@ class AlignedCurves:
         share = np.clip((instants - start) / np.maximum(length, 1e-12 * self.reach), 0.0, 1.0)
         return self.offsets[piece] + share * (self.counts[piece] - 1)
 
-    def read(self, times: np.ndarray, mapped: np.ndarray, instants: np.ndarray) -> np.ndarray:
+    def read(
+        self, times: np.ndarray, mapped_curves: np.ndarray, instants: np.ndarray
+    ) -> np.ndarray:
         """Return curves (P, n, T) at instants (T) of mapped ones (P, n, S) with times (P, E)."""
         place = self.place(times, instants)
-        first = np.minimum(place.astype(int), mapped.shape[-1] - 2)
+        first = np.minimum(place.astype(int), mapped_curves.shape[-1] - 2)
         share = (place - first)[:, None]
-        low, high = (np.take_along_axis(mapped, c[:, None], axis=2) for c in (first, first + 1))
+        low, high = (
+            np.take_along_axis(mapped_curves, c[:, None], axis=2) for c in (first, first + 1)
+        )
         return low + share * (high - low)
 
     def evaluate(self, points: np.ndarray, instants: np.ndarray) -> np.ndarray:
         """Return the curves (P, n, T) at points (P, k) in [-1, 1]^k and instants (T), s."""
         return self.read(self.times_at(points), self.spline.evaluate(points), instants)
 
-    def at(self, points: np.ndarray, response: np.ndarray, instants: np.ndarray) -> np.ndarray:
+    def values_at(
+        self, points: np.ndarray, response: np.ndarray, instants: np.ndarray
+    ) -> np.ndarray:
         """Return C values at C points (C, k): of responses of these indices (C) at instants (C)."""
         place = self.place(self.times_at(points), instants[:, None])[:, 0]
-        first = np.minimum(place.astype(int), self.mapped.shape[-1] - 2)
+        first = np.minimum(place.astype(int), self.mapped_curves.shape[-1] - 2)
         share, w = place - first, self.spline.weights
         weights = w[:, response, first] * (1 - share) + w[:, response, first + 1] * share
         if self.spline.on_line:
@@ -209,7 +223,7 @@ class AlignedCurves:
         times = self.times
         if self.times_spline is not None:
             times = times - self.times_spline.left_out
-        return self.values - self.read(times, self.mapped - self.errors, self.time)
+        return self.values - self.read(times, self.mapped_curves - self.errors, self.time)
 
     @property
     def time_errors(self) -> np.ndarray:
@@ -237,10 +251,10 @@ class Part:
     def contains(self, points: np.ndarray, slack: float = 0.0) -> np.ndarray:
         """Return whether points (P, k) in [-1, 1]^k are in this part of the box (P), or near it:
         where splines, 1 at runs inside its borders and -1 outside, are above -`slack`."""
-        inside = np.ones(len(points), bool)
+        is_inside = np.ones(len(points), bool)
         for spline, sign in self.borders:
-            inside &= sign * spline.evaluate(points)[:, 0] > -slack
-        return inside
+            is_inside &= sign * spline.evaluate(points)[:, 0] > -slack
+        return is_inside
 
     def maximum(
         self, sign: float, columns: np.ndarray
@@ -256,30 +270,30 @@ class Part:
         trial = spread_points(free, _CANDIDATES)
         trial[:, ~free] = curves.points[0, ~free]
         trial = np.concatenate([curves.points, trial[self.contains(trial, _SLACK)]])
-        outside = ~self.contains(trial)
-        outside[: len(curves.points)] = False
+        is_outside = ~self.contains(trial)
+        is_outside[: len(curves.points)] = False
         instants = np.flatnonzero(columns.any(axis=0))
         best = np.full((len(columns), len(instants)), -np.inf)
-        near, which = best.copy(), np.zeros(best.shape, int)
-        step = max(CHUNK // max(best.size, curves.mapped[0].size), 1)
+        near_values, best_rows = best.copy(), np.zeros(best.shape, int)
+        step = max(CHUNK // max(best.size, curves.mapped_curves[0].size), 1)
         for start in range(0, len(trial), step):
             part = slice(start, start + step)
             values = sign * curves.evaluate(trial[part], time[instants])
-            near = np.maximum(near, values.max(axis=0))
-            values[outside[part]] = -np.inf
+            near_values = np.maximum(near_values, values.max(axis=0))
+            values[is_outside[part]] = -np.inf
             top = values.argmax(axis=0)
             value = np.take_along_axis(values, top[None], axis=0)[0]
-            which = np.where(value > best, start + top, which)
+            best_rows = np.where(value > best, start + top, best_rows)
             best = np.maximum(value, best)
-        chosen = columns[:, instants]
-        response, instant = np.nonzero(chosen)
-        shifted = (np.roll(which, shift, axis=1)[chosen] for shift in (0, 1, -1))
-        found, x = np.full(len(response), -np.inf), np.zeros((len(response), len(free)))
-        for rows in shifted:
+        choice = columns[:, instants]
+        response, instant = np.nonzero(choice)
+        shifted_rows = (np.roll(best_rows, shift, axis=1)[choice] for shift in (0, 1, -1))
+        values, x = np.full(len(response), -np.inf), np.zeros((len(response), len(free)))
+        for rows in shifted_rows:
             value, point = self._climb(sign, trial[rows], response, time[instants[instant]])
-            better = value > found
-            found, x = np.where(better, value, found), np.where(better[:, None], point, x)
-        return found, x, np.maximum(found, near[chosen])
+            better = value > values
+            values, x = np.where(better, value, values), np.where(better[:, None], point, x)
+        return values, x, np.maximum(values, near_values[choice])
 
     def _climb(self, sign, x, response, instants) -> tuple[np.ndarray, np.ndarray]:
         """Larger values (C) near points (C, k), and where."""
@@ -287,21 +301,24 @@ class Part:
         axes = axes[axes.any(axis=1)]
         # Extremes may lie where an event is at just that instant, along no parameter.
         oblique = np.random.default_rng(0).uniform(-1.0, 1.0, (2 * len(axes), len(axes))) @ axes
-        best = self._at(sign, x, response, instants)
+        directions = (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes)
+        best = self._values_at(sign, x, response, instants)
         for radius in _RADII:
-            for way in (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes):
-                trial = np.clip(x + radius * way, -1.0, 1.0)
-                value = self._at(sign, trial, response, instants)
+            for direction in (
+                (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes)
+            ):
+                trial = np.clip(x + radius * direction, -1.0, 1.0)
+                value = self._values_at(sign, trial, response, instants)
                 better = value > best
                 x[better], best[better] = trial[better], value[better]
         return best, x
 
-    def _at(self, sign, x, response, instants) -> np.ndarray:
+    def _values_at(self, sign, x, response, instants) -> np.ndarray:
         values = np.full(len(x), -np.inf)
         step = max(CHUNK // len(self.curves.points), 1)
         for start in range(0, len(x), step):
             part = slice(start, start + step)
-            values[part] = sign * self.curves.at(x[part], response[part], instants[part])
+            values[part] = sign * self.curves.values_at(x[part], response[part], instants[part])
         if self.borders:
             values[~self.contains(x)] = -np.inf
         return values
@@ -320,11 +337,11 @@ def split_runs(
 
 
 def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:
-    named = [events[row] for row in rows]
-    times = shared_events(named, time)
+    event_times = [events[row] for row in rows]
+    times = shared_events(event_times, time)
     curves = AlignedCurves(points[rows], values[rows], time, times, scales)
     whole, scales = [Part(rows, curves, borders)], curves.spline.scales
-    for label in _labels(named, time) if depth else ():
+    for label in _labels(event_times, time) if depth else ():
         sides = []
         try:
             border = fit_spline(points[rows], np.where(label, 1.0, -1.0)[:, None])
@@ -344,14 +361,18 @@ def _labels(events: list[dict], time: np.ndarray) -> Iterator[np.ndarray]:
     """Masks (R) by which runs may be split: whether they have an event, and which of two comes
     first, where that is by more than some instants; the two that split them most evenly."""
     gap = _GAP * (time[-1] - time[0]) / (len(time) - 1)
-    keys = sorted({key for named in events for key in named})
-    has = {key: np.array([key in named for named in events]) for key in keys}
-    masks = [mask for mask in has.values() if not mask.all()]
-    shared = [np.array([named[key] for named in events]) for key in keys if has[key].all()]
-    for i, column in enumerate(shared[:MAX_EVENTS]):
-        for other in shared[i + 1 : MAX_EVENTS]:
-            if (column - other).max() > gap and (other - column).max() > gap:
-                masks.append(column < other)
+    keys = sorted({key for event_times in events for key in event_times})
+    presence = {key: np.array([key in event_times for event_times in events]) for key in keys}
+    masks = [mask for mask in presence.values() if not mask.all()]
+    common = [
+        np.array([event_times[key] for event_times in events])
+        for key in keys
+        if presence[key].all()
+    ]
+    for i, column in enumerate(common[:MAX_EVENTS]):
+        for rival in common[i + 1 : MAX_EVENTS]:
+            if (column - rival).max() > gap and (rival - column).max() > gap:
+                masks.append(column < rival)
     masks = [mask for mask in masks if 0 < mask.sum() < len(mask)]
     unique = {min(mask.tobytes(), (~mask).tobytes()): mask for mask in masks}
     yield from sorted(unique.values(), key=lambda mask: abs(mask.mean() - 0.5))[:2]
@@ -359,9 +380,9 @@ def _labels(events: list[dict], time: np.ndarray) -> Iterator[np.ndarray]:
 
 def _loss(parts: list[Part], values: np.ndarray, time: np.ndarray) -> float:
     """The root mean square left-out error of runs, of responses by the spread of their values."""
-    known = time <= min(part.curves.until for part in parts)
+    is_known = time <= min(part.curves.end_time for part in parts)
     spread = np.maximum(np.ptp(values, axis=(0, 2)), 1e-300)[:, None]
-    errors = np.concatenate([part.curves.left_out[..., known] for part in parts]) / spread
+    errors = np.concatenate([part.curves.left_out[..., is_known] for part in parts]) / spread
     return float(np.sqrt((errors**2).mean())) if errors.size else np.inf
 
 

@@ -64,7 +64,8 @@ def spread_out(bounds: Range, columns: np.ndarray) -> Range:
         return whole
 
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    return Range(*map(place, ends), place(bounds.argmin), place(bounds.argmax))
+    a, b, c, d = map(place, ends)
+    return Range(a, b, c, d, place(bounds.argmin), place(bounds.argmax))
 
 
 def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:

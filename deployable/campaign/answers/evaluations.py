@@ -151,7 +151,7 @@ class ModelEvaluator:
         row = int(distances.argmin())
         return row, float(distances[row])
 
-    def find_missing(self, points: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def find_missing(self, points: Sequence[np.ndarray] | np.ndarray) -> list[np.ndarray]:
         """Return those of some normalized points (k) at which the evaluator made no run."""
         runs = np.concatenate([self.points, self.failed_points])
         return [x for x in points if np.abs(runs - x).max(axis=1).min() > SAME_POINT]

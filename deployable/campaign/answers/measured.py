@@ -301,7 +301,7 @@ def _describe_left(
     samples = result.samples
     order = [*samples.argmin(axis=0), *samples.argmax(axis=0), *range(len(samples))]
     unit = samples[[*dict.fromkeys(order)][:_MOST_LEFT]]
-    records = model.records(model.plan, runs_at(model.plan, unit))
+    records: list = model.records(model.plan, runs_at(model.plan, unit))
     is_sound = [record is not None for record in records]
     unit, records = unit[is_sound], [*itertools.compress(records, is_sound)]
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
@@ -355,7 +355,7 @@ def _next_tests(
 ) -> list[dict]:
     """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
     bounds = read_bounds(folder, of_design=True)
-    bands = {}
+    bands: dict = {}
     for test in tests:
         for response, band in zip(test.responses, test.curves.bands, strict=True):
             bands[response] = min(band.min(), bands.get(response, np.inf))

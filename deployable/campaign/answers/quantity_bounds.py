@@ -116,8 +116,8 @@ def converge_bounds(
 def _turning_points(model: ModelEvaluator) -> list[np.ndarray]:
     """Unit points (k) at which an expression of the structure's file turns back or bends as one
     parameter varies: others nominal, then as in the runs at which a quantity is least, largest."""
-    experiment, points, numbers = model.experiment, [], model.numbers.T
-    numbers = [values for values in numbers if np.isfinite(values).any()]
+    experiment, points = model.experiment, []
+    numbers = [values for values in model.numbers.T if np.isfinite(values).any()]
     rows = [find(values) for values in numbers for find in (np.nanargmin, np.nanargmax)]
     bases = [model.nominal, *model.points[list(dict.fromkeys(rows))]]
     nominal = dict(zip(experiment.intervals, experiment.nominal, strict=True))

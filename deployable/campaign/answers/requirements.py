@@ -83,8 +83,8 @@ def _judge_sound(
     """As `_judge_limits`, by the runs that did not fail. These decide where they agree with the
     surrogates up to the error. That no run keeps a limit proves nothing: the share is unknown
     then."""
-    (fraction, open_), indices = shares[indices], list(indices)
-    is_met = result.margins[indices].min(axis=0) >= 0
+    (fraction, open_), rows = shares[indices], list(indices)
+    is_met = result.margins[rows].min(axis=0) >= 0
     row = {
         "share": fraction,
         "share_uncertainty": open_,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from deployable.campaign.config.keys import RefusedError
 from deployable.campaign.config.models import (
@@ -160,7 +160,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     config = replace(
         config,
         scene=scene,
-        design=DesignChoice(ADAPTIVE, None),
+        design=DesignChoice(cast(Any, ADAPTIVE), None),
         bounds=BoundsChoice("auto"),
         held_out=0,
         verify=replace(config.verify, discretization=True),

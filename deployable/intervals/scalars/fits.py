@@ -105,7 +105,8 @@ def root_fit(
     def add_root(fit: Fit | None) -> Fit | None:
         if fit is None:
             return None
-        kind, function = f"{fit.kind}, with a root at its border", fit.function
+        kind = f"{fit.kind}, with a root at its border"
+        function: Any = fit.function
         return Fit(fit.points[:, :-1], fit.values, fit.left_out, kind,
                    RootFunction(function, border, scale), add_root(fit.rival))  # fmt: skip
 

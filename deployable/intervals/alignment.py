@@ -304,9 +304,7 @@ class Part:
         directions = (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes)
         best = self._values_at(sign, x, response, instants)
         for radius in _RADII:
-            for direction in (
-                (*axes, *-axes, *oblique, *-oblique) if len(axes) > 1 else (*axes, *-axes)
-            ):
+            for direction in directions:
                 trial = np.clip(x + radius * direction, -1.0, 1.0)
                 value = self._values_at(sign, trial, response, instants)
                 better = value > best

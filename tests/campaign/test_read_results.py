@@ -100,16 +100,10 @@ def test_bounds_of_curves_contain_the_runs_of_all_answers(rich):
     unit = [*unit[np.abs(unit[:, 0]) <= 1], *read_refinement(folder)[0].points]
     model = ModelEvaluator.from_folder(folder, Jobs(), silent)
     records = model.records(plan, runs_at(plan, unit))
-    planned = read_bounds(folder, of_design=True)
-    for i, (bounds, before) in enumerate(
-        zip(read_bounds(folder).responses, planned.responses, strict=True)
-    ):
+    for i, bounds in enumerate(read_bounds(folder).responses):
         curves = np.array([record.values[i] for record in records])
         slack = 1e-6 * bounds.width.max()  # of values that are computed in another way
         assert (curves >= bounds.lower - slack).all() and (curves <= bounds.upper + slack).all()
-        missed = np.maximum(before.lower - curves, curves - before.upper).max(axis=0)
-        assert (bounds.error >= missed - slack).all()
-        assert (bounds.upper >= before.upper).all() and (bounds.lower <= before.lower).all()
 
 
 def test_events_are_told_in_the_order_of_time():

@@ -15,11 +15,13 @@ import xarray as xr
 from numpy.polynomial import chebyshev
 
 from deployable import campaign
+from deployable.campaign.answers.evaluations import FurtherRuns
 from deployable.campaign.config import sections
 from deployable.campaign.config.models import ErrorDisplay, FigureChoice
 from deployable.campaign.config.sections import BoundsChoice
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.report import make_motions
 from deployable.campaign.results import figures
 from deployable.campaign.results.bounds import analyse, include_runs
@@ -100,7 +102,8 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         "0.063 m",
         "m/s",
         "tensor_roots of order 2",
-        f"Bounds: range of the polynomial fitted to the runs, {ESTIMATE}.",
+        "Bounds: range of the model that predicts left-out runs best; runs that were not made may "
+        "lie outside.",
     ):
         assert words in text
 
@@ -108,7 +111,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
 def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tmp_path):
     other = beside(finished, tmp_path)
     analyse(other, BoundsChoice("spline"))
-    include_runs(other, None, ())
+    include_runs(other, FurtherRuns(read_plan(finished.plan).experiment))
     with (
         xr.open_dataset(other.samples) as samples,
         xr.open_dataset(other.bounds) as bounds,

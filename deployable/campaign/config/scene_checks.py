@@ -376,7 +376,7 @@ def keep_problems(campaign: Campaign) -> list[str]:
                 "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
                 "allowed: responses or trajectories, or design method sobol without order"
             ]
-        if bounds.model != "polynomial":
+        if bounds.model not in ("auto", "polynomial"):
             return [
                 f"jobs.keep: 'extremes' is not allowed with bounds model {bounds.model}, which "
                 "needs every run; allowed: responses or trajectories"

@@ -121,7 +121,7 @@ def topology(default: Any = MISSING) -> Any:
     return _field(FieldSpec(is_topology=True), default)
 
 
-def required() -> Any:
+def plain_field() -> Any:
     """Declare a dataclass field of an element whose value must be given, after others that have a
     spec: to type checkers these look as if they had a default."""
     return field()

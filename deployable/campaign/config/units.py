@@ -83,8 +83,8 @@ class StatedUnits:
         try:
             symbol = self._symbol_of(symbol, path, owner, parent)
         except _WRONG:
-            where = ".".join(path)
-            self.unknowns[where] = f"{where}: {show(value)}, whose unit cannot be checked"
+            full_path = ".".join(path)
+            self.unknowns[full_path] = f"{full_path}: {show(value)}, whose unit cannot be checked"
             return float(match[1])
         number, unit_name = match.groups()
         return self._number(value, number, unit_name, symbol, path, key)

@@ -152,8 +152,8 @@ class FittedRuns(NamedTuple):
         rest = np.delete(table.numbers, rows, axis=0)
         table = RunTable.join(tables)
         count = len(table.points) - len(rows)
-        first, added = failures
-        return cls(table.points, table.numbers, table.margins, rest, count, (first, added))
+        first, last = failures
+        return cls(table.points, table.numbers, table.margins, rest, count, (first, last))
 
     def surrogates(self, limits: Iterable[tuple[float | None, float | None]]) -> list[Any]:
         """Fit the `ScalarSurrogate` of each quantity to the runs, in order. limits: of each, its

@@ -221,8 +221,8 @@ def shares_of_box(
             parts, differences = _compare(pairs, flat, len(line), is_tested)
             fractions.append(parts)
             changes += [differences] * is_tested
-        joined = np.concatenate(fractions, axis=2)
-        means, deviations = joined.mean(axis=2).tolist(), _deviations(joined[:, 0]).tolist()
+        all_parts = np.concatenate(fractions, axis=2)
+        means, deviations = all_parts.mean(axis=2).tolist(), _deviations(all_parts[:, 0]).tolist()
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
         for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
             fraction, least, most = row

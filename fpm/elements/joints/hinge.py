@@ -332,9 +332,9 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 
 
 @lru_cache(1024)  # there are few cases, and each of many runs asks several times
-def _is_regular(support: str, *held: bytes) -> bool:
+def _is_regular(support: str, *masks: bytes) -> bool:
     """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
-    fixed1, fixed2 = (np.frombuffer(axes, bool) for axes in held)
+    fixed1, fixed2 = (np.frombuffer(axes, bool) for axes in masks)
     point = np.array(mask_axes(support))
     double_axes = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))

@@ -337,8 +337,8 @@ def mobility(scene, hinge: int) -> float:
         free = ~np.hstack([scene.fixed[:, :3], no_turn])
         inverse = free / np.column_stack([mass, scene.inertia])
         return float(rows.values[0] ** 2 @ inverse.ravel()[rows.dofs[0]])
-    turning = [~no_turn[p] / scene.inertia[p] for p in joint.particles]
-    return float(sum(axis**2 @ inverse for axis, inverse in zip(joint.axes, turning, strict=True)))
+    freedom = [~no_turn[p] / scene.inertia[p] for p in joint.particles]
+    return float(sum(axis**2 @ inverse for axis, inverse in zip(joint.axes, freedom, strict=True)))
 
 
 def moving_at_start(scene) -> SimpleNamespace:

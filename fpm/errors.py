@@ -70,7 +70,7 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
     closest of `names`, those allowed; or, in parentheses too, that a number has a point, no comma,
     that a colon or a space is missing, or what the name was changed to; "" without a guess."""
     names = list(names)
-    head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
+    ((head, sign, value),) = re.findall(r"\A(\w*)([ :]?)(.*)", name, re.DOTALL)
     if name[:1].isdigit():
         return " (a number has a point, not a comma, as in 1.5)"
     if sign and value and head in names:
@@ -85,7 +85,7 @@ def hint_new(name: object, names: Iterable[str]) -> str:
     one of `names`, those allowed; else ""."""
     if isinstance(name, str):
         name = NEW_NAMES.get(name) or NEW_NAMES.get(name.replace("_", " "))
-    return f" (it is now {name})" if name in names else ""
+    return f" (it is now {name})" if name in list[object](names) else ""
 
 
 def likely(name: str, names: Iterable[str]) -> str:

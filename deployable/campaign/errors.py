@@ -11,7 +11,7 @@ _LITTLE = 64 << 20
 """Bytes of room below which that is why netCDF's library, which tells no reason, failed."""
 
 _SAFE = "nothing there is half written, and all runs that were finished are kept"
-_REMEDIES = {
+_REMEDIES: dict[int | None, str] = {
     errno.ENOENT: "it was removed, or never made: `snakemake` or `python -m deployable run` with "
     "the campaign makes results",
     **dict.fromkeys(
@@ -56,7 +56,7 @@ def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):
         return None
-    number = None if library else error.errno
+    number = getattr(error, "errno", None)  # None: no system raised it
     most = _largest_file()
     if number == errno.EFBIG or (library and most is not None):
         limit = "the file system's" if most is None else f"{most / 1024:.0f} kB, `ulimit -f`"

@@ -69,7 +69,7 @@ def bounds_dataset(
         raise IntervalError("design", None, f"the design that the model {model} is fitted to")
     if model == "auto" and design is None:
         kind = MODELS["spline"]
-    elif model in ("auto", "polynomial") and is_plain_scan(design):
+    elif model in ("auto", "polynomial") and design is not None and is_plain_scan(design):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
@@ -85,7 +85,7 @@ def bounds_dataset(
     attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    variables = _curves(data, fit, bounds, error, by_shares)
+    variables = _curves(data, fit, bounds, error, bool(by_shares))
     variables |= _numbers(data.time, bounds, error.total)
     variables |= _largest("impossible", np.maximum(excess, 0.0), data.time)
     for name, limit in (("least", least), ("most", most)):
@@ -115,7 +115,7 @@ def _curves(
         ("error_held_out", error.held_out, "largest error at the held-out runs"),
         ("error_decay", error.decay, "error extrapolated from the coefficients"),
     ]
-    variables = {
+    variables: dict[str, tuple] = {
         name: (("response", "time"), values, {"long_name": text})
         for name, values, text in curves
         if values is not None

@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Box:
     lower: np.ndarray
     upper: np.ndarray
 
-    def __init__(self, names: Sequence[str], lower: Sequence[float], upper: Sequence[float]):
+    def __init__(self, names: Sequence[str], lower: Any, upper: Any):
         names = (names,) if isinstance(names, str) else tuple(names)
         lower, upper = (np.array(side, dtype=float, ndmin=1) for side in (lower, upper))
         if not 1 <= len(names) <= MAX_DIMENSION:
@@ -111,6 +112,7 @@ def corner_points(free: np.ndarray) -> np.ndarray:
     dimension = int(free.sum())
     if dimension == 0:
         return np.zeros((1, len(free)))
+    half: Any
     if dimension > MOST_FULL:
         half = np.random.default_rng(0).choice([-1.0, 1.0], (_MOST_CORNERS // 2, dimension))
     else:

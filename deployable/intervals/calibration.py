@@ -131,7 +131,8 @@ def fit_curves(
     samples = scipy.interpolate.CubicSpline(times, curves, axis=2)(test.times - middle)
     flat = samples.reshape(len(rows), -1)
     free = np.ptp(x, axis=0) > 0
-    best, least = None, inf
+    best: Any = None
+    least = inf
     for degree in range(9):
         terms = comb(degree + int(free.sum()), degree)
         if degree and (terms > 0.75 * len(rows) or not free.any()):
@@ -147,7 +148,8 @@ def fit_curves(
         if score < least:
             best, least = (indices, basis, errors), score
     indices, basis, errors = best
-    coefficients, _ = least_squares(basis, curves.reshape(len(rows), -1), 1e-7)
+    whole: Any = least_squares(basis, curves.reshape(len(rows), -1), 1e-7)
+    coefficients = whole[0]
     coefficients = coefficients.reshape(len(indices), *curves.shape[1:])
     spline = scipy.interpolate.CubicSpline(times, coefficients.transpose(2, 0, 1))
     # Left-out errors of runs that hardly resemble each other bound nothing between them.
@@ -156,7 +158,7 @@ def fit_curves(
     errors = np.where(is_known, 3.0 * errors, _ERROR_CEILING * (bands + size))
     gaps = _interpolation_errors(times, curves, np.ptp(test.limits[:, 0]))
     places = np.clip(test.times - middle, times[0], times[-1])
-    gaps = [np.interp(places, times, gap) for gap in gaps]
+    gaps = np.array([np.interp(places, times, gap) for gap in gaps])
     errors = errors.reshape(samples.shape[1:]) + gaps + run_errors
     return CurveFit(test, center, half, spline, indices, errors)
 
@@ -347,7 +349,10 @@ class _Waves:
         self.tests, self.times, self.evaluate, self.finer = tests, times, evaluate, finer
         self.k, self.notify, self.runs = hull.shape[1], notify, 0
         self.points, self.curves = [d.points for d in data], [d.curves for d in data]
-        self.attained, self.best, self.residuals, self.problems = inf, None, [], []
+        self.attained: Any = inf
+        self.best: Any = None
+        self.residuals: Any = []
+        self.problems: list = []
         sides = [hull]
         for test, runs in zip(tests, data, strict=True):
             ends = np.ones(test.limits.shape[1])
@@ -602,7 +607,7 @@ def calibrate_together(
     singles = [find([t], hull, ()) for t in indices]
     if len(tests) == 1:
         return singles[0], singles
-    low, high = np.moveaxis([single.hull for single in singles], 0, 1)
+    low, high = np.moveaxis(np.array([single.hull for single in singles]), 0, 1)
     common = np.array([low.max(axis=0), high.min(axis=0)])
     if (common[0] > common[1]).any() or any(single.is_refuted for single in singles):
         # Without the runs so far: where they crowd, left-out errors are too small for the whole.

@@ -42,20 +42,20 @@ def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
-def tensor(order: Sequence[int]) -> np.ndarray:
+def tensor(order: Sequence[int] | np.ndarray) -> np.ndarray:
     """Multi-indices i (M, k), degrees of Chebyshev products, of a full grid: all i with i_j <=
     order_j, the last direction fastest; order (k): highest degree of each direction."""
     return grid([np.arange(n + 1) for n in order])
 
 
-def total_degree(order: Sequence[int]) -> np.ndarray:
+def total_degree(order: Sequence[int] | np.ndarray) -> np.ndarray:
     """Multi-indices i (M, k), degrees of Chebyshev products, with sum_j i_j / order_j <= 1, sorted
     by total degree; for equal orders n all of total degree at most n, C(n + k, k) rows: 20 at k =
     3, n = 3. order (k): highest degree of each direction."""
     return _within_budget(order, lambda n: dict(zip(range(n + 1), range(n + 1), strict=True)))
 
 
-def smolyak(order: Sequence[int]) -> np.ndarray:
+def smolyak(order: Sequence[int] | np.ndarray) -> np.ndarray:
     """Multi-indices i (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
     growth, sorted by total degree. They are all i with sum_j c(i_j) / order_j <= 1, c(n) being the
     least degree whose nested rule (1, 3, 5, 9, 17, ... points) has index n: 0, 1, 1, 3, 3, 5, 5, 5,
@@ -65,7 +65,7 @@ def smolyak(order: Sequence[int]) -> np.ndarray:
     return _within_budget(order, _nested_costs)
 
 
-def count_smolyak(order: Sequence[int]) -> int:
+def count_smolyak(order: Sequence[int] | np.ndarray) -> int:
     """Number M of multi-indices that `smolyak(order)` has, without making them, to check the size
     of a sparse grid; order (k): of each direction, as there."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
@@ -89,7 +89,9 @@ def _nested_costs(order: int) -> dict[int, int]:
     return costs
 
 
-def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]]) -> np.ndarray:
+def _within_budget(
+    order: Sequence[int] | np.ndarray, costs: Callable[[int], dict[int, int]]
+) -> np.ndarray:
     """All i with sum_j cost(i_j) / order_j <= 1, sorted by total degree."""
     rows: list[tuple[tuple[int, ...], float]] = [((), 0.0)]
     # grow direction by direction, so that the full tensor is never built

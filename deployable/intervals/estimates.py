@@ -110,7 +110,7 @@ def estimate_decay(
     if not degrees.any():
         return np.zeros(c.shape[1:])
     if len(indices) == np.prod(degrees + 1.0):
-        return sum(_tail(indices[:, j], c) for j in np.flatnonzero(degrees))
+        return np.asarray(sum(_tail(indices[:, j], c) for j in np.flatnonzero(degrees)))
     fractions = indices / np.where(degrees > 0, degrees, 1)
     level = np.minimum(np.ceil(fractions.sum(axis=1) * degrees.max() - 1e-9), degrees.max())
     return _tail(level.astype(int), c)

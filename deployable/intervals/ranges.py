@@ -64,14 +64,16 @@ def spread_out(bounds: Range, columns: np.ndarray) -> Range:
         return whole
 
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    return Range(*map(place, ends), place(bounds.argmin), place(bounds.argmax))
+    a, b, c, d = map(place, ends)
+    return Range(a, b, c, d, place(bounds.argmin), place(bounds.argmax))
 
 
 def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:
     """Copy of the range `bounds` with all bounds within `least` and `most`, what the responses can
     be, of shapes that broadcast to (...); -inf, inf where there is no limit."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    return Range(*(np.clip(end, least, most) for end in ends), bounds.argmin, bounds.argmax)
+    a, b, c, d = (np.clip(end, least, most) for end in ends)
+    return Range(a, b, c, d, bounds.argmin, bounds.argmax)
 
 
 def find_surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:

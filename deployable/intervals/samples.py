@@ -145,7 +145,7 @@ class Samples:
         """Coordinates of the samples dataset by name, with the selected responses only, for a new
         dataset: time, names, units and words of responses and parameters, as present."""
         bases, prefixes = ("time", "response", "parameter"), ("response_", "box_")
-        names = [n for n in self.source.variables if n in bases or n.startswith(prefixes)]
+        names = [n for n in self.source.variables if n in bases or str(n).startswith(prefixes)]
         variables = {n: self.source[n].variable for n in names}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 

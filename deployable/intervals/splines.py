@@ -159,12 +159,12 @@ def _spline_of(
     points, flat = runs[rows], samples[rows]
     scales = choose_scales(points, flat) if scales is None else np.where(_spread(points), scales, 0)
     weights, left_out = _solve(points, scales, flat)
-    fields = [points, scales, weights.reshape(-1, *shape), left_out.reshape(-1, *shape)]
+    fields: list = [points, scales, weights.reshape(-1, *shape), left_out.reshape(-1, *shape)]
     columns = np.arange(flat.shape[1])
     extremes = samples.argmin(axis=0), samples.argmax(axis=0)
     fields += [flat.reshape(-1, *shape), *(samples[i, columns].reshape(shape) for i in extremes)]
     fields += [runs[i].reshape(*shape, -1) for i in extremes]
-    spline = Spline(*fields, misfit=np.zeros(shape))
+    spline = Spline(*[*fields, np.zeros(shape)])
     extra = np.setdiff1d(np.arange(len(runs)), rows)
     misfit = np.abs(_rest(spline, points, flat)).max(axis=0)
     # at an instant at which all runs agree, rounding of their values is all there is

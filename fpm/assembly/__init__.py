@@ -27,12 +27,12 @@ Springs, cables, gravity and loads act from the start of a run, not before."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, tilts
-from fpm.assembly.elastic import Elastic, elastic_of
+from fpm.assembly.elastic import elastic_of
 from fpm.assembly.matrices import Form, largest_entry, saddle_solver, scale_matrix, sparse
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.batch import GAP_TOL
@@ -118,7 +118,7 @@ class _RestSearch:
         scene,
         start: ParticlePoses,
         conditions: Conditions,
-        elastic: Elastic,
+        elastic: Any,
         hold: Sequence[str],
     ):
         self._scene, self._start, self._hold = scene, start, hold
@@ -129,7 +129,8 @@ class _RestSearch:
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._free = np.flatnonzero(~scene.fixed.ravel())
-        self._weight, self._mass = conditions.weight(self._size), None
+        self._weight = conditions.weight(self._size)
+        self._mass: Any = None
         self.open_before = self._worst(start)
         self._no_gaps, self._no_force = np.zeros(len(self._weight)), np.zeros(len(self._scales))
 

@@ -241,7 +241,7 @@ def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, fl
     """Return for each joint of a scene, by name, the largest angle (rad, 0 to π) between directions
     on its two parts that agree where it is closed, at poses of all particles; none of spherical and
     universal joints. hold: hinges, by name, of which directions at the stated opening count."""
-    directions = []
+    directions: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         if TYPES[joint.type].bits & bits.PARALLEL:
             directions.append((joint.name, joint.particles, joint.axes))
@@ -277,7 +277,8 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
     if joint.type == "held":
         particle = joint.beams[0].particle
         place = scene.position[particle] + scene.frame[particle] @ arms[0]
-        pair, is_on_second = (particle, particle), 0.0
+        pair: tuple[int, ...] = (particle, particle)
+        is_on_second = 0.0
         if len(joint.beams) == 2:
             pair, is_on_second, place = joint.particles, 1.0, zero
         arms = np.array([arms[0], arms[-1] * is_on_second])

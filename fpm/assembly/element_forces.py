@@ -154,10 +154,10 @@ def lanes_of_register() -> int:
     """Return how many double-precision values kernels compute at once (lanes), 8."""
     from fpm.kernels.lanes import width
 
-    return width(np.float64)
+    return width(np.dtype(np.float64))
 
 
-def acts(kind: type) -> bool:
+def acts(kind: type[Any]) -> bool:
     """Return whether an element type `kind` has a kernel that adds forces to particles."""
     from fpm.kernels.hooks import KERNELS
 

@@ -61,7 +61,9 @@ after one that was not."""
 STIFFER = 1e16
 """Largest ε over the stiffness at the start: stops that are met on the way are stiffer."""
 
-PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3) * np.array([[0.5], [0.5]]) + [[0.5], [0.0]]
+PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3) * np.array([[0.5], [0.5]]) + np.array(
+    [[0.5], [0.0]]
+)
 """Places between 0 and 1, and weights, of three points that integrate polynomials of degree 5."""
 
 
@@ -253,7 +255,7 @@ class _EquilibriumSearch(assembly._RestSearch):
             floor = max(assembly.SOFT_SHARE * bars, share * max(elements, force)) or 1.0
             ease = max(ease, floor)
             trial = self._approach(poses, impulses, ease, ROUNDING * force)
-            if trial is None or not (is_led or self._falls(poses, *trial, ease)):
+            if trial is None or not (is_led or self._falls(poses, trial, ease)):
                 if ease > STIFFER * (stiffest or 1.0):
                     break
                 ease *= EASE_INCREASE
@@ -302,8 +304,9 @@ class _EquilibriumSearch(assembly._RestSearch):
                 return poses, impulses, motion
         return None
 
-    def _falls(self, first, last, _, motion, ease: float) -> bool:
+    def _falls(self, first, trial, ease: float) -> bool:
         """Whether the energy falls from first to last poses, and by as much as the drag takes."""
+        last, _, motion = trial
         if np.abs(motion).max(initial=0.0) <= SMALL:
             return True
         return self.potential.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0

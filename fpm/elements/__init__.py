@@ -78,7 +78,7 @@ def kinds_of(scenes) -> list[type[ElementType]]:
     types = {kind for scene in scenes for kind, elements in scene.kinds.items() if elements}
     own_kinds = {kind for scene in scenes for kind in scene.kinds}.difference(KINDS)
     extras = sorted(own_kinds, key=lambda kind: (kind.__module__, kind.__qualname__))
-    plain = ElementType.find.__func__
+    plain = getattr(ElementType.find, "__func__")  # noqa: B009  # which type checkers do not know
     return [
         kind
         for kind in (*KINDS, *extras)

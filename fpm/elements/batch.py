@@ -64,7 +64,7 @@ class SceneData(Protocol):
     mass: np.ndarray
     inertia: np.ndarray
     fixed: np.ndarray
-    kinds: dict[type, list]
+    kinds: dict[type[Any], list]
     hinges: list
     curves: list
     points: dict[str, Any]
@@ -93,7 +93,7 @@ class Batch:
     def __init__(
         self,
         scenes: Sequence[SceneData],
-        kinds: Sequence[type],
+        kinds: Sequence[type[Any]],
         energies: list,
         width: int,
         dtype,
@@ -158,7 +158,7 @@ class Batch:
             array[:, :, last + 1 :] = array[:, :, last, None]
         return array
 
-    def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
+    def table(self, kind: type[Any], columns: int, row: Callable) -> np.ndarray:
         """Return an array (elements, columns, lanes) with some numbers of every element of a type.
         kind: the element type; columns: how many of each; row(element): returns those of one."""
         count = len(kind.find(self.scene))
@@ -175,18 +175,18 @@ class Batch:
 
     # -- what kinds share -------------------------------------------------------------------------
 
-    def part(self, kind: type) -> NamedTuple:
+    def part(self, kind: type[Any]) -> NamedTuple:
         """Return the arrays of an element type for its kernels, a named tuple. It is packed at the
         first call (kind.pack); later calls return the same object. kind: the element type."""
         if kind not in self._parts:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
-    def work_account(self, kind: type) -> int:
+    def work_account(self, kind: type[Any]) -> int:
         """Return the column of World.accounts for the work (J) that elements of `kind` give."""
         return self.accounts.index(kind.gives)
 
-    def loss_account(self, kind: type) -> int:
+    def loss_account(self, kind: type[Any]) -> int:
         """Return the column of World.accounts (energies given and taken since the start) for the
         energy (J) that elements of type `kind` take out."""
         return self.accounts.index(kind.takes)
@@ -336,7 +336,7 @@ def _state(scene: SceneData, inertia: np.ndarray) -> np.ndarray:
     state[:, layout.X : layout.X + 3] = scene.position
     state[:, layout.D2 : layout.D2 + 3] = scene.frame[:, :, 1]
     state[:, layout.D3 : layout.D3 + 3] = scene.frame[:, :, 2]
-    free = ~scene.fixed
+    free = np.logical_not(scene.fixed)
     state[:, layout.V : layout.V + 3] = scene.velocity * free[:, :3]
     local = np.einsum("nji,nj->ni", scene.frame, scene.spin * free[:, 3:])
     state[:, layout.P : layout.P + 3] = np.einsum("nij,nj->ni", scene.frame, inertia * local)
@@ -362,6 +362,6 @@ def _particles(scene: SceneData, inertia: np.ndarray) -> np.ndarray:
     rows = np.zeros((len(scene.position), layout.PARTICLE))
     rows[:, layout.MASS] = scene.mass
     rows[:, layout.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)
-    no_turn = scene.fixed[:, 3:].all(axis=1)[:, None]
+    no_turn = np.all(scene.fixed[:, 3:], axis=1, keepdims=True)
     rows[:, layout.IJ : layout.IJ + 3] = np.where(no_turn, 0.0, 1.0 / inertia)
     return rows

@@ -58,7 +58,7 @@ class Word(FieldSpec):
     """Spec of a field that takes one of some words (or False, True), as "above". values: allowed
     values, each with the number that stands for it in kernels' arrays."""
 
-    values: Mapping[Any, float] | None = None
+    values: Mapping[Any, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -121,15 +121,25 @@ def topology(default: Any = MISSING) -> Any:
     return _field(FieldSpec(is_topology=True), default)
 
 
-@cache
-def specs(kind: type) -> dict[str, FieldSpec]:
+def plain_field() -> Any:
+    """Declare a dataclass field of an element whose value must be given, after others that have a
+    spec: to type checkers these look as if they had a default."""
+    return field()
+
+
+def specs(kind: Any) -> dict[str, Any]:
     """Return the specs (FieldSpec: unit, limits, words) of the fields of an element type `kind`, by
     field name, for checks and packing; fields declared without one are left out."""
+    return _specs(kind)
+
+
+@cache
+def _specs(kind: type) -> dict[str, Any]:
     key_fields = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in key_fields}
 
 
-def numbers_in(value: Any) -> Sequence[float]:
+def numbers_in(value: Any) -> Sequence[float] | np.ndarray:
     """Return the numbers (k,) of a field's value, as kernels and checks take them: one number as a
     tuple of it, an array or nested tuple flattened."""
     return (value,) if isinstance(value, float | int) else np.ravel(value)

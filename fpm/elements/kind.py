@@ -340,7 +340,7 @@ class ElementType:
 
 def _row(element: ElementType, columns: list) -> list[float]:
     """Constants of an element in the order of columns, (name, field spec)."""
-    numbers = []
+    numbers: list[float] = []
     for name, field in columns:
         value = getattr(element, name)
         numbers.extend(numbers_in(field.values[value] if isinstance(field, Word) else value))
@@ -348,7 +348,7 @@ def _row(element: ElementType, columns: list) -> list[float]:
 
 
 @cache
-def _arrays_in(kernels: ModuleType) -> type:
+def _arrays_in(kernels: ModuleType) -> type[Any]:
     """The named tuple that a file of kernels states."""
     items = [x for x in vars(kernels).values() if getattr(x, "__module__", "") == kernels.__name__]
     (array_type,) = [x for x in items if isinstance(x, type) and issubclass(x, tuple)]

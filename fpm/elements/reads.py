@@ -61,7 +61,7 @@ class Reader:
     def __getattr__(self, name: str) -> Any:
         code = getattr(type(self._scene), name, None)
         if isinstance(code, property):
-            return code.fget(self)
+            return code.__get__(self)
         if callable(code):
             return code.__get__(self)
         self._reads.add(name)

@@ -74,6 +74,7 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
         file.seek(max(0, size - _LONGEST))
         match = _LINE.search(file.read())
     facts = _facts(path, match and match[1])
+    assert match is not None  # or _facts has raised
     _compare(path, facts, _digest(path, size - len(match[0])), name)
     return facts
 
@@ -114,6 +115,7 @@ def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], byt
     if Path(path).suffix == ".json":
         match = _KEY.match(content)
         facts = _facts(path, match and b'{"seal": ' + match[1] + b"}")
+        assert match is not None  # or _facts has raised
         return facts, b"{\n" + content[match.end() :]
     match = _LINE.search(content, max(0, len(content) - _LONGEST))
     return _facts(path, match and match[1]), content[: -len(match[0])] if match else b""
@@ -187,7 +189,7 @@ def remove_temporary(folder: str | os.PathLike) -> list[Path]:
     """Remove from a folder what ended processes here left of `whole_file`; returns the paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
-        for entry in os.scandir(folder):
+        for entry in os.scandir(os.fspath(folder)):
             match = _TEMPORARY.match(entry.name)
             if match and match["host"] == _host() and not _is_alive(int(match["process"])):
                 with suppress(FileNotFoundError):

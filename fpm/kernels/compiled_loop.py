@@ -120,7 +120,7 @@ def numba_type(value: Any) -> types.Type:
     return types.none if value is None else types.intp
 
 
-FUNCTIONS = {"run": loop.run, "act": loop.act}
+FUNCTIONS: dict[str, Any] = {"run": loop.run, "act": loop.act}
 """What is compiled for all scenes, by name: the whole loop, and the sum of forces alone."""
 
 READY: dict[tuple[Any, str], dict[str, int]] = {}
@@ -168,7 +168,8 @@ def prepare_call(name: str, parts: Sequence[tuple], world: tuple, *rest: Any) ->
     address = _loop(name, arguments)
     if helper:
         helper.wait()
-    values, kinds = [], []
+    values: list = []
+    kinds: list[type] = []
     for argument in arguments:
         if _is_by_reference(argument):
             memory.append(words := _in_memory(argument))
@@ -210,9 +211,9 @@ def _start_helper(
     with suppress(OSError, pickle.PicklingError, AttributeError):
         blanks = _blank((tuple(parts), world, rest))
         content = pickle.dumps((sys.path, name, *blanks))
-        streams = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
+        streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.DEVNULL}
         command = [sys.executable, "-c", HELPER]
-        helper = subprocess.Popen(command, stderr=subprocess.DEVNULL, **streams)
+        helper: Any = subprocess.Popen(command, stderr=subprocess.DEVNULL, **streams)
         with suppress(BrokenPipeError), helper.stdin:
             helper.stdin.write(content)
         return helper
@@ -270,7 +271,7 @@ def _in_memory(value: tuple) -> np.ndarray:
     return np.array(words_of(value), dtype=np.int64)
 
 
-def _kernels(part: tuple, world: tuple, world_form: str) -> dict[str, int]:
+def _kernels(part: tuple, world: Any, world_form: str) -> dict[str, int]:
     """Addresses, by hook, of the kernels of an element type for these arrays."""
     arrays, form = type(part), f"{form_of(part)} {world_form}"
     if (arrays, form) not in READY:
@@ -316,7 +317,7 @@ def _loop(name: str, arguments: tuple) -> int:
     return READY[name, form][name]
 
 
-def _constants_of(kernel: Callable) -> list | None:
+def _constants_of(kernel: Any) -> list | None:
     """What a function that made a kernel gave it, and the kernels that it calls likewise: numbers
     and texts, by which compiled code is known; None: also something else, which none is, or it is
     defined outside of this package."""
@@ -385,7 +386,9 @@ def _seal(path: Path) -> bytes:
 def _write(path: Path, code: Code) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.stem}.{os.getpid()}.npz")
-    arrays = {f"{n} {symbol}": np.frombuffer(c, np.uint8) for n, (symbol, c) in code.items()}
+    arrays: dict[str, Any] = {
+        f"{n} {symbol}": np.frombuffer(c, np.uint8) for n, (symbol, c) in code.items()
+    }
     arrays[SEAL] = np.frombuffer(_seal(path), np.uint8)
     try:
         np.savez(part, **arrays)

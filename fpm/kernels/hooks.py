@@ -8,7 +8,7 @@ a new mix of known kinds compiles nothing, and a scene pays nothing for what it 
 import functools
 import inspect
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -105,7 +105,7 @@ def entry_of(arrays: type, name: str) -> tuple[Callable, list[str]]:
     the type; name: of the hook."""
     arguments, body = ENTRIES[name]
     tools = {"store": store, "local_copy": local_copy, "ACCOUNTS": ACCOUNTS}
-    namespace = {**tools, "kernel": KERNELS[arrays, name]}
+    namespace: dict[str, Any] = {**tools, "kernel": KERNELS[arrays, name]}
     copies = "part, world = local_copy(part), local_copy(world)"
     exec(f"def {name}(part, {', '.join(arguments)}):\n    {copies}\n    {body}", namespace)
     return namespace[name], arguments

@@ -67,7 +67,7 @@ class Log(NamedTuple):
     writes; ends (2, 1, lanes): working memory."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
-    count: np.ndarray  # (lanes,) noted so far, also those that find no place
+    count: np.ndarray  # type: ignore[assignment]  # not tuple.count; (lanes,) noted so far
     first: int
     ends: np.ndarray  # (2, 1, lanes) a value before and after a step
 

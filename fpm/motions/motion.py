@@ -6,6 +6,7 @@ is the trajectory's bit for bit. Strains follow outside the time loop."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def whole_motion(
     attributes: further global attributes by name, one mapping for each scene's dataset, or None.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
         variables for its dataset, by name, as xarray.Dataset.assign takes them."""
-    arguments = {"duration": duration, "instants": instants, "step": step}
+    arguments: dict[str, Any] = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     arguments["halvings"] = halvings
     count = len(scenes[0].position)

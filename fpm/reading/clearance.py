@@ -72,6 +72,6 @@ def nearest(a, b, c, d) -> np.ndarray:
     lines = [line, to_segment(a, c, v), to_segment(b, c, v)]
     lines += [-to_segment(c, a, u), -to_segment(d, a, u)]
     shape = np.broadcast_shapes(*(vector.shape for vector in lines))
-    lines = np.stack([np.broadcast_to(vector, shape) for vector in lines])
-    best = np.sum(lines**2, axis=-1).argmin(axis=0)
-    return np.take_along_axis(lines, best[None, ..., None], axis=0)[0]
+    vectors = np.stack([np.broadcast_to(vector, shape) for vector in lines])
+    best = np.sum(vectors**2, axis=-1).argmin(axis=0)
+    return np.take_along_axis(vectors, best[None, ..., None], axis=0)[0]

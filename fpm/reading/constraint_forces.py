@@ -86,7 +86,7 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Return the points of a scene that have a reaction force, by name: supports and drives, named
     points on particles that are fixed or driven, and hinges with a support."""
     supports = {joint.name: joint for joint in Joint.find(scene) if joint.type == "held"}
-    is_fixed = scene.fixed.any(axis=1)
+    is_fixed: Any = scene.fixed.any(axis=1)
     reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
         holders = (name,) if name in supports and name in scene.supports else ()

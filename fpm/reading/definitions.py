@@ -6,7 +6,7 @@ from typing import Any
 from fpm.errors import SceneError, did_you_mean, hint_new
 
 
-def kind_of(key: str, definition: object, kinds: Mapping[str, Any], addition: str = "") -> str:
+def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str = "") -> str:
     """Return the kind that a definition is of, its one key that is among `kinds`; SceneError for
     none or several, and for keys that are not those of the kind. key: dotted path of the
     definition; kinds: types with `mandatory` and `optional` keys, by name; addition: what else a

@@ -6,6 +6,7 @@ it goes through values and rates of three instants (Hermite; Davis, Interpolatio
 ch. 2), and the error falls with the sixth power of their distance."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def value_at(curves: Curves, response: Response, instant: float, is_event: bool)
     if is_event and (value := _extrapolate(curves, response, indices[-5:], instant)) is not None:
         return value
     if len(indices) > 1:
-        middle = np.searchsorted(time[indices], instant, side="left")
+        middle = int(np.searchsorted(time[indices], instant, side="left"))
         return cubic_through(time[indices], values[indices], middle + 1)(instant)
     if is_event:
         return values[max(np.searchsorted(time, upper + rounding, side="right") - 1, 0)]
@@ -108,7 +109,7 @@ def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | 
     """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
     constituents; None where these are not recorded, or predict the last of five worse than a
     cubic."""
-    values = {}
+    values: dict[str, Any] = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)
         values[name] = curve and _continue(curves.time[rows], curve[0][rows], curve[1][rows], t)

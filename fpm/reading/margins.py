@@ -82,8 +82,8 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
     rest, *locked = rest.split(" beside ")
     rest, *names = rest.split(" with ")
     name, _, values = rest.partition(" led from ")
-    ends = (None if end == STOW else float(end) for end in values.split(" to "))
-    return OpeningPath((name, *names), *ends, tuple(locked)), part
+    first, last = (None if end == STOW else float(end) for end in values.split(" to "))
+    return OpeningPath((name, *names), first, last, tuple(locked)), part
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
@@ -98,7 +98,7 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
     return sweep(scene, path.openings, first, last, path.locked, positions)
 
 
-def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
+def column_of(travel: Travel, variable: str, part: str) -> Any:
     """Return the values (p,) of one variable at the p positions of a travel. variable:
     "travel_work": virtual work of the component `part` per unit of the opening (N m; N on slides);
     "travel_inertia": that the opening moves (kg m²; kg); "travel_opening": opening (rad; m). part:
@@ -178,7 +178,7 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         raise _error(spec, "to", spec.data["to"], "another opening than `from`")
     suffix = ", from each run's start" if ends[0] is None else ""
     abscissa = Abscissa(f"opening of {openings[0]}{suffix}", unit, first, last)
-    return OpeningPath(openings, *ends, locked), abscissa
+    return OpeningPath(openings, ends[0], ends[1], locked), abscissa
 
 
 def _classes_of(spec) -> dict[str, str]:

@@ -4,7 +4,7 @@ A run in which what is asked for does not happen has no number: NaN."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Union
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from fpm.files.trajectory import IMPACTS, Curves
 from fpm.reading import margins
 from fpm.reading.event_margins import gate_margin
 from fpm.reading.events import extreme_value, find_root, peak, value_at
-from fpm.reading.responses import Response
 
 
 @dataclass(frozen=True)
@@ -31,8 +30,8 @@ class Quantity:
     kind: str
     unit: str
     long_name: str
-    response: Response | None = None
-    instant: Union["Quantity", float, None] = None
+    response: Any = None
+    instant: Any = None
     target: float | None = None
     tolerance: float = 0.0
     level: float = 0.0
@@ -59,7 +58,7 @@ class Quantity:
         if self.kind == "smallest_at":  # a time, or a place along the response
             return None if self.response.along else 0.0
         is_positive = self.is_time or KINDS[self.kind].positive
-        return 0.0 if is_positive else self.response and self.response.least
+        return 0.0 if is_positive else (self.response and self.response.least)
 
     @property
     def always_exists(self) -> bool:
@@ -139,7 +138,7 @@ def crossing_margin(values: np.ndarray, direction: str = "either", number: int =
     again: the least is returned of the largest distances from zero on these sides in turn."""
 
     def turns(side: float, count: int) -> np.ndarray:
-        margin = np.inf
+        margin: Any = np.inf
         for _ in range(count):
             margin = np.maximum.accumulate(np.minimum(margin, side * values), axis=-1)
             side = -side

@@ -1,9 +1,10 @@
 """Quantities from their definitions in a config."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from itertools import chain
+from typing import Any
 
 from fpm.arithmetic import expressions
 from fpm.arithmetic.limits import NumberLimits
@@ -39,7 +40,7 @@ def parse(
     the scene that have events, as latches (`fpm.files.outcome.eventful`)."""
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}
-    problems = []
+    problems: list[SceneError] = []
     # Those that others refer to come first; what only follows from a wrong one is not told.
     references = {name: _references(definition) for name, definition in definitions.items()}
     references = {name: names & definitions.keys() for name, names in references.items()}
@@ -95,7 +96,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         unit = times[check_choice(f"{key}.{kind}", target, times, text)]
         return _add_long_name(Quantity(name, kind, unit, "", instant=quantities[target]))
     response = responses[check_choice(f"{key}.{kind}", target, responses)]
-    read = {
+    read: dict[str, Callable] = {
         **dict.fromkeys(("level", "about"), NumberLimits(unit=response.unit).check),
         "within": NumberLimits(unit=response.unit, above=0).check,
         "number": _count,
@@ -133,7 +134,7 @@ def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
     """The unit of a quantity's event margin; "": it has none that is always known."""
     if quantity.kind != "event":
         return quantity.response.unit if quantity.has_margin else ""
-    gates = [element.gate for element in elements if element.name in quantity.places]
+    gates: list[Any] = [e.gate for e in elements if e.name in quantity.places]
     if not quantity.has_margin or not all(gate and gate.is_sharp for gate in gates):
         return ""
     return "m2 s-2" if gates[0].slides else "rad2 s-2"

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class QuantityExpression(Quantity):
 
     @property
     def least(self) -> float | None:
-        values = {part.name: part.least for part in self.parts}
+        values: dict[str, Any] = {part.name: part.least for part in self.parts}
         if _SIZE.fullmatch(self.text):
             return 0.0
         if None in values.values() or "-" in self.text:
@@ -104,7 +105,7 @@ def unit_of(text: str, units: Mapping[str, str]) -> str:
     dimension = expression.dimension(dimensions)
     if dimension.vector:
         raise ExpressionError(f"{dimension}, not a number")
-    symbols = units | {
+    symbols = {**units} | {
         name: constant.udunits for name, (_, constant) in expression.constants.items()
     }
     angles = {

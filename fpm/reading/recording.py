@@ -170,7 +170,7 @@ class Recording:
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
         """All joints of the scene, hinges first, each with its forces and moments on both
         particles: pairs (Hinge or Joint, Sides)."""
-        pairs = []
+        pairs: list = []
         for kind in (Hinge, Joint):
             if elements := kind.find(self.scene):
                 rows = self._rows(self._parts[kind].forces, len(elements)).swapaxes(0, 1)

@@ -206,7 +206,8 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
     """The openings of a hinge or slide at which the first stop or latch holds it, down and up."""
     index = [hinge.name for hinge in scene.hinges].index(name)
     start = scene.hinges[index].opening
-    floors, ceilings = [], []
+    floors: list[float] = []
+    ceilings: list[float] = []
     for stop in (stop for stop in Stop.find(scene) if stop.hinge == index):
         (ceilings if stop.side == "above" else floors).append(stop.angle)
     for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
@@ -322,8 +323,8 @@ def _dissipated_energy(response: Response, run: Curves) -> np.ndarray:
     if kind in LOSSES:
         return energies[LOSSES[kind]]
     loss = -np.sum([run.columns[column] for column in response.columns], axis=0)
-    if STORES[kind]:
-        energy = energies[STORES[kind]]
+    if store := STORES[kind]:
+        energy = energies[store]
         loss = loss - (energy - energy[0])
     return loss + energies["motor_work"] if kind == "motor" else loss
 
@@ -345,7 +346,7 @@ class ResponseType(NamedTuple):
     shock: bool = False
 
 
-FORMS = {
+FORMS: dict[str, tuple[Callable, tuple[str, ...]]] = {
     "vector": (_vector, ("component",)),
     "section": (_section, ("at", "component")),
     "bar": (_bar, ()),

@@ -180,8 +180,8 @@ def _stress(recording: Recording, name: str) -> np.ndarray:
 
 
 def _clearance(recording: Recording, name: str) -> np.ndarray:
-    pair = (bars.bars_of(recording.scene)[bar] for bar in name.split(" to "))
-    return find_clearance(recording.scene, *pair, recording.place, recording.axes)
+    first, second = (bars.bars_of(recording.scene)[bar] for bar in name.split(" to "))
+    return find_clearance(recording.scene, first, second, recording.place, recording.axes)
 
 
 def _travel(recording: Recording, name: str, variable: str) -> np.ndarray:
@@ -312,7 +312,7 @@ def add_probe(scene: Scene, columns: Iterable[Column]) -> Scene:
         variable = VARIABLES[name]
         subject, part = variable.split(label)
         place = subject.partition(variable.separator)[0] if variable.separator else subject
-        if place not in variable.names(scene) or (part or None) not in (variable.parts or [None]):
+        if place not in variable.names(scene) or part not in (variable.parts or [""]):
             labels = variable.labels(scene)
             allowed = f"one of {', '.join(labels) or '(this scene has none)'}"
             raise SceneError(name, label, allowed + did_you_mean(label, labels))

@@ -1,7 +1,8 @@
 """Scenes that can run side by side, as one batch: those that differ in numbers only."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
+from typing import Any
 
 from fpm.elements import energies_of, kinds_of
 from fpm.elements.batch import Batch
@@ -26,7 +27,7 @@ def topology(scene: Scene) -> tuple:
     )
 
 
-def _of_kind(kind: type, scene: Scene) -> Hashable:
+def _of_kind(kind: type[Any], scene: Scene) -> Hashable:
     """What of the elements of one type must be equal."""
     return kind.topology_of(scene) if kind.find(scene) else None
 
@@ -50,7 +51,10 @@ def curve_bytes(scene: Scene) -> tuple:
 def check_topology(scenes: Sequence[Scene]) -> None:
     """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
     scenes = SceneList(scenes)
-    functions = [_layout, *(partial(_of_kind, kind) for kind in kinds_of(scenes))]
+    functions: list[Callable] = [
+        _layout,
+        *(partial(_of_kind, kind) for kind in kinds_of(scenes)),
+    ]
     mismatches = []
     for function in functions:
         first, *values = scenes.map(function)

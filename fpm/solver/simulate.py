@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -100,7 +100,7 @@ def simulate(
         raise SceneError("step", step, "a positive number (s), or None")
     pack.check_topology(scenes)
     scenes = consistent_scenes(scenes)
-    limits = [None] * len(scenes)
+    limits: list[Any] = [None] * len(scenes)
     if halvings is None:
         halvings = HALVINGS if step is None else 0
     if step is None:
@@ -110,7 +110,8 @@ def simulate(
     division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
 
-    outcomes, rows = {}, list(range(len(scenes)))
+    outcomes: dict[int, Outcome] = {}
+    rows = list(range(len(scenes)))
     for _ in range(1 + halvings):
         groups: dict[tuple, list[int]] = {}
         for i in rows:
@@ -167,6 +168,7 @@ def list_kinds_to_compile(scene: Scene, record: Sequence[Column] = ()) -> list[t
     scene = consistent_scene(add_probe(scene, record))
     batch = pack.pack([scene], lanes_of(dtype), dtype, 2)
     world, parts = batch.world(), zip(batch.kinds, batch.parts(), strict=True)
+    kinds: list[type | None]
     kinds = [kind for kind, part in parts if not compiled_loop.is_compiled(part, world)]
     return kinds if compiled_loop.is_loop_compiled() else [None, *kinds]
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from fpm.elements.batch import join_particles
 from fpm.elements.cross import columns, cross
+from fpm.elements.kind import Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import InstabilityError, SceneError
@@ -40,12 +41,13 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
     for name, beam in scene.points.items():
         _start_velocity(scene, beam, points[name][1])
     kinds = (KINETIC, *batch.energies, BALANCE)
-    records = {}
+    records: dict[str, Series] = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
         for name, series in kind.read_records(part, scene, lane).items():
             series = series._replace(values=series.values[:instants])
             records[name] = series.merge(records[name]) if name in records else series
-    is_failed, failure = record.failed_step[lane] >= 0, None
+    is_failed = record.failed_step[lane] >= 0
+    failure: InstabilityError | SceneError | None = None
     if extra and not is_failed:
         recording = Recording(batch, parts, lane, times, division.step)
         try:

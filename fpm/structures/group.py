@@ -58,13 +58,13 @@ class SampleGroup:
         are those of all samples. None where it is to be built on its own, as one that is refused,
         or has other elements."""
         if self.entries is not None:
-            return self._build_entries(values)
+            return self._build_entries(values, self.entries)
         if not self._is_sound:
             return None
         build = build_sample(self._model, values, problems := Problems(""), self._fixed_numbers)
         return None if problems else build.scene
 
-    def _build_entries(self, values: Mapping[str, float]) -> Scene | None:
+    def _build_entries(self, values: Mapping[str, float], entries: list[Entry]) -> Scene | None:
         build, problems, first_scene = copy(self._first), Problems(""), self._first.scene
         build.problems, build.additions = problems, {}
         build.numbers, scene = dict(build.numbers), copy(first_scene)
@@ -72,10 +72,10 @@ class SampleGroup:
         kinds = {kind: list(elements) for kind, elements in first_scene.kinds.items()}
         with np.errstate(all="ignore"):
             find_numbers(build, self._model, values, self._numbers)
-            is_moved = any(entry.statement.group == MOTIONS for entry in self.entries)
+            is_moved = any(entry.statement.group == MOTIONS for entry in entries)
             if is_moved:
                 scene.velocity, scene.spin = first_scene.velocity.copy(), first_scene.spin.copy()
-            for entry in self.entries:
+            for entry in entries:
                 elements = self._first.additions[entry.statement.group, entry.name]
                 first: dict[type, int] = {}
                 for kind, i in elements:

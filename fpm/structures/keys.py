@@ -113,8 +113,8 @@ def _refuse_angle_units(node: Any, place: Place, unit_text: str) -> None:
 def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> BuildValue:
     """The value of an expression, which must be right."""
 
-    def value(build: Builder) -> float:
-        number = build.number(bound, place.key)
+    def value(build: Builder) -> Any:
+        number: Any = build.number(bound, place.key)
         if not right(number):
             raise SceneError(place.key, number, allowed)
         return number
@@ -473,7 +473,7 @@ class CurveExpressionKey(Key):
                 hint = f"without the structure's own number {name}, which needs another name"
                 place.refuse(node, f"{self.allowed}, {hint}")
 
-        def value(build: Builder) -> tuple[Expression, dict[str, float]]:
+        def value(build: Builder) -> tuple[Expression, dict[str, Any]]:
             if missing := [n for n in full.values() if n not in build.numbers]:
                 raise SkippedError(missing[0])
             return bound.expression, {name: build.numbers[n] for name, n in full.items()}

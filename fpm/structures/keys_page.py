@@ -1,5 +1,7 @@
 """The reference of all keys of structure files, made from the statements of the language."""
 
+from typing import Any
+
 from fpm.structures.keys import NO_VALUE
 from fpm.structures.model import overall
 from fpm.structures.statement import Statement
@@ -33,7 +35,7 @@ def _on_slide(text: str, usual: str, quote: str = "") -> str:
     return "" if text == usual else f" (on a slide {quote}{text}{quote})"
 
 
-def _default(value: object) -> str:
+def _default(value: Any) -> str:
     """A default as the file would have it."""
     match value:
         case _ if value is NO_VALUE:

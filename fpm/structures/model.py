@@ -179,7 +179,7 @@ class FileStatements:
     def _name(self, prefix: str, name: str, group: str, key: str, node: Node) -> None:
         """Note one name of a group, whose table is `node`."""
         numbers, names_of, full = self.names.numbers, self.names.groups, prefix + name
-        lines = numbers if group == "let" else names_of.setdefault(group, {})
+        lines: dict[str, Any] = numbers if group == "let" else names_of.setdefault(group, {})
         line = node.lines[name]
         if full in lines or name in lines:
             sentence = f"the name {name} is defined twice; allowed: each name once"

@@ -5,6 +5,7 @@ for kg/m³, Pa for GPa) shows, and no structure that is meant does."""
 
 from collections import defaultdict
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -185,7 +186,7 @@ def _loose(scene: Scene) -> Iterator[str]:
     active_joints = {scene.hinges[hinge].joint for hinge in hinges}
     rows, names = report.jacobian(scene)
     for part in range(rows.shape[1] // 6):
-        is_its = rows[:, 6 * part : 6 * part + 6].any(axis=1)
+        is_its: Any = rows[:, 6 * part : 6 * part + 6].any(axis=1)
         owners = [name for name, condition in zip(names, is_its, strict=True) if condition]
         joint = owners[0].removeprefix("joint ") if owners else ""
         is_last = len(set(owners)) == 1 and len(owners) < 6 and owners[0].startswith("joint ")

@@ -91,7 +91,9 @@ def _place(build: Builder, model: FileStatements) -> dict[str, np.ndarray]:
     positions = {}
     for name in model.points:
         place = build.numbers.get(f"point {name}")
-        axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"] if place is None else place
+        axes: Any = place
+        if place is None:
+            axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
         if place is not None or None not in axes:
             positions[name] = np.array(axes)
             build.store("points", name, Point(name, positions[name]))

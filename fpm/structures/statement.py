@@ -4,7 +4,7 @@ A statement says which keys it takes, with units and limits, and how it goes int
 element's keys follow from its fields. A new joint or action is a function in `statements/`."""
 
 import re
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Collection, Container, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cached_property
 from types import SimpleNamespace
@@ -101,7 +101,7 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 """The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 
-def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes: Any) -> Key:
+def key_of(kind: type[Any], name: str, default_text: str = "", **changes: Any) -> Key:
     """Return the Key of a structure file for a field, `name`, of an element type, `kind`.
     default_text: what leaving it out means, without default; changes: attributes of it."""
     field = specs(kind)[name]
@@ -126,7 +126,7 @@ def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes
     return replace(key, **changes)
 
 
-def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> ElementType:
+def element(kind: type[Any], args: SimpleNamespace, **extra: Any) -> ElementType:
     """Return an element of type `kind` made from an entry. args: values of its keys as attributes
     (SI units), `joint` standing for the field `hinge`; extra: fields that override them. Fields
     that are None or missing take their defaults."""
@@ -302,7 +302,7 @@ def _read_keys(
     return read
 
 
-def _likely_key(key: str, on_hinges: Container[str], keys: list[str]) -> tuple[str, str]:
+def _likely_key(key: str, on_hinges: Collection[str], keys: list[str]) -> tuple[str, str]:
     """Which of the known keys of a statement is meant by another, and the hint that says so;
     on_hinges: those that it has on hinges."""
     if key in on_hinges:

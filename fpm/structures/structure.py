@@ -77,7 +77,8 @@ class Structure(StatementTable):
         StructureError for a file that is no mapping; `build` tells what else is wrong."""
         structure = cls()
         structure.source = str(path)
-        structure.table = read(read_text(path), Problems(structure.source)).plain
+        table: Any = read(read_text(path), Problems(structure.source)).plain
+        structure.table = table
         return structure
 
     def parameter(self, name: str, value: Any, unit: str = "", description: str = "", **keys: Any):

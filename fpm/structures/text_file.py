@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -193,7 +194,8 @@ def build_type(node: Node, problems: Problems) -> SceneType:
 
 def _check_mesh(mesh: Node, values: Mapping, parameters: Mapping, problems: Problems) -> None:
     """Refuse a mesh that is no whole parameter; nothing is said of one that is refused itself."""
-    name, whole = mesh.value, [n for n, p in values.items() if p.whole]
+    name: Any = mesh.value
+    whole = [n for n, p in values.items() if p.whole]
     if name not in whole and (name in values or name not in parameters):
         allowed = f"{did_you_mean(name, whole)}; allowed: a parameter with `whole: true`"
         problems.say(mesh.line, f"mesh: {name!r} is not allowed{allowed}: {commas(whole)}")

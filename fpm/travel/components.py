@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -126,7 +126,8 @@ def components_of(scene) -> list[Component]:
     """Return the components of the virtual work in a scene: all elements whose type has a class in
     margin standards, and the friction of cables. Each is named as its action in the structure's
     file, and by its element too where an action has several; else by its element, with a number."""
-    components, count = [], Counter()
+    components: list[Component] = []
+    count: Counter[str] = Counter()
     kinds = [k for k in kinds_of([scene]) if k.resists_as and acts(k)]
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
@@ -147,7 +148,7 @@ def components_of(scene) -> list[Component]:
     return components
 
 
-def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
+def _load_cases_of(scene, element: Any) -> tuple[ElementType, ...]:
     """The element at its least and largest load from the start on, if a curve of time scales it,
     the stronger one last; else the element alone."""
     names = _SCALED_BY_CURVES.get(type(element), ())

@@ -94,7 +94,8 @@ class Path:
         self._free = self._free_rows(self.poses)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
-        self._halvings, self._rows = 0, None
+        self._halvings = 0
+        self._rows: Any = None
         self._jumps: list[float] = []  # openings at which it left its way
         self._openings = [float(hinge.opening) for hinge in scene.hinges]
         bars, elements, _ = self.balance.sizes(self.poses, self._scales)
@@ -153,7 +154,9 @@ class Path:
         """Lead the opening to a value (rad, m) in one step; MisfitError where that fails."""
         step, conditions = value - self.opening, self._conditions_at(value)
         weights = PREDICTOR_WEIGHTS[len(self._tangents) - 1] if self._tangents else []
-        prediction = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
+        prediction: Any = sum(
+            w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True)
+        )
         poses = self.poses.displace(step * prediction) if self._tangents else self.poses
         is_converged = False
         for _ in range(MAX_ITERATIONS):
@@ -282,7 +285,7 @@ class Path:
         drift = np.zeros((len(offset), 6, 6))
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
-        drift = drift.reshape(-1, 6)  # lengths by the size
+        drift = np.reshape(drift, (-1, 6))  # lengths by the size
         rows = scale_matrix(self._conditions.jacobian(poses, full), self._weight, self._scales)
         constraints = np.vstack([rows @ drift, drift[is_held]])
         _, sizes, directions = np.linalg.svd(constraints)

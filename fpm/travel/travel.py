@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -123,7 +123,7 @@ class _Sweep:
         for part in self._parts:
             part.approach(poses_before)
         row = [part.compute_work(path.poses, tangent) for part in self._parts]
-        friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
+        friction: Any = sum((p.friction_forces() for p in self._parts), np.zeros(len(tangent)))
         row += path.compute_bearing_work(friction)
         row.append(path.balance.bars.energy(path.poses))
         motion = tangent.reshape(-1, 2, 3)
@@ -160,7 +160,8 @@ def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
         for ends in list(pairwise(samples.positions)):
             values = [samples.add(end)[column] - angle for end in ends]
             if values[0] * values[1] <= 0 and values[0] != values[1]:
-                root = _root(lambda x, k=column, a=angle: samples.look(x)[0][k] - a, ends, values)
+                height: Callable = lambda x, k=column, a=angle: samples.look(x)[0][k] - a  # noqa: E731
+                root = _root(height, ends, values)
                 nearest = min(ends, key=lambda end: abs(end - root))
                 samples.add_bend(nearest if abs(nearest - root) < POSITION_TOLERANCE else root)
 

@@ -6,7 +6,7 @@ anyway, which so counts once. The change is continued to what all further halvin
 its order: that of a few runs with a quarter of the step, or on a mesh half as fine."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -169,7 +169,7 @@ def _find_nearest_values(
 
 
 def estimate_fraction_errors(
-    model: ModelEvaluator, bounds: list[QuantityBounds], errors: dict[str, np.ndarray]
+    model: ModelEvaluator, bounds: list[QuantityBounds], errors: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return two errors by mesh and step, (q) each, by which fractions of the box's volume are
     uncertain: of each quantity's values, in its unit, and of the decision function, whose sign
@@ -198,9 +198,9 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
     are attained; its order is taken where it is largest."""
     box = model.experiment.box
-    attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
+    low, high = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    sites = intervals.choose_bound_points(*attained, width, CHECK_POINTS)
+    sites = intervals.choose_bound_points(low, high, width, CHECK_POINTS)
     run_points = model.plan.runs.normalized
     distances = np.abs(run_points - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)

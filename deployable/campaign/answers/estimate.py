@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
@@ -129,7 +130,7 @@ def estimate(
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs, responses = count_runs(experiment), len(experiment.responses)
     cost = _BatchCost(campaign)
-    stage_times = _stage_seconds(campaign, cost, math.ceil(missing * runs))
+    stage_times: dict[str, Any] = _stage_seconds(campaign, cost, math.ceil(missing * runs))
     stage_times = {
         name: times for name, times in stage_times.items() if stages is None or name in stages
     }
@@ -293,7 +294,7 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     return refinement
 
 
-def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[int, int, set[str]]:
+def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[int, int, set[Any]]:
     """Return how many runs of a campaign's plan are not stored in its folder of results, how many
     there are in all, and variables that stored ones lack."""
     keep = campaign.jobs.keep
@@ -332,7 +333,7 @@ def count_cores() -> int:
     return os.cpu_count() or 1
 
 
-def _duration(seconds: float) -> str:
+def _duration(seconds: Any) -> str:
     return duration_text(_round(seconds))
 
 

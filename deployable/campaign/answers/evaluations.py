@@ -151,7 +151,7 @@ class ModelEvaluator:
         row = int(distances.argmin())
         return row, float(distances[row])
 
-    def find_missing(self, points: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def find_missing(self, points: Sequence[np.ndarray] | np.ndarray) -> list[np.ndarray]:
         """Return those of some normalized points (k) at which the evaluator made no run."""
         runs = np.concatenate([self.points, self.failed_points])
         return [x for x in points if np.abs(runs - x).max(axis=1).min() > SAME_POINT]
@@ -167,7 +167,7 @@ class ModelEvaluator:
         value = self.numbers[run, q] if has_run else np.nan
         return {"at": values, "ran": has_run, "simulated": number(value)}
 
-    def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
+    def add(self, points: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
         (`points`, `numbers`, `margins`, `refinements`), and return the index (P) of the run at each
         point, or of the nearest once `max_refinements` are added, or the `account` allows no more,
@@ -231,7 +231,9 @@ class ModelEvaluator:
         runs = FittedRuns(self.points, self.numbers, self.margins)
         return runs.surrogates(limits_of(self.experiment))
 
-    def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(
+        self, plan: Plan, points: Sequence[np.ndarray] | np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
         with mesh and step of `plan`, which may be finer than the evaluator's own. They are
         simulated unless stored, and do not become the evaluator's own runs. NaN of runs that its
@@ -252,7 +254,8 @@ class ModelEvaluator:
         that fails. Raises `CampaignError` if too many fail of all that the evaluator has."""
         self.account.count_runs([run.id for run in runs])
         store = open_store(self.keep, self.store, plan.experiment)
-        records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
+        records: dict = {}
+        simulation = Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.from_runs(runs).unique(), self.jobs.group):
             missing = store.missing(group)
             notify_reruns(store, self.notify)
@@ -279,7 +282,7 @@ class ModelEvaluator:
         return [records.get(run.id) for run in runs]
 
 
-def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
+def runs_at(plan: Plan, points: Sequence[np.ndarray] | np.ndarray) -> list[PlannedRun]:
     """Make planned runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
     the box, with mesh and step of a plan; nothing is simulated."""
     experiment, runs = plan.experiment, []

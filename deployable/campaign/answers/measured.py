@@ -132,7 +132,8 @@ class _Test:
             ]
         data = self.curves.times, self.curves.values, self.curves.bands
         self.measurement = Measurement(*data, np.array(limits).T, np.array(axes), len(starts))
-        self.runs, self.envelope = 0, np.array([np.inf, -np.inf])[:, None, None]
+        self.runs = 0
+        self.envelope: Any = np.array([np.inf, -np.inf])[:, None, None]
         count, rows = len(self.curves.times), self.curves.rows
         if count < rows:
             self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
@@ -265,7 +266,7 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
             "name": name, "units": units[name], "before": [interval.lower, interval.upper],
             "after": None if result.is_refuted else [float(low[j]), float(high[j])],
             "best": float(box.from_unit(result.best)[j]) if j in axes else None,
-            "seen": words.get(tuple(map(bool, sides)), "none") if box.free[j] else "none",
+            "seen": words.get((bool(sides[0]), bool(sides[1])), "none") if box.free[j] else "none",
         })  # fmt: skip
     values = box.from_unit(result.samples) if len(result.samples) > 8 else np.zeros((0, len(rows)))
     columns = [*zip(experiment.intervals, values.T, strict=True)]
@@ -294,13 +295,13 @@ def _describe_left(
     folder: Folder,
 ) -> dict:
     """Quantities, limits and the next test, by runs of what is left in the campaign's own case."""
-    rows = {"quantities": [], "limits": [], "next": []}
+    rows: dict[str, list] = {"quantities": [], "limits": [], "next": []}
     if result.is_refuted or not len(result.samples):
         return rows
     samples = result.samples
     order = [*samples.argmin(axis=0), *samples.argmax(axis=0), *range(len(samples))]
     unit = samples[[*dict.fromkeys(order)][:_MOST_LEFT]]
-    records = model.records(model.plan, runs_at(model.plan, unit))
+    records: list = model.records(model.plan, runs_at(model.plan, unit))
     is_sound = [record is not None for record in records]
     unit, records = unit[is_sound], [*itertools.compress(records, is_sound)]
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
@@ -354,7 +355,7 @@ def _next_tests(
 ) -> list[dict]:
     """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
     bounds = read_bounds(folder, of_design=True)
-    bands = {}
+    bands: dict = {}
     for test in tests:
         for response, band in zip(test.responses, test.curves.bands, strict=True):
             bands[response] = min(band.min(), bands.get(response, np.inf))

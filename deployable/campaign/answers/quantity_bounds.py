@@ -110,13 +110,14 @@ def converge_bounds(
         if not points or not _grow(model, points):
             return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
+    raise AssertionError  # iterations end above
 
 
 def _turning_points(model: ModelEvaluator) -> list[np.ndarray]:
     """Unit points (k) at which an expression of the structure's file turns back or bends as one
     parameter varies: others nominal, then as in the runs at which a quantity is least, largest."""
-    experiment, points, numbers = model.experiment, [], model.numbers.T
-    numbers = [values for values in numbers if np.isfinite(values).any()]
+    experiment, points = model.experiment, []
+    numbers = [values for values in model.numbers.T if np.isfinite(values).any()]
     rows = [find(values) for values in numbers for find in (np.nanargmin, np.nanargmax)]
     bases = [model.nominal, *model.points[list(dict.fromkeys(rows))]]
     nominal = dict(zip(experiment.intervals, experiment.nominal, strict=True))
@@ -155,7 +156,7 @@ def _spread(model: ModelEvaluator, count: int) -> np.ndarray:
     return scan_points(model.experiment.box.free, len(model.points) + count, corners=False)[-count:]
 
 
-def _grow(model: ModelEvaluator, points: Sequence[np.ndarray]) -> bool:
+def _grow(model: ModelEvaluator, points: Sequence[np.ndarray] | np.ndarray) -> bool:
     """Add runs at points (P, k), and tell whether there was one to be added."""
     count = len(model.points) + len(model.failures)
     model.add(points)
@@ -229,8 +230,10 @@ class _Climbs:
     def remainders(self, q: int) -> tuple[float, float]:
         """By how much the lower and the upper bound of quantity `q` may be exceeded, as searches
         were ended by the limit on runs."""
-        lower, upper = self.climbs[q] if self.climbs else (None, None)
-        return (lower.remainder, upper.remainder) if lower else (0.0, 0.0)
+        if not self.climbs or not self.climbs[q][0]:
+            return 0.0, 0.0
+        lower, upper = self.climbs[q]
+        return lower.remainder, upper.remainder
 
     def _active(self) -> Iterator[tuple[Any, ...]]:
         """Searches, and the values (R) of the runs so far that they go by, with event margins (R)
@@ -256,15 +259,15 @@ def _bounds(
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates = estimate_bounds(surrogate, model.points, values, mispredictions)
+    estimates: Any = estimate_bounds(surrogate, model.points, values, tuple(mispredictions))
     if is_searched:
         pairs = zip(estimates, (lower, upper), strict=True)
         estimates = tuple(_attain(estimate, value, surrogate) for estimate, value in pairs)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
-    points = model.points[list(rows)]
+    first, last = model.points[list(rows)]
     return QuantityBounds(
-        surrogate, surrogate_range, lower, upper, *points, estimates, unconverged, remainders
+        surrogate, surrogate_range, lower, upper, first, last, estimates, unconverged, remainders
     )
 
 

@@ -5,6 +5,7 @@ The runs that decide were made with those of the quantities' ends."""
 
 import json
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ _Shares = Mapping[tuple[int, ...], tuple[float, float]]
 def _find_shares(model: ModelEvaluator, result: LimitAssessment) -> _Shares:
     """Share of the box that keeps limits, and what is open, by their indices: of each limit, of
     those of a requirement, and of all."""
-    sets = [(i,) for i in range(len(result.specs))]
+    sets: list[tuple[int, ...]] = [(i,) for i in range(len(result.specs))]
     sets += [_indices(result, spec.requirement) for spec in result.specs]
     sets = list(dict.fromkeys([*sets, tuple(range(len(result.specs)))]))
     limits = [[result.limits[i] for i in indices] for indices in sets]
@@ -64,11 +65,11 @@ def _indices(result: LimitAssessment, name: str) -> tuple[int, ...]:
 
 
 def _judge_limits(
-    model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
+    model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
 ) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. What
     is nearest to a failed run counts as failing, and is open."""
-    row, share = _judge_sound(model, result, indices, shares), model.lost_share
+    row, share = _judge_sound(model, result, limits, shares), model.lost_share
     if len(model.failed_points):
         row["met"] = "none" if row["met"] == "none" else "some"
         row["share"] *= 1.0 - share
@@ -82,8 +83,8 @@ def _judge_sound(
     """As `_judge_limits`, by the runs that did not fail. These decide where they agree with the
     surrogates up to the error. That no run keeps a limit proves nothing: the share is unknown
     then."""
-    (fraction, open_), indices = shares[indices], list(indices)
-    is_met = result.margins[indices].min(axis=0) >= 0
+    (fraction, open_), rows = shares[indices], list(indices)
+    is_met = result.margins[rows].min(axis=0) >= 0
     row = {
         "share": fraction,
         "share_uncertainty": open_,
@@ -140,7 +141,8 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
         return {**row, "fails": None}
     spec = result.specs[index]
     fails = {"requirement": spec.requirement, **describe_limit(model, spec)}
-    fails |= model.describe_point(result.failure_point, spec.quantity)
+    point: Any = result.failure_point
+    fails |= model.describe_point(point, spec.quantity)
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
     fails["kept"] = bool(fails["ran"] and result.limits[index].find_margins(simulated) >= 0)
     return {**row, "fails": fails}
@@ -150,6 +152,6 @@ def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str
     """The share that meets all if one interval were half as wide, by the parameter's name."""
     box, limits = model.experiment.box, result.limits
     return {
-        box.names[j]: find_halving(limits, box.free, model.nominal, j)._asdict()
+        box.names[j]: find_halving(limits, box.free, model.nominal, int(j))._asdict()
         for j in np.flatnonzero(box.free)
     }

@@ -21,6 +21,7 @@ from contextlib import suppress
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import wrap_error
@@ -61,10 +62,11 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
         stage_parser.add_argument("folder", type=Path, help="folder of the results")
         stage_parser.add_argument("--config", required=True, help="YAML file, or sections as JSON")
         for key in stage.options:
-            stage_parser.add_argument(f"--{key}", **OPTIONS[key])
+            options: Any = OPTIONS[key]
+            stage_parser.add_argument(f"--{key}", **options)
         stage_parser.add_argument("--log", type=Path, help="file that messages go to as well")
     if _evidence_is_there():
-        command(commands, "attack", _attack.__doc__, _attack)  # its words never come here
+        command(commands, "attack", _attack.__doc__ or "", _attack)  # its words never come here
     return parser
 
 

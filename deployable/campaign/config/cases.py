@@ -33,7 +33,8 @@ def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
 def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> list[str]:
     """Check the names of cases, and that requirements list existing ones: returns a sentence for
     each problem. cases: that section of the config; case_lists: names of cases by requirement."""
-    problems, folders = [], {}
+    problems: list = []
+    folders: dict = {}
     for name in sorted(cases):
         twin = folders.setdefault(folder_name(name).lower().replace("-", "_"), name)
         if twin != name:
@@ -111,7 +112,8 @@ def case_problem(name: str, problem: str) -> str:
 def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
     """Check that cases differ: returns a sentence for each that has keys but changes nothing, or
     that is the same as another. campaign: with its cases; changes: keys of each case, by name."""
-    problems, first = [], {}
+    problems: list = []
+    first: dict = {}
     for name in sorted(campaign.case_campaigns):
         physics = _physics(campaign.case_campaigns[name].experiment)
         twin = next((label for label, peer in first.items() if peer == physics), None)

@@ -107,7 +107,7 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
     original, units = raw, StatedUnits(raw)
     raw = units.raw
     config, user_config, problems = read(raw)
-    campaign = None
+    campaign: Any = None
     if config is not None:
         cases = raw.get("cases")  # also those in which something is wrong
         names = dict.fromkeys(cases) if isinstance(cases, Mapping) else {}
@@ -125,6 +125,7 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
+    assert config is not None  # else there are problems
     return _resolve_cases(campaign, raw, original, case_lists, source) if config.cases else campaign
 
 

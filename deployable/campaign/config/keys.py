@@ -111,11 +111,12 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
 
 def _docstrings(hint: type) -> dict[str, str]:
     """What stands below the fields of a class, on one line each."""
-    lines = ast.parse(dedent(inspect.getsource(hint))).body[0].body
+    definition: Any = ast.parse(dedent(inspect.getsource(hint))).body[0]
+    pairs: Any = pairwise(definition.body)
     return {
         field.target.id: " ".join(text.value.value.split())
-        for field, text in pairwise(lines)
-        if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
+        for field, text in pairs
+        if (type(field), type(text)) == (ast.AnnAssign, ast.Expr)
     }
 
 
@@ -152,7 +153,7 @@ def table(config: ConfigKey) -> str:
     """Return all keys of a config as Markdown, a heading and a table for each section.
 
     config: description of a whole config, as `read.whole` returns it."""
-    groups = {f"`{name}`": [] for name in config.children}
+    groups: dict[str, list[str]] = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
     singles = {"The campaign": [row for part in groups.values() if len(part) == 1 for row in part]}

@@ -30,7 +30,8 @@ def read(text: str, source: str) -> Text:
         root = read_yaml(text, Problems(source), is_typed=True)
     except StructureError as error:
         raise ConfigError(source, [*map(str, error.problems)]) from None
-    return Text(root.plain, dict(_lines(root)))
+    table: Any = root.plain
+    return Text(table, dict(_lines(root)))
 
 
 def _lines(node: Node, path: str = "") -> Iterator[tuple[str, int]]:

@@ -9,38 +9,29 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from deployable.campaign.config.keys import RefusedError, Rule
 
-
-def _type_of(kind: Any, allowed: str, **rule: Any) -> Any:
-    """A type with its rule, `allowed` in words."""
-    return Annotated[kind, Rule(allowed, **rule)]
-
-
-Name = _type_of(
-    str, "a name of up to 64 letters, digits and `_` that starts with a letter",
-    pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
-)  # fmt: skip
-CampaignName = _type_of(
-    str, "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name "
-    "of a study",
+Name = Annotated[str, Rule("a name of up to 64 letters, digits and `_` that starts with a letter",
+    pattern="[A-Za-z][A-Za-z0-9_]{0,63}")]  # fmt: skip
+CampaignName = Annotated[str, Rule(
+    "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name of "
+    "a study",
     pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
-    "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
-)  # fmt: skip
-CaseName = _type_of(
-    str, "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
+    "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]  # fmt: skip
+CaseName = Annotated[str, Rule(
+    "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
     "not that of a folder of results, or `all`",
     pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
-    "$)[A-Za-z][A-Za-z0-9 _-]{0,63}",
-)  # fmt: skip
+    "$)[A-Za-z][A-Za-z0-9 _-]{0,63}")]  # fmt: skip
 Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
 OrAuto = Literal["auto"]
-StructureFile = _type_of(str, "the path of a `.yaml` file", pattern=r"[^\0]*")
+StructureFile = Annotated[str, Rule("the path of a `.yaml` file", pattern=r"[^\0]*")]
 SceneValues = Annotated[
-    dict[str, _type_of(Any, "a number", unit="parameter")],
+    dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
     Rule("a mapping from the scene's parameter names to values"),
 ]
 Definitions = Rule("a mapping from names (letters, digits, `_`, starting with a letter) to "
                    "definitions")  # fmt: skip
-Pair = tuple[float, float], "`[lower, upper]`, two numbers"
+Pair = tuple[float, float]
+PAIR = "`[lower, upper]`, two numbers"
 """Type and words of a range."""
 ABSENT: Any = None
 """Of a key without a default; a config cannot say it."""
@@ -158,8 +149,9 @@ class IntervalSpec(ConfigSection):
             raise RefusedError("nominal", text)
 
 
-OneInterval = _type_of(IntervalSpec, "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
-                       "`{lower: 1, upper: 3}`, perhaps with `nominal`")  # fmt: skip
+OneInterval = Annotated[IntervalSpec, Rule(
+    "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
+    "`{lower: 1, upper: 3}`, perhaps with `nominal`")]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -272,7 +264,9 @@ class ChooseSection(ConfigSection):
     case is simulated."""
 
     parameters: Annotated[
-        dict[str, _type_of(*Pair, text="Range of the nominal value.", unit="parameter")],
+        dict[
+            str, Annotated[Pair, Rule(PAIR, text="Range of the nominal value.", unit="parameter")]
+        ],
         Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
@@ -354,7 +348,7 @@ class Jobs(ConfigSection):
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
-Times = _type_of(*Pair, unit="s")
+Times = Annotated[Pair, Rule(PAIR, unit="s")]
 _ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
 _Size = Annotated[float, Rule(above=0, unit="response")]
 
@@ -396,7 +390,7 @@ class MeasuredTest(ConfigSection):
     """By how much the model may be wrong, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
-        dict[str, _type_of(*Pair, text="Interval in this test.", unit="parameter")],
+        dict[str, Annotated[Pair, Rule(PAIR, text="Interval in this test.", unit="parameter")]],
         Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
     ] = field(default_factory=dict)
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
@@ -410,12 +404,11 @@ class MeasuredTest(ConfigSection):
     """`check`: it may refute what the other tests leave, and narrows nothing."""
 
 
-def _definition(noun: str, example: str, kind: Any = dict[str, Any], **units: str) -> Any:
-    """The type of a response's or quantity's definition, which the mechanics read; kind: of it in
-    Python; units: of its numbers, by key."""
+def _definition(noun: str, example: str, **units: str) -> Rule:
+    """The rule of a response's or quantity's definition, which the mechanics read; units: of its
+    numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
-    key = Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
-    return Annotated[kind, key]
+    return Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
 
 
 _OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
@@ -448,8 +441,9 @@ class Config(ConfigSection):
     responses: Annotated[
         dict[
             Name,
-            _definition("response", "`{distance: [B, D]}` or `{velocity: B, component: z}`",
-                        at="1", **_OF_MARGINS),
+            Annotated[dict[str, Any], _definition(
+                "response", "`{distance: [B, D]}` or `{velocity: B, component: z}`",
+                at="1", **_OF_MARGINS)],
         ],
         Rule("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
             "definitions"),
@@ -460,14 +454,16 @@ class Config(ConfigSection):
     quantities: Annotated[
         dict[
             Name,
-            _definition(
-                "quantity",
-                "`{largest: vB}` or `{event: closes, number: 1}`, or an expression of others such "
-                "as `t1 - t2`",
+            Annotated[
                 dict[str, Any] | str,
-                at="s",
-                **dict.fromkeys(("level", "about", "within"), "response"),
-            ),
+                _definition(
+                    "quantity",
+                    "`{largest: vB}` or `{event: closes, number: 1}`, or an expression of others "
+                    "such as `t1 - t2`",
+                    at="s",
+                    **dict.fromkeys(("level", "about", "within"), "response"),
+                ),
+            ],
         ],
         Definitions,
     ] = field(default_factory=dict)
@@ -477,9 +473,14 @@ class Config(ConfigSection):
     margins: Annotated[
         dict[
             Name,
-            _definition(
-                "margin", "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`", **_OF_MARGINS
-            ),
+            Annotated[
+                dict[str, Any],
+                _definition(
+                    "margin",
+                    "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`",
+                    **_OF_MARGINS,
+                ),
+            ],
         ],
         Definitions,
     ] = field(default_factory=dict)
@@ -502,8 +503,8 @@ class Config(ConfigSection):
     verify: Verify = Verify()
     requirements: Annotated[
         dict[Name, Annotated[
-            dict[str, _type_of(Limits, "a mapping with `at_least`, `at_most` or `happens`, by "
-                "quantity as in `{t_shut: {at_most: 0.32}}`")],
+            dict[str, Annotated[Limits, Rule("a mapping with `at_least`, `at_most` or "
+                "`happens`, by quantity as in `{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 text="The limits of one requirement, by quantity; all of them must be kept. A "
                 "list `cases: [on ground]` beside them: it is of these cases alone."),
@@ -518,7 +519,7 @@ class Config(ConfigSection):
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[Name, _type_of(MeasuredTest, "a mapping with `file`, `columns` and `band`")],
+        dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
         Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
     """Tests whose measured curves tell which part of the box is left, or that none is, by names of
@@ -528,7 +529,9 @@ class Config(ConfigSection):
     cases: Annotated[
         dict[
             CaseName,
-            _type_of(CaseSection, "a mapping with `scene`, `file`, `solver` and `intervals`"),
+            Annotated[
+                CaseSection, Rule("a mapping with `scene`, `file`, `solver` and `intervals`")
+            ],
         ],
         Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
     ] = field(default_factory=dict)

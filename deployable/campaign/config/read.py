@@ -84,7 +84,8 @@ def _fault(raw: Any, error: Mapping) -> Fault:
     entry = next((i for i, name in enumerate(path, 1) if name not in keys[i - 1].children), None)
     refusal = error.get("ctx", {}).get("error")
     if unknown:
-        text = _no_key(path, *unknown, keys[-1])
+        (unknown_key,) = unknown
+        text = _no_key(path, unknown_key, keys[-1])
         path += unknown
     elif isinstance(refusal, RefusedError) and refusal.text:
         place = [*path, refusal.key] if refusal.key else path
@@ -109,7 +110,8 @@ def _fault(raw: Any, error: Mapping) -> Fault:
 
 def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
     """The config with sections under the names likely meant, and a sentence for each renamed."""
-    names, fixes = Config.__dataclass_fields__, {}
+    names: Any = Config.__dataclass_fields__
+    fixes: dict[str, str] = {}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
         likely_name = likely(name, names)
         if likely_name not in ("", *raw, *fixes.values()):

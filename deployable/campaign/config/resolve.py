@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from deployable.campaign.config.keys import RefusedError
 from deployable.campaign.config.models import (
@@ -41,7 +41,8 @@ def campaign_of(
     """Resolve a checked config into a campaign, with numbers for what it leaves open. user_config:
     the config as the user wrote it, without defaults; structure: the `fpm` structure (`SceneType`);
     intervals: the resolved `Interval` of each parameter by name."""
-    accuracy, order = Accuracy(), config.design.order
+    accuracy = Accuracy()
+    order: int | None = config.design.order
     design = user_config.get("design", {})
     if config.design.method in ("sobol", "screening") and "order" not in design:
         order = None
@@ -83,7 +84,7 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     section `solver` as the user wrote it; if it has no duration, and the config no other response
     or quantity, runs simulate 1 ms only, as a margin needs no motion."""
     if not (config.responses or config.quantities or "duration" in solver):
-        brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
+        brief: dict[str, Any] = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
     responses, quantities = dict(config.responses), dict(config.quantities)
     requirements, problems = dict(config.requirements), []
@@ -159,7 +160,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     config = replace(
         config,
         scene=scene,
-        design=DesignChoice(ADAPTIVE, None),
+        design=DesignChoice(cast(Any, ADAPTIVE), None),
         bounds=BoundsChoice("auto"),
         held_out=0,
         verify=replace(config.verify, discretization=True),
@@ -173,7 +174,7 @@ def choose_of(section: ChooseSection, intervals: Mapping[str, IntervalSpec]) -> 
     `relative`, scaling with the nominal value. intervals: section of the config, by parameter."""
     names = [name for name in section.parameters if name in intervals]
     relative = [name for name in names if intervals[name].relative is not None]
-    goals = {"minimise": section.minimise, "maximise": section.maximise}
+    goals: dict[str, Any] = {"minimise": section.minimise, "maximise": section.maximise}
     goals = {key: (goal,) if isinstance(goal, str) else goal for key, goal in goals.items()}
     return Choose(section.parameters, **goals, order=section.order, relative=(*relative,))
 

@@ -117,7 +117,7 @@ class DesignChoice(DesignSection):
     runs are made, and the polynomial `order` of the surrogate, None for no polynomial. existing:
     normalized points (n, k), -1 to 1, of an adaptive design's runs, empty for other designs."""
 
-    order: int | None = 3
+    order: Any = 3
     points: tuple = ()
 
 
@@ -173,7 +173,8 @@ class Experiment:
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
-            is_named = all(map(NAME.fullmatch, names)) and CAMPAIGN_NAME.fullmatch(experiment.name)
+            is_named: Any = all(map(NAME.fullmatch, names))
+            is_named = is_named and CAMPAIGN_NAME.fullmatch(experiment.name)
             is_named = is_named and all(map(str.isidentifier, experiment.intervals))
             if not is_named or "\0" in experiment.scene.name + experiment.scene.file:
                 raise ValueError("a name is none of a campaign, response, quantity or parameter")
@@ -461,15 +462,19 @@ def plain_data(section: Any) -> Any:
     """Turn a config section, or a mapping of some, into dicts and lists; leave others unchanged."""
     if isinstance(section, Mapping):
         return {name: plain_data(item) for name, item in section.items()}
-    return asdict(section) if is_dataclass(section) else section
+    if isinstance(section, type) or not is_dataclass(section):
+        return section
+    values: Any = section
+    return asdict(values)
 
 
 def from_data(kind: Any, data: Any) -> Any:
     """Rebuild a section of type `kind` (a dataclass) from nested dicts and lists (made tuples), as
     `plain_data` returns them, without checks."""
     if is_dataclass(kind):
-        hints = _hints(kind)
-        return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
+        make: Any = kind
+        hints = _hints(make)
+        return make(**{name: from_data(hints[name], value) for name, value in data.items()})
     if get_origin(kind) is dict:
         return {key: from_data(get_args(kind)[1], value) for key, value in data.items()}
     if isinstance(data, list):

@@ -46,7 +46,8 @@ class StatedUnits:
     def __init__(self, raw: Mapping):
         self.misfits: dict[str, str] = {}
         self.unknowns: dict[str, str] = {}
-        self._source, self._sections = raw, {}
+        self._source = raw
+        self._sections: dict[str, Any] = {}
         self.raw = {name: self._section(name) for name in raw}
 
     def _section(self, name: str) -> Any:
@@ -63,10 +64,11 @@ class StatedUnits:
         """A value at a path, whose numbers have the unit `symbol`, or that of the `owner`, a name;
         parent: the mapping that has it."""
         if isinstance(value, Mapping):
-            result, symbols = {}, dict(key.rule.units)
+            result: dict[str, Any] = {}
+            symbols = dict(key.rule.units)
             for name, item in value.items():
                 entry = key.child(name)
-                symbol = entry and (entry.rule.unit or symbols.get(name, ""))
+                symbol = entry.rule.unit or symbols.get(name, "") if entry else ""
                 label = owner if name in key.children else name
                 place = (*path, str(name))
                 result[name] = (
@@ -81,10 +83,11 @@ class StatedUnits:
         try:
             symbol = self._symbol_of(symbol, path, owner, parent)
         except _WRONG:
-            place = ".".join(path)
-            self.unknowns[place] = f"{place}: {show(value)}, whose unit cannot be checked"
+            full_path = ".".join(path)
+            self.unknowns[full_path] = f"{full_path}: {show(value)}, whose unit cannot be checked"
             return float(match[1])
-        return self._number(value, *match.groups(), symbol, path, key)
+        number, unit_name = match.groups()
+        return self._number(value, number, unit_name, symbol, path, key)
 
     def _number(
         self, text: str, number: str, name: str, symbol: str, path: tuple, key: ConfigKey
@@ -138,13 +141,13 @@ class StatedUnits:
     @cached_property
     def _with_margins(self) -> Config:
         names = ("responses", "margins")
-        sections = {
+        sections: dict[str, Any] = {
             name: {key: x for key, x in dict(self._section(name) or {}).items()
                    if isinstance(x, Mapping)}
             for name in names
         }  # fmt: skip
-        review = self._source.get("review")
-        config = Config(campaign="", scene=None, intervals={}, review=review, **sections)
+        sections |= {"scene": None, "review": self._source.get("review")}
+        config = Config(campaign="", intervals={}, **sections)
         return with_margins(config, {"duration": 0})[0]
 
     @cached_property

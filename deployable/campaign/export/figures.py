@@ -22,7 +22,7 @@ DPI = 600
 SHADE_ABOVE = 0.1
 """The config's default of `error.shade_above`, which results do not tell."""
 
-_STYLE = {
+_STYLE: Any = {
     **STYLE,
     "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,

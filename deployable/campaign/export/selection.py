@@ -61,7 +61,7 @@ class SelectedRun:
 
         self._compile()
         try:
-            options = {"frames": frames, "attributes": [dict(self.attributes)]}
+            options: dict[str, Any] = {"frames": frames, "attributes": [dict(self.attributes)]}
             (motion,) = whole_motion([self.scene], **options, **self._times())
         except fpm.InstabilityError as error:
             raise CampaignError(f"the run fails: {error}") from None

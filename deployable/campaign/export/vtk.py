@@ -35,9 +35,9 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
         grids = {"axes": _axes(motion, solid, frame), "solid": _solid(motion, solid, frame)}
         if len(solid.cables.cable):
             grids["cables"] = _cables(solid, frame)
-        for part, (name, grid) in enumerate(grids.items()):
+        for part, (name, (points, cells, *data)) in enumerate(grids.items()):
             file = places / f"{name}-{frame:04d}.vtu"
-            write_text(file, grid_text(*grid, time))
+            write_text(file, grid_text(points, cells, data[0], data[1], time))
             file_name = quoteattr(f"{places.name}/{file.name}")
             text = f'timestep="{time!r}" part="{part}" name="{name}" file={file_name}'
             entries.append(f"<DataSet {text}/>")
@@ -108,7 +108,7 @@ def grid_text(points: np.ndarray, cells: list, point_data: Mapping, data: Mappin
     instant = _array("TimeValue", np.array([time]), ' NumberOfTuples="1"')
     piece = f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">'
     body = ["<FieldData>", instant, "</FieldData>", piece]
-    sections = {"Points": {"position": points}, "Cells": shape}
+    sections: dict[str, Mapping] = {"Points": {"position": points}, "Cells": shape}
     sections |= {"PointData": point_data, "CellData": data}
     body += [line for name, arrays in sections.items() for line in _section(name, arrays)]
     grid = "\n".join(["<UnstructuredGrid>", *body, "</Piece>", "</UnstructuredGrid>"])

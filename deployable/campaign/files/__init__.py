@@ -97,7 +97,7 @@ def check_results(folder: Folder, names: Iterable[str]) -> dict[str, str]:
         if plan != (first := next(iter(plans.values()))):
             text = f"it is of plan {plan}, {next(iter(plans))} of {first}"
             raise DamagedError(folder / name, text)
-    return {"plan": first} if plans else {}
+    return {"plan": str(first)} if plans else {}
 
 
 def open_dataset(path: str | Path) -> Any:

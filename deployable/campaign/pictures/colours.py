@@ -32,7 +32,8 @@ CLIPPED_SHARE = 0.005
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """Split a hexadecimal colour such as `#E69F00` into red, green and blue, each 0 to 1."""
-    return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    return red, green, blue
 
 
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:

@@ -9,9 +9,9 @@ def make_figure(**options: Any) -> Any:
     program's commands, in which nobody calls `help`, matplotlib is loaded without the texts on all
     settings of its classes, which take 0.2 s."""
     if getattr(sys.modules["__main__"], "__package__", None) == "deployable":
-        from matplotlib import artist
+        from matplotlib import artist as settings
 
-        artist.kwdoc = lambda _: ""
+        setattr(settings, "kwdoc", lambda _: "")  # noqa: B010  # of other arguments
     from matplotlib.figure import Figure
 
     return Figure(**options)

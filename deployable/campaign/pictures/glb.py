@@ -48,7 +48,10 @@ class _Buffer:
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 4)
-        accessor = {"bufferView": len(self.views) - 1, "componentType": _COMPONENTS[kind]}
+        accessor: dict[str, Any] = {
+            "bufferView": len(self.views) - 1,
+            "componentType": _COMPONENTS[kind],
+        }
         accessor |= {"count": len(raw), "type": _SHAPES[raw.shape[1:]]}
         if kind == "f4" and raw.ndim < 3:  # the format asks for them at some, and allows all
             low, high = raw.min(axis=0), raw.max(axis=0)
@@ -246,7 +249,8 @@ def _animation(
         return buffer.add(np.rint(32767 * values), "i2", normalized=True)
 
     clock = buffer.add(time - time[0])
-    samplers, channels = [], []
+    samplers: list[dict] = []
+    channels: list[dict] = []
     for p, node in enumerate(joints):
         outputs = {"translation": buffer.add(place[:, p]), "rotation": turns(quaternion[:, p])}
         for path, output in outputs.items():

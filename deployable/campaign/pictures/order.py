@@ -25,7 +25,7 @@ def paint_order(flat: np.ndarray, depth: np.ndarray) -> list[int]:
     waits = np.bincount(front, minlength=len(middle))
     for face, successor in zip(rear.tolist(), front.tolist(), strict=True):
         successors[face].append(successor)
-    ready = [(middle[i], i) for i in np.flatnonzero(waits == 0)]
+    ready: list[tuple] = [(middle[i], i) for i in np.flatnonzero(waits == 0)]
     heapq.heapify(ready)
     rest = iter(np.argsort(middle, kind="stable").tolist())
     order: list[int] = []

@@ -25,7 +25,7 @@ def paint_solid(
 
     faces, shades = visible_faces(solid, moment, view, colours)
     edges = 0.7 * shades
-    collection = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
+    collection = PolyCollection([*faces], facecolors=shades, edgecolors=edges, linewidths=0.25)
     ax.add_collection(collection, autolim=False)
     return collection
 

@@ -25,7 +25,7 @@ class CablePoints:
     cable: np.ndarray
     particle: np.ndarray
     arm: np.ndarray
-    tension: np.ndarray | None = None
+    tension: Any = None
 
     @cached_property
     def stretches(self) -> np.ndarray:
@@ -140,8 +140,9 @@ def solid_of_scene(scene: Any) -> Solid:
 def _cables_of_motion(motion: Any, frames: Any) -> CablePoints:
     if "cable_point_cable" not in motion.variables:
         return NO_CABLES
-    points = (values_in(motion, f"cable_point_{key}") for key in ("cable", "particle", "arm"))
-    return CablePoints(*points, values_in(motion, "cable_tension")[frames])
+    keys = ("cable", "particle", "arm")
+    cable, particle, arm = (values_in(motion, f"cable_point_{key}") for key in keys)
+    return CablePoints(cable, particle, arm, values_in(motion, "cable_tension")[frames])
 
 
 def _cables_of_scene(scene: Any) -> CablePoints:

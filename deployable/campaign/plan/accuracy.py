@@ -53,7 +53,7 @@ def start_plan(experiment: Experiment) -> Plan:
     by mesh, or by step if no parameter sets the mesh, by both if there is no other check."""
     box, count = experiment.box, count_first_runs(experiment)
     points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
-    check = ("mesh",) if _has_mesh(experiment) else ("step",)
+    check: tuple[str, ...] = ("mesh",) if _has_mesh(experiment) else ("step",)
     accuracy, check_runs = experiment.accuracy, count_check_runs(experiment)
     if accuracy.max_runs - accuracy.reserve - count < 3 * check_runs:  # no second check
         check = tuple(part for part in COMPONENTS if part != "mesh" or _has_mesh(experiment))
@@ -102,10 +102,10 @@ def _plan(
     time: TimeStep | None = None,
 ) -> Plan:
     """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
-    points = tuple(tuple(map(float, point)) for point in points)
-    design = replace(experiment.design, points=points)
+    places = tuple(tuple(map(float, point)) for point in points)
+    design = replace(experiment.design, points=places)
     plan = make_plan(replace(experiment, design=design), time=time)
-    return replace(plan, adaptive=Rounds(rounds, points, check=check))
+    return replace(plan, adaptive=Rounds(rounds, places, check=check))
 
 
 def _halve(solver: Solver, time: TimeStep) -> float:

@@ -212,7 +212,7 @@ class RefinementState:
         if finer:  # comes before runs, which are all made again then
             worst = max(finer, key=lambda error: error.discretization / error.tolerance)
             action = self.needs[worst.name].action
-            check = ("mesh",) if action == "mesh" else COMPONENTS
+            check: tuple[str, ...] = ("mesh",) if action == "mesh" else COMPONENTS
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._exceeds_budget("runs"):
             return self._end(reason)

@@ -21,6 +21,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -106,7 +107,7 @@ class Plan:
     mechanics: str
     time: TimeStep
     runs: Runs
-    adaptive: Rounds | None = None
+    adaptive: Any = None
 
     @property
     def is_finished(self) -> bool:

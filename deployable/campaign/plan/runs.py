@@ -67,10 +67,10 @@ class Runs(Sequence[PlannedRun]):
         """Make the sequence from `PlannedRun` objects, which keep their ids."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
-        arrays = (
+        normalized, values = (
             np.array([getattr(r, key) for r in runs], float) for key in ("normalized", "values")
         )
-        return cls(role, *arrays, names.__getitem__)
+        return cls(role, normalized, values, names.__getitem__)
 
     @classmethod
     def from_points(
@@ -99,7 +99,7 @@ class Runs(Sequence[PlannedRun]):
     def __eq__(self, runs: object) -> bool:
         return isinstance(runs, Runs) and self.digest == runs.digest
 
-    __hash__ = None
+    __hash__ = None  # type: ignore[assignment]  # as Python asks for of what cannot be hashed
 
     @property
     def digest(self) -> str:
@@ -114,7 +114,8 @@ class Runs(Sequence[PlannedRun]):
         """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]
-        words, key = np.ascontiguousarray(self.values).view(np.uint64), np.uint64(0)
+        words = np.ascontiguousarray(self.values).view(np.uint64)
+        key: Any = np.uint64(0)
         for column in words.T:  # equal values have equal keys
             key = (key ^ column) * np.uint64(0x9E3779B97F4A7C15)
             key ^= key >> np.uint64(29)

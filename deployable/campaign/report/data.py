@@ -33,7 +33,7 @@ class PageRun:
     id: str
     role: str
     values: np.ndarray
-    curves: np.ndarray | None = None
+    curves: Any = None
     events: Sequence[Mapping[str, Any]] = ()
 
 
@@ -67,7 +67,7 @@ class WhatIf:
     `choice_intervals`, (lower, upper) by parameter, those of the box first."""
 
     quantities: Mapping[str, Any]
-    indices: np.ndarray | None
+    indices: Any
     coefficients: np.ndarray | None
     choice_quantities: Mapping[str, Any] = field(default_factory=dict)
     choice_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -94,8 +94,8 @@ class PageData:
     work: Sequence[Mapping[str, Any]] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
-    verdicts: RunVerdicts | None = None
-    what_if: WhatIf | None = None
+    verdicts: Any = None
+    what_if: Any = None
 
     @property
     def parameters(self) -> list[dict[str, Any]]:

@@ -63,7 +63,7 @@ def panels(data: PageData) -> list[Panel]:
     passes = data.verdicts.met
     free.sort(key=lambda k: -abs(coords[k][passes].mean() - coords[k][~passes].mean()))
     axes = sorted(free[:MOST_PARAMETERS])
-    pairs = list(combinations(axes, 2)) or [(axes[0], None)]
+    pairs: list[tuple] = [*combinations(axes, 2)] or [(axes[0], None)]
     runs = _select_marks(passes)
     return [_panel(data, coords, runs, *pair) for pair in pairs]
 
@@ -83,7 +83,7 @@ def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None
     flags = zip(data.verdicts.met[runs].tolist(), is_near[runs].tolist(), strict=True)
     marks = [(round(x, 4), round(y, 4), *f) for (x, y), f in zip(places, flags, strict=True)]
     feasible = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
-    frame = tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None
+    frame: Any = tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None
     y_axis = None if j is None else data.parameters[j]
     return Panel(data.parameters[i], y_axis, marks, frame, runs.tolist())
 

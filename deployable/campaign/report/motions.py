@@ -40,18 +40,19 @@ class ShownRun:
     row: int | None
 
 
-def shown_runs(folder: str | Path) -> list[ShownRun]:
+def shown_runs(path: Any) -> list[ShownRun]:
     """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
-    and largest value of each response when its bounds differ most. folder: of the results."""
-    folder = Folder(folder)
+    and largest value of each response when its bounds differ most. path: of the results."""
+    folder = Folder(path)
     bounds = read_bounds(folder)
     with open_samples(folder) as samples:
         ends = [
             (row.name, samples.extreme_runs(i, row.widest))
             for i, row in enumerate(bounds.responses)
         ]
-        tables, extra_ids = [samples.table], []
+        tables = [samples.table]
+        extra_ids: Any = []
         if quantities := list(samples.experiment.quantities):
             table, extra_ids, _ = read_refinement(folder)
             tables.append(table)
@@ -113,7 +114,8 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
     experiment, solver = samples.experiment, samples.experiment.solver
     names = list(experiment.intervals)
     scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in runs]
-    (events,) = samples.events([runs[0].row])
+    first_row: Any = runs[0].row
+    (events,) = samples.events([first_row])
     bare = {i for i, run in enumerate(runs) if run.row is None or samples.keeps_extremes}
     return whole_motion(
         scenes,
@@ -124,7 +126,7 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
         energy_tolerance=solver.energy_tolerance,
         record=experiment.record if bare else (),
         frames=frames,
-        times=events[:, 0],
+        times=events[:, 0].tolist(),
         attributes=[{"run_id": run.id, "campaign": experiment.name} for run in runs],
         extra_variables=lambda i, outcome: _read_curves(experiment, outcome) if i in bare else {},
     )
@@ -143,15 +145,15 @@ def _read_curves(experiment: Any, outcome: Any) -> dict:
     }  # fmt: skip
 
 
-def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Simulate the runs that a campaign's page shows, write their whole motions into `folder /
+def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
+    """Simulate the runs that a campaign's page shows, write their whole motions into `path /
     "motions"`, files named after the runs' ids (.nc), and return the paths, first that of the
-    nominal run (or a scan's first). folder: of the campaign's results; frames: of each motion.
+    nominal run (or a scan's first). path: of the campaign's results; frames: of each motion.
     Damaged motions of other runs are removed. Raises `CampaignError` where structure or mechanics
     changed since the runs were made."""
     from deployable.campaign.results.bounds import write_dataset
 
-    folder = Folder(folder)
+    folder = Folder(Path(path))
     with open_samples(folder) as samples:
         experiment = samples.experiment
         if experiment.mechanics != samples.mechanics:
@@ -165,9 +167,9 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         paths = [folder.motions / f"{run.id}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
-    for path in set(folder.motions.glob("*.nc")) - set(paths):
+    for rest in set(folder.motions.glob("*.nc")) - set(paths):
         try:
-            check(path, path.name)
+            check(rest, rest.name)
         except DamagedError:  # which is no longer shown, and so never made again
-            path.unlink()
+            rest.unlink()
     return paths

@@ -156,7 +156,9 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
     if (model := data.what_if) is None:
         return None
     rows = [row for row in data.facts["quantities"] if row["name"] in model.quantities]
-    body = {"quantities": [_quantity(row, model.quantities[row["name"]], arrays) for row in rows]}
+    body: dict[str, Any] = {
+        "quantities": [_quantity(row, model.quantities[row["name"]], arrays) for row in rows]
+    }
     requirements, keys = data.facts.get("requirements", ()), ("quantity", "kind", "level")
     limits = [(row["name"], limit) for row in requirements for limit in row["limits"]]
     body["limits"] = [{"of": name, **{key: limit[key] for key in keys}} for name, limit in limits]

@@ -32,12 +32,12 @@ from deployable.campaign.results.run_samples import (
 from fpm.files.seals import DamagedError, check
 
 
-def from_results(folder: str | Path) -> PageData:
-    """Read all data of a campaign's page. folder: of the results, with `samples.nc`, `bounds.nc`
-    and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`; files that may
-    be absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
-    `make_motions`). Raises `DamagedError` for a damaged result."""
-    folder = Folder(folder)
+def from_results(path: str | Path) -> PageData:
+    """Read all data of a campaign's page. path: of the results' folder, with `samples.nc`,
+    `bounds.nc` and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`;
+    files that may be absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and
+    `motions/*.nc` (of `make_motions`). Raises `DamagedError` for a damaged result."""
+    folder = Folder(Path(path))
     facts, bounds = read_json(folder / "summary.json"), read_bounds(folder)
     movers = shown_runs(folder)
     with open_samples(folder) as samples:
@@ -61,8 +61,8 @@ def from_results(folder: str | Path) -> PageData:
         if not samples.keeps_extremes:  # of which a scan may have more than fit into memory
             drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
             curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
-    runs = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
-    return replace(data, runs=tuple(runs))
+    with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
+    return replace(data, runs=tuple(with_curves))
 
 
 def _show_significant(bounds: ResponseBounds) -> ResponseBounds:
@@ -77,14 +77,14 @@ MOST_RUNS = 10_000
 """Runs that a page has, with their parameters; of more, it has those that move."""
 
 
-def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> np.ndarray:
+def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> Any:
     """Places among the samples of the runs that the page has."""
     if len(samples) <= MOST_RUNS and not samples.keeps_extremes:
         return np.arange(len(samples))
     return np.array(sorted(run.row for run in movers if run.row is not None))
 
 
-def _runs(samples: RunSamples, rows: np.ndarray) -> tuple[PageRun, ...]:
+def _runs(samples: RunSamples, rows: Any) -> tuple[PageRun, ...]:
     values, events = samples.table.values, samples.events(rows)
     return tuple(
         PageRun(name, samples.roles[row], values[row], None, describe_events(e, samples.contacts))
@@ -140,7 +140,8 @@ def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
     if "choice" in summary:
         record = read_json(folder.choice)["fitted"]
         keys = ("points", "numbers", "margins")
-        runs = FittedRuns(*(np.array(record[key], dtype=float) for key in keys))
+        points, values, margins = (np.array(record[key], dtype=float) for key in keys)
+        runs = FittedRuns(points, values, margins)
         model = replace(
             model,
             choice_quantities=surrogates(runs),

@@ -143,8 +143,8 @@ def _is_close(limit: Mapping, worst: Mapping) -> bool:
     """Whether a limit is as bad as the worst within both errors; not where one is unknown."""
     if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
         return False
-    margins = [{"margin": _margin(row), "error": row["error"]} for row in (limit, worst)]
-    return _is_same(*margins, "margin")
+    first, last = ({"margin": _margin(row), "error": row["error"]} for row in (limit, worst))
+    return _is_same(first, last, "margin")
 
 
 def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:

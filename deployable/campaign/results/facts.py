@@ -162,7 +162,8 @@ def bounds_facts(
     parameters, design, contacts that close in the nominal run, and bounds by response. published:
     largest difference in the literature by response."""
     time, attributes = bounds.time, bounds.attributes
-    (events,) = samples.events([samples.nominal])
+    nominal: Any = samples.nominal
+    (events,) = samples.events([nominal])
     facts = {
         **{key: attributes[key] for key in ("campaign", "scene", "config_hash")},
         "duration": float(time[-1] - time[0]),
@@ -227,7 +228,7 @@ def _response(
     bounds: ResponseBounds, campaign: CampaignBounds, published: float | None
 ) -> dict[str, Any]:
     time, width, instant = bounds.time, bounds.width, bounds.widest
-    row = {
+    row: dict[str, Any] = {
         "name": bounds.name,
         "long_name": bounds.long_name,
         "units": bounds.units,
@@ -339,7 +340,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     }
 
 
-def _is_met(errors: Mapping[str, float | None]) -> bool:
+def _is_met(errors: Mapping[str, Any]) -> bool:
     """As it is printed: with three digits."""
     return errors["share"] is not None and float(f"{errors['share']:.3g}") <= errors["target"]
 

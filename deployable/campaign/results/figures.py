@@ -26,7 +26,7 @@ DOUBT = f"do not rely on these bounds: error\nfrom {100 * LARGE:.0f} % of the la
 FAINT = {"linestyle": (0, (1, 1)), "linewidth": 1.0, "alpha": 0.6, "label": DOUBT}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
-STYLE = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
+STYLE: Any = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
 """Matplotlib's settings for files: the same names in all, and TrueType fonts, as journals ask."""
 _COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
@@ -140,7 +140,8 @@ def shares(bounds: CampaignBounds, width: float = 7.0) -> Any:
     figure = make_figure(figsize=(width, 2.2 * len(responses) + 0.4), layout="constrained")
     axes = figure.subplots(len(responses), 2, width_ratios=(3, 1), squeeze=False)
     for place, (row, response) in enumerate(zip(axes, responses, strict=True)):
-        time, error, share = _abscissa(response)[0], response.width_error, response.shares
+        time, error = _abscissa(response)[0], response.width_error
+        share: Any = response.shares
         row[0].fill_between(time, error, color="0.92", lw=0, label="error of the fit")
         for i, (parameter, curve) in enumerate(zip(parameters, response.widths, strict=True)):
             line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]

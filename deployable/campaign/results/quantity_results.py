@@ -92,7 +92,7 @@ def add_total_error(
 ) -> dict[str, float | None]:
     """Add to the errors of an interval by component, None where unknown, their sum `whole`, and
     `share`, the sum over the `width` of the interval, None where there is none."""
-    values = list(parts.values())
+    values: list[Any] = list(parts.values())
     whole = None if None in values else sum(values)
     if not width:  # nothing varies, or there is no interval
         return {**parts, "whole": whole, "share": 0.0 if whole == 0 and width == 0 else None}
@@ -152,7 +152,8 @@ class FittedRuns(NamedTuple):
         rest = np.delete(table.numbers, rows, axis=0)
         table = RunTable.join(tables)
         count = len(table.points) - len(rows)
-        return cls(table.points, table.numbers, table.margins, rest, count, tuple(failures))
+        first, last = failures
+        return cls(table.points, table.numbers, table.margins, rest, count, (first, last))
 
     def surrogates(self, limits: Iterable[tuple[float | None, float | None]]) -> list[Any]:
         """Fit the `ScalarSurrogate` of each quantity to the runs, in order. limits: of each, its

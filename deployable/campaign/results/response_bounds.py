@@ -52,7 +52,7 @@ class ResponseBounds:
     impossible: tuple[float, float] = (0.0, 0.0)
     growth: np.ndarray | None = None
     abscissa: Mapping[str, Any] | None = None
-    widths: np.ndarray | None = None
+    widths: Any = None
     width_error: np.ndarray | None = None
     shares: np.ndarray | None = None
 

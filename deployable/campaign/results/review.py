@@ -181,7 +181,7 @@ class _Sheet:
         """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
         analysed` where nothing answers it. clause: one of `CLAUSES`."""
         if clause.topic in ANALYSES:
-            rows = [ANALYSES[clause.topic](self)]
+            rows: list = [ANALYSES[clause.topic](self)]
         else:
             quantities = [row for row in self.facts["quantities"]
                           if clause.topic in self._topics(row["name"])]  # fmt: skip
@@ -388,7 +388,7 @@ class _Sheet:
                 text = f"own requirement {requirement}, {limit_text}; the limit 0 is kept"
                 return Verdict(stricter.state, f"{stricter.state}: {text}")
         if reasons := self._open_travel(margin):
-            analysed = _stretch(margin["first"], margin["last"], margin["unit"])
+            analysed = _stretch((margin["first"], margin["last"]), margin["unit"])
             return _because(PARTIAL, f"met from {analysed}; {'; '.join(reasons)}")
         if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
             return Verdict(MET, f"{verdict.text}, if tests have shown what the factors rest on")
@@ -401,7 +401,7 @@ class _Sheet:
             names = " or ".join(margin["openings"])
             reasons.append(f"no latch and no stop of {names} states where its travel ends")
         elif not _covers(margin):
-            reasons.append(f"the travel is {_stretch(*margin['travel'], unit)}")
+            reasons.append(f"the travel is {_stretch(margin['travel'], unit)}")
         peers = [x for x in self._margins.values() if x["standard"] == margin["standard"]]
         openings = {name for peer in peers for name in peer["openings"]}
         if locks := [name for name in margin["locked"] if name not in openings]:
@@ -418,8 +418,8 @@ class _Sheet:
     def _margin_words(self, margin: Mapping[str, Any]) -> str:
         """By what a margin is, and over which positions."""
         unit, travel = margin["unit"], margin["travel"]
-        words = [f"positions {_stretch(margin['first'], margin['last'], unit)}"]
-        words[0] += (f" of {_stretch(*travel, unit)} analysed" if travel is not None else
+        words = [f"positions {_stretch((margin['first'], margin['last']), unit)}"]
+        words[0] += (f" of {_stretch(travel, unit)} analysed" if travel is not None else
                      " analysed, of a travel whose end no latch or stop states")  # fmt: skip
         if margin["starts_vary"]:
             words[0] += ", those of the nominal run; each other run begins where it starts"
@@ -599,7 +599,7 @@ class _Sheet:
                 text = (text + sentence("differing", self.facts, escapes=False)).strip()
             return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
         value = "; ".join(
-            f"{p['name']} {_stretch(*p['after'], p['units'])}" for p in measured["parameters"]
+            f"{p['name']} {_stretch(p['after'], p['units'])}" for p in measured["parameters"]
         )
         verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
@@ -647,8 +647,9 @@ def _row(
             "nearest": nearest, "of": quantity}  # fmt: skip
 
 
-def _stretch(first: float, last: float, unit: str) -> str:
+def _stretch(ends: Sequence[float], unit: str) -> str:
     """Openings from one to another."""
+    first, last = ends
     return f"{numbers.number(first, 4)} to {numbers.quantity(last, unit, 4)}"
 
 

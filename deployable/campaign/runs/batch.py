@@ -216,7 +216,8 @@ class Simulation:
 
             def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
-                parts = [split_evenly(group, part, count) for part in range(count)]
+                whole: Any = group
+                parts = [split_evenly(whole, part, count) for part in range(count)]
                 return [pool.submit(simulate, self.plan, part, columns) for part in parts]
 
             groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]
@@ -238,7 +239,7 @@ class Simulation:
 
 def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
     """`start(*item)` of all items in order, each when that of the next was called."""
-    queue = deque()
+    queue: deque = deque()
     for item in items:
         queue.append(start(*item))
         if len(queue) > 1:

@@ -61,7 +61,7 @@ class ScanChunk:
         self.numbers = np.full((count, 2, len(quantities)), np.nan)
         self.events = {n: np.full((count, 1), fill, kind) for n, (kind, fill) in EVENTS.items()}
         self.overlap = 0.0
-        self.bounds: RunBounds | None = None
+        self.bounds: Any = None
         self.time = self.first = np.zeros(0)
         self.contacts: list[str] = []
 
@@ -182,7 +182,9 @@ class ScanExtremes(common.Store):
         without one. Raises `DamagedError` for a file of other runs, responses or instants."""
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
-        chunk = path and ScanChunk.read(path, self.responses, self.quantities)
+        if path is None:
+            return None
+        chunk = ScanChunk.read(path, self.responses, self.quantities)
         shape = len(group), len(self.responses), self.experiment.solver.instants
         if chunk and (len(chunk.mask), *chunk.first.shape) != shape:
             raise DamagedError(path, "it has other runs, responses or instants than the campaign")

@@ -155,8 +155,8 @@ def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
             columns["response_along"] = axes
             columns["response_ratio"] = [float(item.kind == "margin") for item in items]
         limits = zip(*((item.least, *item.ends) for item in items), strict=True)
-        for side, values in zip(("least", "floor", "ceiling"), limits, strict=True):
-            columns[f"response_{side}"] = [np.nan if x is None else x for x in values]
+        for side, ends in zip(("least", "floor", "ceiling"), limits, strict=True):
+            columns[f"response_{side}"] = [np.nan if x is None else x for x in ends]
     for name, values in columns.items():
         create(file, _FILE, name, values)
 

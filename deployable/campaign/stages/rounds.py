@@ -28,7 +28,8 @@ def work(
             simulate.work(place, notify, jobs, threads=threads)
             bound(place, notify, bounds, verify, jobs, threads)
         number += 1
-    last = [place.plan, *(place.previous() / name for name in BOUNDS_FILES)]
+    previous: Any = place.previous()
+    last = [place.plan, *(previous / name for name in BOUNDS_FILES)]
     for path in last:
         shutil.copy(path, folder.path)
 

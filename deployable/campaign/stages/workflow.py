@@ -76,7 +76,8 @@ class Workflow:
         """Return the paths of results that must be made again, with the reasons: damaged, or made
         from another config, program or plan; damage is noted in `damage`, too. Seals tell this
         wherever files were made, while Snakemake knows only what it made here itself."""
-        folder, plan, reasons = self.folder, None, {}
+        folder, plan = self.folder, None
+        reasons: dict[str, Any] = {}
         self._damaged_motions(folder, reasons)
         for stage in stages_of(self.campaign):
             paths = [path for path in self.files_of(stage) if path.exists()]
@@ -96,7 +97,8 @@ class Workflow:
     def list_stages(self, is_incomplete: bool, figures: bool = True) -> list[str]:
         """List the names of the stages that `run` would do by the results that are there.
         is_incomplete: whether runs are to be simulated; figures: whether it draws."""
-        stale, names = self.stale(), []
+        stale = self.stale()
+        names: list[str] = []
         for stage in stages_of(self.campaign):
             is_done = not is_incomplete if stage.name == "simulate" else self.is_whole(stage, stale)
             if (figures or not stage.draws) and (names or not is_done):
@@ -149,7 +151,7 @@ class Workflow:
         of `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a
         report. For `snakemake --report` without `--configfile`."""
         reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
-        last = max(reports, key=reports.get, default=self.name)
+        last = max(reports, key=reports.__getitem__, default=self.name)
         if last == self.name:
             return ""
         return (

@@ -13,7 +13,8 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 def pretty(units: str) -> str:
     """Write units as people do: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; no unit as `1`."""
-    numerator, denominator = [], []
+    numerator: list[str] = []
+    denominator: list[str] = []
     for name, power in re.findall(r"([A-Za-z%]+)(-?[\d.]+)?", units):
         exponent = abs(float(power or 1))
         text = name + ("" if exponent == 1 else "²" if exponent == 2 else f"^{exponent:g}")

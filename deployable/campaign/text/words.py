@@ -1,10 +1,12 @@
 """Quantities in the words of readers who do not know their names."""
 
+from typing import Any
+
 from deployable.campaign.text.numbers import quantity as with_unit
 from fpm.reading.quantities import Quantity
 
 
-def words_of(quantity: Quantity) -> dict[str, str]:
+def words_of(quantity: Any) -> dict[str, str]:
     """Describe a quantity in a dict of two texts: `event`, what must happen for it to exist (`L
     latches`; else `there is a largest ...`), and `words`, what it is (`speed when L latches`)."""
     if quantity.kind == "expression":

@@ -10,6 +10,7 @@ that it bisects towards that border and goes along it."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import scipy
@@ -52,7 +53,7 @@ class Climb:
     promise: tuple[np.ndarray, float, float] | None = None  # next run, its value; largest so far
     target: np.ndarray | None = None  # last run, just beyond the border, next to which one goes on
     depth: float = 0.0  # minus the margin of that run
-    margins: np.ndarray | None = None  # of the runs so far
+    margins: Any = None  # (N) of the runs so far
     record: list[float] = field(default_factory=list)  # largest values (times the sign) so far
 
     @property

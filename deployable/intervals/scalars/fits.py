@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import comb
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -51,8 +51,8 @@ class Kriging:
     def formula(self) -> Formula:
         """Write the corrected polynomial as a table that other programs can evaluate."""
         scales = np.full(self.points.shape[1], 1 / self.length)
-        correlation = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
-        return replace(polynomial(self.trend), kernel="fading", **correlation)
+        formula, weights = polynomial(self.trend), self.weights[:, 0]
+        return replace(formula, kernel="fading", points=self.points, scales=scales, weights=weights)
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,8 @@ def root_fit(
     def add_root(fit: Fit | None) -> Fit | None:
         if fit is None:
             return None
-        kind, function = f"{fit.kind}, with a root at its border", fit.function
+        kind = f"{fit.kind}, with a root at its border"
+        function: Any = fit.function
         return Fit(fit.points[:, :-1], fit.values, fit.left_out, kind,
                    RootFunction(function, border, scale), add_root(fit.rival))  # fmt: skip
 
@@ -234,7 +235,8 @@ def _through_runs(fit: Fit) -> Fit:
     directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)
     length = 2.0 * len(points) ** (-1.0 / directions)  # about how far apart runs are
     weights = np.linalg.solve(_decay(points, points, length), rest[:, None])
-    return replace(fit, function=Kriging(fit.function, points, weights, length))
+    trend: Any = fit.function
+    return replace(fit, function=Kriging(trend, points, weights, length))
 
 
 def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
@@ -282,7 +284,8 @@ def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
     number = int((errors**2).sum(axis=1).argmin())
     picks = _pursue(columns, values, count, folds < _FOLDS)[1][:number]
     terms = [*dict.fromkeys([*range(count), *picks])]
-    coefficients, leverage = least_squares(columns[:, terms], values, 0.0)
+    solution: Any = least_squares(columns[:, terms], values, 0.0)
+    coefficients, leverage = solution
     rest, spare = values - columns[:, terms] @ coefficients, 1 - leverage
     end_errors = np.where(spare > 1 - _LEVERAGE, rest / np.maximum(spare, 1 - _LEVERAGE), np.inf)
     left_out = np.where(folds < 0, end_errors, errors[number])
@@ -296,7 +299,7 @@ def _pursue(
     """Residuals (_MOST_TERMS + 1, N) of values (N) fitted by the first `count` of the `columns` (N,
     M) and 0, 1, 2, ... others, and which, by orthogonal matching pursuit (Pati et al. 1993).
     is_fitted (N): runs that are fitted."""
-    root = np.linalg.qr(columns[is_fitted, :count], mode="r")
+    root: Any = np.linalg.qr(columns[is_fitted, :count], mode="r")
     basis = np.linalg.lstsq(root.T, columns[:, :count].T, rcond=1e-9)[0].T
     rest = values - basis @ (basis[is_fitted].T @ values[is_fitted])
     columns = columns - basis @ (basis[is_fitted].T @ columns[is_fitted])

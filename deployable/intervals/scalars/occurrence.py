@@ -262,5 +262,5 @@ class FittedOccurrence(Occurrence):
     def band(self, points: np.ndarray) -> np.ndarray:
         return np.full(len(points), self.error)
 
-    def usual_band(self, points: np.ndarray) -> np.ndarray:
+    def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
         return self.fit.median_errors(points)

@@ -5,7 +5,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Limit:
     step, in the quantity's unit; border_error: their error in the decision function, by which the
     event occurs (`Occurrence.decision`); infinite if finer runs differ in whether it does."""
 
-    surrogate: ScalarSurrogate | None
+    surrogate: Any
     kind: str
     level: float
     run_error: float = 0.0
@@ -88,7 +88,7 @@ class Limit:
         return replace(self, surrogate=rival)
 
     @cached_property
-    def _border(self) -> Occurrence | None:
+    def _border(self) -> Any:
         """The border by runs alone between those that keep the level and those that do not, where
         it leaves less of the box open than the fit does, as beside steps, plateaus and jumps."""
         fit = self.surrogate.fit
@@ -173,8 +173,8 @@ def find_least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
 def share_of_box(
     limits: Sequence[Limit],
     free: np.ndarray,
-    lower: np.ndarray = -1.0,
-    upper: np.ndarray = 1.0,
+    lower: np.ndarray | float = -1.0,
+    upper: np.ndarray | float = 1.0,
     lines: int = _LINES,
 ) -> tuple[float, float]:
     """Volume fraction of the box in which all limits are satisfied, and its uncertainty: of one set
@@ -185,8 +185,8 @@ def share_of_box(
 def shares_of_box(
     sets: Sequence[Sequence[Limit]],
     free: np.ndarray,
-    lower: np.ndarray = -1.0,
-    upper: np.ndarray = 1.0,
+    lower: np.ndarray | float = -1.0,
+    upper: np.ndarray | float = 1.0,
     lines: int = _LINES,
 ) -> list[tuple[float, float]]:
     """Volume fractions of the box in which all limits of a set are satisfied, and uncertainties: by
@@ -221,8 +221,8 @@ def shares_of_box(
             parts, differences = _compare(pairs, flat, len(line), is_tested)
             fractions.append(parts)
             changes += [differences] * is_tested
-        parts = np.concatenate(fractions, axis=2)
-        means, deviations = parts.mean(axis=2).tolist(), _deviations(parts[:, 0]).tolist()
+        all_parts = np.concatenate(fractions, axis=2)
+        means, deviations = all_parts.mean(axis=2).tolist(), _deviations(all_parts[:, 0]).tolist()
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
         for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
             fraction, least, most = row
@@ -264,7 +264,8 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
             points[:, :, j] = line
-            points, cache = points.reshape(-1, len(free)), {}
+            cache: dict = {}
+            points = points.reshape(-1, len(free))
             parts = _met(limits, points, cache, len(line), signs, weights)
             if signs[1:]:
                 rivals = _rivals(limits)
@@ -340,7 +341,7 @@ def _met(
     return [_parts_met(conditions, sign) @ weights for sign in signs]
 
 
-def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: int) -> np.ndarray:
+def _parts_met(conditions: Sequence[tuple[np.ndarray, ...]], sign: int) -> np.ndarray:
     """Parts (L, S - 1) of stretches of lines on which values plus `sign` errors (L, S) are >= 0."""
     start, end = np.zeros((1, 1)), np.ones((1, 1))
     for values, error in conditions:
@@ -558,7 +559,7 @@ class ChoiceProblem:
         if len(ends) <= 2:
             count = _GRID if len(ends) == 1 else _ZOOM_GRID + 6
             sizes = [count if free else 1 for free in wide]
-            lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
+            lines = [np.linspace(a, b, size) for (a, b), size in zip(ends, sizes, strict=True)]
             return np.array(list(itertools.product(*lines)))
         points = (scan_points(wide, _SPREAD) + 1) / 2
         return ends[:, 0] + points * (ends[:, 1] - ends[:, 0])

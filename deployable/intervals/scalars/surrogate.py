@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
+from typing import Any
 
 import numpy as np
 import scipy
@@ -13,7 +14,7 @@ import scipy
 from ..box import MOST_FULL
 from ..designs import spread_points
 from ..formula import Formula
-from .fits import Fit, choose_fit, root_fit
+from .fits import choose_fit, root_fit
 from .occurrence import FittedOccurrence, Occurrence
 
 _CANDIDATES = 1024
@@ -116,7 +117,7 @@ class ScalarSurrogate:
     occurrence: in which part of the box it exists; least: physical lower bound; latest: of a time,
     the end of the runs (s), which no value passes; both infinite where there is none."""
 
-    fit: Fit | None
+    fit: Any  # Fit | None
     occurrence: Occurrence
     least: float = -np.inf
     latest: float = np.inf
@@ -182,7 +183,7 @@ class ScalarSurrogate:
         )
 
     def range(
-        self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
+        self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: Any
     ) -> Extremes:
         """Range that the surrogate attains over the part of the box from `lower` to `upper` (k
         each, in [-1, 1]; None: the whole), and where; NaN without values. options: `climbs`, number
@@ -255,7 +256,7 @@ def fit_scalar(
     values: np.ndarray,
     latest: float | None = None,
     least: float | None = None,
-    margin: np.ndarray | None = None,
+    margin: Any = None,
 ) -> ScalarSurrogate:
     """Fit the surrogate of a quantity to values (N) of runs at `points` (N, k) in [-1, 1]^k, NaN
     where the quantity does not exist in a run, as the time of an event that does not occur.
@@ -267,7 +268,7 @@ def fit_scalar(
     if known of all runs, vanishes."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
-    fit = choose_fit(points[happens], values[happens]) if happens.any() else None
+    fit: Any = choose_fit(points[happens], values[happens]) if happens.any() else None
     if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
@@ -302,7 +303,7 @@ def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate
 def _occurrence(
     points: np.ndarray,
     happens: np.ndarray,
-    fit: Fit | None,
+    fit: Any,
     latest: float | None,
     margin: np.ndarray | None,
 ) -> Occurrence:
@@ -378,13 +379,13 @@ def _width_error(
         return np.where(is_there, surrogate.predict(points), np.nan)
 
     for side in (-1.0, 1.0):
-        ends = (
+        high, low = (
             extreme(
                 partial(evaluate_beside, side=side), sign, *part, surrogate._trial_points, climbs=1
             )[0]
             for sign in (1.0, -1.0)
         )
-        widths.append(np.subtract(*ends))
+        widths.append(np.subtract(high, low))
     return float(np.fmax.reduce(np.abs(np.subtract(widths, width))))
 
 
@@ -397,7 +398,8 @@ def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influ
     """Influence of many parameters, by changes of one at a time from the ends of the range, with
     the corrections through runs, as there are runs so near; other parameters do not follow."""
     bounds, eye = surrogate.range(), np.eye(len(nominal), dtype=bool)
-    values, width, points = surrogate.fit.values, bounds.width, (bounds.argmin, bounds.argmax)
+    values, width = surrogate.fit.values, bounds.width
+    points: Any = (bounds.argmin, bounds.argmax)
     if width <= np.ptp(values) + _TRUSTED * surrogate.error:  # what runs attain can be relied on
         width, points = np.ptp(values), surrogate.fit.points[[values.argmin(), values.argmax()]]
     widths = []
@@ -411,4 +413,5 @@ def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influ
     lone_widths = np.ptp(lines, axis=0)
     share = _contributions(lone_widths, surrogate.error)
     errors = np.full(len(nominal), surrogate.error)
-    return Influence(float(width), lone_widths, share, *np.maximum(widths, 0.0), errors)
+    first, second = np.maximum(widths, 0.0)
+    return Influence(float(width), lone_widths, share, first, second, errors)

@@ -147,7 +147,7 @@ class Beams(ElementType):
             raise SceneError(f"length of {name}", length.min(), "two particles apart")
         normals = np.asarray(normal, float)
         if normals.shape == (3,):
-            normals = [normals] * len(nodes)
+            normals = np.tile(normals, (len(nodes), 1))
         axes = np.array([triad(c, z) for c, z in zip(chord, normals, strict=True)])
         return Beams(nodes, length, axes, section, material, name)
 

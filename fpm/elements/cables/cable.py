@@ -26,7 +26,7 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.fields import index, number, topology
+from fpm.elements.fields import index, number, plain_field, topology
 from fpm.elements.kind import ElementType, Energy, Eventful, Series, Watch
 from fpm.elements.openings.opening import Opening
 from fpm.errors import SceneError
@@ -68,7 +68,7 @@ class Cable(ElementType):
     unstrained length (m) outside the drum down to which it may be wound."""
 
     name: str = topology()
-    beams: tuple[VirtualBeam, ...]
+    beams: tuple[VirtualBeam, ...] = plain_field()
     stiffness: float = number("N", above=0.0, words="EA of {title}")
     rest: float = number("m", words="unstrained length of {title}")
     reel: float = number("m", default=0.0, zero=False)
@@ -297,7 +297,7 @@ class Cable(ElementType):
 def _stretch_records(part, cables, lane) -> dict[str, Series]:
     """Tensions of stretches and slips over points of cables that run over points."""
     pulls, lengths = part.stretch_track[:, :, lane].T.reshape(2, -1, len(part.particle))
-    columns = {"stretch_tension": {}, "cable_slip": {}}
+    columns: dict[str, dict] = {"stretch_tension": {}, "cable_slip": {}}
     for first, cable in zip(part.start, cables, strict=False):
         count = len(cable.beams) - 1
         stretches = slice(first, first + count)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.fields import number, topology
+from fpm.elements.fields import number, plain_field, topology
 from fpm.elements.kind import ElementType, Energy, Series
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.openings.table_spring import table_array
@@ -30,9 +30,9 @@ class Strut(ElementType):
     and above the last distance; damping: N s/m, both ways."""
 
     name: str = topology()
-    beams: tuple[VirtualBeam, VirtualBeam]
-    lengths: tuple[float, ...]
-    forces: tuple[float, ...]
+    beams: tuple[VirtualBeam, VirtualBeam] = plain_field()
+    lengths: tuple[float, ...] = plain_field()
+    forces: tuple[float, ...] = plain_field()
     slopes: tuple[float, float] = (0.0, 0.0)
     damping: float = number("N s/m", 0.0, default=0.0)
 

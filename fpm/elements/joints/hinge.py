@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -60,6 +60,9 @@ class JointBase(ElementType):
     together, or, of one, held in place. gaps: words for recorded gap and tilt, by variable."""
 
     joins = True
+    name: Any
+    type: Any
+    beams: Any
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
 
     @property
@@ -125,7 +128,7 @@ class Hinge(JointBase):
     lead times opening less `offset`."""
 
     name: str
-    beams: tuple[VirtualBeam, VirtualBeam]
+    beams: tuple[VirtualBeam, ...]
     axes: np.ndarray
     references: np.ndarray
     opening: float
@@ -176,7 +179,7 @@ class Hinge(JointBase):
             arms(scene, pair, point),
             axes=np.array([frame @ a for frame, a in zip(frames, axes, strict=True)]),
             references=np.array([f @ r for f, r in zip(frames, references, strict=True)]),
-            opening=opening_angle(axis, *references, guess=opening),
+            opening=opening_angle(axis, references[0], references[1], opening),
             support="".join(sorted(support)),
         )
 
@@ -308,13 +311,13 @@ def two_of(scene, particles, owner: str) -> tuple[int, int]:
     return first, second
 
 
-def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
+def arms(scene, particles, point) -> tuple[VirtualBeam, ...]:
     """Return the rigid arms (VirtualBeam) from two particles (pair of indices) of a scene to one
     `point` (3,) m, global, or from each to its own (2, 3)."""
     return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
 
 
-def of_both(vector) -> Sequence[np.ndarray]:
+def of_both(vector) -> Any:
     """Return vectors (3,) of two particles: `vector` for both if it is (3,), its rows if (2, 3)."""
     vector = np.asarray(vector, float)
     if vector.ndim == 1:
@@ -329,9 +332,9 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 
 
 @lru_cache(1024)  # there are few cases, and each of many runs asks several times
-def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
+def _is_regular(support: str, *masks: bytes) -> bool:
     """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
-    fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
+    fixed1, fixed2 = (np.frombuffer(axes, bool) for axes in masks)
     point = np.array(mask_axes(support))
     double_axes = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))

@@ -163,7 +163,7 @@ class Joint(JointBase):
         return tuple(hinges)
 
     @staticmethod
-    def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
+    def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, ...]:
         """Return both angles of a universal joint, each a Hinge, not added to the scene. name: no
         other's; particles: pair of indices; point (3,) m; axis, axis2 (3,): fixed in the first and
         second particle, normal to each other; openings: the two angles now (rad)."""
@@ -199,9 +199,9 @@ class Joint(JointBase):
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
         zeros = np.zeros((2, 3))
-        beams = (scene.arm_to(particle, point),)
+        beams: tuple[VirtualBeam, ...] = (scene.arm_to(particle, point),)
         if leader is not None:
-            beams += (VirtualBeam(leader, zeros[0]),)
+            beams = *beams, VirtualBeam(leader, zeros[0])
         return Joint(name, "held", beams, zeros, zeros, axes)
 
     @property

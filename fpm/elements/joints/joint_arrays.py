@@ -73,7 +73,7 @@ class Pattern(NamedTuple):
     updates (u, 5): joint, other, offsets of both factors and of the block they change."""
 
     first: np.ndarray  # (j,) first row of each joint
-    count: np.ndarray  # (j,) and how many it has
+    count: np.ndarray  # type: ignore[assignment]  # not tuple.count; (j,) and how many it has
     diagonal: np.ndarray  # (j,) offsets of the blocks (j, j)
     meets: np.ndarray  # (m, 5) joint, other, side of either, offset: blocks and what adds to them
     below_start: np.ndarray  # (j + 1,) of each joint, where in `below` its blocks begin

@@ -65,7 +65,7 @@ class ExactConnector(Connector):
     """Base class of motors, releases, latches and friction that hold a joint coordinate (angle of a
     hinge, length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
 
-    reads: ClassVar = (Opening, Turn)
+    reads = (Opening, Turn)
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:

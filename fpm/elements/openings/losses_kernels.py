@@ -29,7 +29,7 @@ class JointForce(NamedTuple):
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
     first: np.ndarray  # (f,)
-    count: np.ndarray  # (f,)
+    count: np.ndarray  # type: ignore[assignment]  # not tuple.count; (f,)
     hinges: np.ndarray  # (h, SUMS, lanes)
     rows: np.ndarray  # (r, ROW, lanes)
     impulses: np.ndarray  # (r, 1, lanes)

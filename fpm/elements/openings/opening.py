@@ -9,7 +9,7 @@ hinges acts on it likewise, with forces for moments, m for rad: SLIDE_UNITS has 
 
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -105,7 +105,7 @@ class Opening(ElementType):
 class ConnectorElement(ElementType):
     """Base class of element types that act on openings (joint coordinates) of several hinges."""
 
-    reads = (Opening,)
+    reads: ClassVar[tuple[type, ...]] = (Opening,)
 
     def check_index(self, scene, field, value):
         """Check that a hinge index in one of the element's fields exists in the scene, and that the
@@ -137,6 +137,8 @@ class ConnectorElement(ElementType):
 class Connector(ConnectorElement):
     """Base class of element types that act on the opening (joint coordinate) of one hinge. A
     subclass declares the field `hinge`, the hinge's index in the scene, by `on_hinge`."""
+
+    hinge: Any
 
     def acts_on(self):
         return (self.hinge,)
@@ -230,7 +232,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
         for name, (values, unit, text, dimension, *_) in series.items() if names else ():
             if prefix:
                 unit = SLIDE_UNITS[unit]
-                dimension = "slide" if dimension == "hinge" else prefix + dimension
+                dimension = "slide" if dimension == "hinge" else f"{prefix}{dimension}"
                 text = text.replace("hinges", "slides").replace("moment", "force")
                 text = text.replace("angular impulse", "impulse")
                 name = prefix + name.replace("moment", "force")
@@ -335,8 +337,8 @@ def mobility(scene, hinge: int) -> float:
         free = ~np.hstack([scene.fixed[:, :3], no_turn])
         inverse = free / np.column_stack([mass, scene.inertia])
         return float(rows.values[0] ** 2 @ inverse.ravel()[rows.dofs[0]])
-    free = [~no_turn[p] / scene.inertia[p] for p in joint.particles]
-    return float(sum(axis**2 @ inverse for axis, inverse in zip(joint.axes, free, strict=True)))
+    freedom = [~no_turn[p] / scene.inertia[p] for p in joint.particles]
+    return float(sum(axis**2 @ inverse for axis, inverse in zip(joint.axes, freedom, strict=True)))
 
 
 def moving_at_start(scene) -> SimpleNamespace:
@@ -394,7 +396,7 @@ def start_angles(batch, kind) -> np.ndarray:
 def opening_at(scene, hinge) -> float:
     """Return the joint coordinate (rad, of a slide m) of a hinge (Hinge) at the scene's present
     positions and frames; of angles that differ by full turns the one closest to hinge.opening."""
-    axis, *ends = (
+    axis, zero, end = (
         scene.frame[p] @ vectors[k]
         for p, vectors, k in (
             (hinge.particles[0], hinge.axes, 0),
@@ -403,9 +405,11 @@ def opening_at(scene, hinge) -> float:
         )
     )
     if hinge.slides:
-        first, second = (scene.position[p] + e for p, e in zip(hinge.particles, ends, strict=True))
+        first, second = (
+            scene.position[p] + e for p, e in zip(hinge.particles, (zero, end), strict=True)
+        )
         return float(axis @ (second - first))
-    return opening_angle(axis, *ends, guess=hinge.opening)
+    return opening_angle(axis, zero, end, hinge.opening)
 
 
 def opening_angle(axis, first, second, guess: float) -> float:

@@ -4,6 +4,7 @@ Until then a release has the moment k (hold - psi) - c psi' of a spring and a da
 it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,10 @@ class AnyRelease(Connector):
     that when the opening of another (index `watch`, -1: none) passes `level` (rad, m), or when the
     latch that is called `latch` ("": none) catches."""
 
+    time: Any
+    watch: Any
+    level: Any
+    latch: Any
     takes = JOINT_LOSS
     events = ("releases",)
     acts_as = "release"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import plain_field
 from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import Connector, on_hinge
 from fpm.errors import SceneError
@@ -21,8 +22,8 @@ class TableSpring(Connector):
     constant beyond; positive ones open the hinge."""
 
     hinge: int = on_hinge("hinge of spring by a table")
-    angles: tuple[float, ...]
-    moments: tuple[float, ...]
+    angles: tuple[float, ...] = plain_field()
+    moments: tuple[float, ...] = plain_field()
 
     stores = Energy("table_spring", "table_spring_energy", "energy of the springs by tables")
     acts_as = "spring"

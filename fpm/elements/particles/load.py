@@ -1,6 +1,7 @@
 """Dead loads, scaled by a curve of time."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from fpm.elements.particles.gravity import LOAD_WORK
 class ArmElement(ElementType):
     """Base class of element types that act at the end of a rigid arm on a particle. A subclass has
     the field `beam`, that arm (VirtualBeam)."""
+
+    beam: Any
 
     @property
     def particle(self) -> int:

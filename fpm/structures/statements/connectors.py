@@ -1,6 +1,7 @@
 """What acts on the openings of joints: springs, dampers, latches, motors and the like."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def _rigid(build, args, **_) -> bool:
     return args.stiffness is None
 
 
-def _of_slide(key: NumberKey) -> NumberKey:
+def _of_slide(key: Any) -> NumberKey:
     text = key.text.replace("moment", "force").replace("radian", "metre")
     return replace(key.for_slides(["joint"]), text=text)
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -306,10 +307,14 @@ def screw(build, args):
     return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
 
 
+_JOURNAL: dict[str, Any] = {name: key_of(Journal, name) for name in specs(Journal)}
+del _JOURNAL["hinge"]
+
+
 @_slider(
     PIN,
     AXIS.text,
-    **{name: key_of(Journal, name) for name in specs(Journal) if name != "hinge"},
+    **_JOURNAL,
     x=DirectionKey(None, "normal to `axis`, fixed to the first part; left out: any"),
 )
 def pin_with_play(build, args):

@@ -3,6 +3,7 @@ points whose motion is recorded."""
 
 from functools import lru_cache
 from itertools import compress
+from typing import Any
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def curve(build, args):
     return build.scene.add_curve(args.file.times, args.file.columns[args.column], smooth)
 
 
-def _curve_by_expression(build, args) -> Curve:
+def _curve_by_expression(build, args) -> Any:
     expression, numbers = args.expression
     if not args.over[0] < args.over[1]:
         build.refuse("over", args.over, "a start, and an end that is later")

@@ -376,7 +376,7 @@ class AutoModel(Model):
     Stretches end where the first or last of the runs has an event at which curves are aligned. The
     runs that decide are those that the polynomial is not fitted to, else all."""
 
-    kind = "range of the model that predicts left-out runs best"
+    kind = "attained range of the model that predicts left-out runs best"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
         self.samples = samples

@@ -81,7 +81,8 @@ class Record(NamedTuple):
     not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
     balance; failed_row: index in World.rows of the element of which that quantity, or the stored
     energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w, lanes):
-    World.peaks of all w watched quantities; failed_scale: scale (J). quiet (lanes,): checks since then without such an error. scale (lanes,): largest energy
+    World.peaks of all w watched quantities; failed_scale: scale (J). quiet
+    (lanes,): checks since then without such an error. scale (lanes,): largest energy
     so far (J); worst (lanes,): largest error of the balance that is noted (J), infinite once the
     sample has failed for good."""
 

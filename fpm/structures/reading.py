@@ -220,7 +220,8 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])
             if key and (number < line or "too many" not in words):
                 value = key[2].strip()[:40] + "..." * (len(key[2].strip()) > 40)
-                words = f"a colon is missing; allowed: `{f'{key[1]}: {value}'.strip()}`"
+                name = key[1][:100] + "..." * (len(key[1]) > 100)
+                words = f"a colon is missing; allowed: `{f'{name}: {value}'.strip()}`"
                 return number, f"this is not YAML: {words}"
     return line, f"this is not YAML: {words}"
 

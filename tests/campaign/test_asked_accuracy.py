@@ -44,7 +44,7 @@ def test_a_number_is_the_share_of_everything(asked):
     assert found.experiment.accuracy.tolerances == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
     assert found.experiment.scene.parameters == {"elements": 6}
     assert found.experiment.is_adaptive
-    assert (found.bounds.model, found.verify.discretization) == ("spline", True)
+    assert (found.bounds.model, found.verify.discretization) == ("auto", True)
     asked["accuracy"] = {"tolerance": 0.2, "tolerance_by_name": {"top": 0.01}, "max_runs": 50}
     found = check_config(asked).experiment.accuracy
     assert found == Accuracy({"BD": 0.2, "vBz": 0.2, "top": 0.01}, 50, 60.0, "elements")

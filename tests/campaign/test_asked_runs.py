@@ -53,7 +53,7 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     assert describe_work(asking, folder, list_stages).startswith("nothing to be done")
 
     _, told = run(raw, tmp_path, **SPIN)
-    assert "lack angular velocity of B x, B y, B z as" in told
+    assert "lack angular velocity of B x, B y, B z; they" in told
     config, told = run(raw, tmp_path, **STRESS, **SPIN)  # both are there now
     assert "simulated again" not in told
     assert sorted(folder.runs("trajectories").glob("*.nc")) == files

@@ -102,8 +102,8 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         "0.063 m",
         "m/s",
         "tensor_roots of order 2",
-        "Bounds: range of the model that predicts left-out runs best; runs that were not made may "
-        "lie outside.",
+        "Bounds: attained range of the model that predicts left-out runs best, "
+        f"not enclosed, {ESTIMATE}.",
     ):
         assert words in text
 

@@ -232,7 +232,9 @@ def test_a_large_error_comes_with_what_to_do_about_it(data):
         facts = altered(data, closures=[]).facts | changes
         return sentence("remedy", facts, facts["responses"][0])
 
-    assert "Ask for `accuracy: 0.05`" in said() and "model: spline" in said()
+    enclosed = said(bounds="enclosed range of the polynomial")
+    assert "Ask for `accuracy: 0.05`" in enclosed and "model: spline" in enclosed
+    assert "Ask for `accuracy: 0.05`" in said()
     assert "model: spline" not in said(bounds="attained range of a spline")
     assert "more `samples`" in said(bounds="least and largest sample")
     assert "Let `accuracy` have more `max_runs`" in said(accuracy={})

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from .designs import spread_points
 from .errors import IntervalError
@@ -127,7 +127,9 @@ class AlignedCurves:
             instants = start + np.linspace(0.0, 1.0, count) * (end - start)
             part = np.full((len(values), count), np.nan)
             if stop - first >= _GAP:
-                curve = CubicSpline(self.time[first:stop], values[:, first:stop], axis=1)
+                curve = scipy.interpolate.CubicSpline(
+                    self.time[first:stop], values[:, first:stop], axis=1
+                )
                 is_known = instants <= self.time[-1] + edge
                 part[:, is_known] = curve(instants[is_known])
             parts.append(part)

@@ -173,22 +173,19 @@ def add_runs(
     import xarray as xr
 
     extension = {
-        "values": (("run", "response", "time"), curves),
+        "values": (("run", "response", "time"), curves.astype(samples["values"].dtype)),
         "normalized": (("run", "parameter"), points),
         "value": (("run", "parameter"), values),
         "role": ("run", np.array(["further"] * len(points), dtype=object)),
     }
     for i, name in enumerate(("event_time", "event_contact", "event_closing")):
         extension[name] = (("run", "event"), events[..., i])
-    columns = samples[list(extension)]
-    columns = columns.drop_vars(set(columns.coords) - set(columns.dims))
+    bases = [name for name in samples.coords if name in samples.dims]
+    columns = samples.reset_coords()[list(extension)].drop_vars(bases, errors="ignore")
     size = max(samples.sizes["event"], events.shape[1])
     parts = [
         part.pad(event=(0, size - part.sizes["event"]), constant_values=np.nan)
-        for part in (
-            columns.drop_vars(set(columns.coords) - set(columns.dims)),
-            xr.Dataset(extension),
-        )
+        for part in (columns, xr.Dataset(extension))
     ]
     runs = xr.concat(parts, "run", join="override", coords="minimal", compat="override")
     rest = samples.drop_dims("run")

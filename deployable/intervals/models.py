@@ -276,13 +276,13 @@ class AlignedModel(Model):
 
     Where some runs lack an event, or have two in another order, the runs are split by that if the
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
-    run. Behind `until`, where the last stretch of some runs has ended, they are those of the runs,
+    run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the runs,
     and their width is the error.
     The error is the largest left-out error of the aligned curves, of the runs inside the box and
     those that `design`, if given, does not contain, and the most by which the bounds change within
     the left-out error of event times, or with what is near the borders of parts."""
 
-    kind = "attained range of splines through all runs, alignment at their events"
+    kind = "attained range of splines through all runs, aligned at their events"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
         check_spline_runs(samples.points)
@@ -314,7 +314,7 @@ class AlignedModel(Model):
     @cached_property
     def left_out(self) -> np.ndarray:
         """Values (R, n, T) of runs less those of the splines through all others; NaN for those
-        that are nearly the same as others, and behind `until`."""
+        that are nearly the same as others, and behind `end_time`."""
         return self._of_parts(lambda curves: curves.left_out)
 
     def _of_parts(self, curves_of: Callable[[AlignedCurves], np.ndarray]) -> np.ndarray:
@@ -359,8 +359,8 @@ class AlignedModel(Model):
         total = estimate.total + self.border_error
         for curve in (bounds.inner_lower, bounds.inner_upper):
             total = total + change_within(time, curve, shift)
-        border_values = time > self.end_time
-        total[:, border_values] = (bounds.inner_upper - bounds.inner_lower)[:, border_values]
+        is_beyond = time > self.end_time
+        total[:, is_beyond] = (bounds.inner_upper - bounds.inner_lower)[:, is_beyond]
         return replace(estimate, total=total)
 
     def centre(self) -> np.ndarray:
@@ -374,7 +374,8 @@ class AutoModel(Model):
     spline or aligned splines.
 
     Stretches end where the first or last of the runs has an event at which curves are aligned. The
-    runs that decide are those that the polynomial is not fitted to, else all."""
+    runs that test a spline decide between spline and aligned splines, those that the polynomial is
+    not fitted to between the better one and the polynomial."""
 
     kind = "attained range of the model that predicts left-out runs best"
 
@@ -384,14 +385,12 @@ class AutoModel(Model):
         if design is not None and len(design.multi_indices):
             self.fits.append(PolynomialModel(samples, design))
         alignment = None
-        is_small = len(samples.points) <= AUTO_RUNS or not self.fits
-        with suppress(IntervalError):
-            if not is_small:
-                raise IntervalError("runs", len(samples.points), f"at most {AUTO_RUNS}")
-            self.fits.append(SplineModel(samples, design))
-            alignment = AlignedModel(samples, design)
-            if alignment.attributes["aligned_events"]:
-                self.fits.append(alignment)
+        if len(samples.points) <= AUTO_RUNS or not self.fits:
+            with suppress(IntervalError):
+                self.fits.append(SplineModel(samples, design))
+                alignment = AlignedModel(samples, design)
+                if alignment.attributes["aligned_events"]:
+                    self.fits.append(alignment)
         if not self.fits:
             raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
         self.choice = self._choose(alignment)
@@ -413,20 +412,24 @@ class AutoModel(Model):
                 part.curves.end_time,
             ]
         tests = self.fits[0].test_rows
+        splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first of them
         # More runs tell splines apart than those that the polynomial is not fitted to.
-        runs = tests if alignment is None or not len(tests) else np.union1d(tests, alignment.tests)
+        all_rows = np.arange(len(self.samples.points))
+        rows = all_rows if alignment is None else np.union1d(tests, alignment.tests)
         for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
-            loss = np.array([_mean_square(e[runs, :, first:last]) for e in errors])
-            best = loss[1:].argmin(axis=0) + 1 if len(errors) > 1 else 0
-            if len(tests):
+            best = np.zeros(len(choice), int)
+            if len(errors) > splines:
+                loss = np.array([_mean_square(e[rows, :, first:last]) for e in errors[splines:]])
+                best = loss.argmin(axis=0) + splines
+            if splines and len(tests):
                 loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
-                best = np.where(loss[0] <= loss[best, np.arange(len(loss[0]))], 0, best)
+                best = np.where(loss[0] <= loss[best, np.arange(len(best))], 0, best)
             if (
                 alignment is not None
                 and len(alignment.parts) > 1
                 and time[last - 1] > alignment.differ
             ):
-                best = len(errors) - 1  # the others pass over what happens in a part of the box
+                best[:] = len(errors) - 1  # the others pass over what happens in a part of the box
             choice[:, first:last] = np.reshape(best, (-1, 1))
         return choice
 

@@ -149,3 +149,15 @@ def test_without_events_the_choice_is_between_polynomial_and_spline():
     data = samples(stop, points).drop_vars(["event_time", "event_contact", "event_closing"])
     bounds = bounds_dataset(data, design, model="auto")
     assert bounds.attrs["models"] == ["polynomial", "spline"]
+
+
+@pytest.mark.parametrize("motion", [stop, swap])
+def test_without_a_polynomial_left_out_runs_decide_between_the_splines(motion):
+    """So it is with an accuracy. Before the events of `swap` nothing has to be aligned."""
+    _, points = runs(4)
+    data = samples(motion, points)
+    bounds = bounds_dataset(data, Design(points, np.zeros((0, 2), int), "adaptive"), model="auto")
+    assert bounds.attrs["models"] == ["spline", "aligned"]
+    assert (bounds["model"] == 1).any()
+    if motion is swap:
+        assert (bounds["model"][:, :100] == 0).all()

@@ -276,8 +276,8 @@ class AlignedModel(Model):
 
     Where some runs lack an event, or have two in another order, the runs are split by that if the
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
-    run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the runs,
-    and their width is the error.
+    run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the
+    runs, and their width is the error.
     The error is the largest left-out error of the aligned curves, of the runs inside the box and
     those that `design`, if given, does not contain, and the most by which the bounds change within
     the left-out error of event times, or with what is near the borders of parts."""

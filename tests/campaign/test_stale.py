@@ -95,7 +95,7 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
         ("responses", {"BD": {"distance": ["B", "D"]}}, "plan.json"),
         ("quantities", {"top": {"smallest": "BD"}}, "plan.json"),
         ("jobs", {"group": 3}, "samples.nc"),
-        ("bounds", {"model": "spline"}, "bounds.nc"),
+        ("bounds", {"model": "spline"}, "design_bounds.nc"),
         ("verify", {"max_iterations": 1}, "quantities.nc"),
         ("requirements", {"short": {"top": {"at_most": 9.0}}}, "requirements.json"),
         ("choose", {**ASKED["choose"], "order": 2}, "choice.json"),

@@ -57,7 +57,7 @@ TOLD = {
         interval(a.t_root, 2, "s"), interval(a.t_tube, 2, "s"), f"{a.runs} runs",
     ]},
     "telescope": {"docs/library/telescope.md": lambda a: [
-        interval(a.t_out, 2, "s"), f"{-a.blow.upper:.1f} to {-a.blow.lower:.1f} N s",
+        interval(a.t_out, 2, "s"), f"{a.blow.lower:.1f} to {a.blow.upper:.1f} N s",
         f"{a.runs} runs",
     ]},
     "umbrella": {"docs/library/umbrella.md": lambda a: [

@@ -80,7 +80,7 @@ something is to be chosen, and runs in each about such a surface; else there is 
 STRESS = 2e-5
 """Seconds to read the stress of a bar at an instant of a run."""
 
-_BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
+_BOUNDS_CURVES = 22  # of a response in both bounds, surrogate and sensitivities, compressed
 _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 

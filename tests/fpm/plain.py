@@ -25,7 +25,7 @@ OPERATIONS = {
     "floor": np.floor,
     "absolute": np.abs,
     "where_negative": lambda condition, x, y: x if condition < 0 else y,
-    "any_negative": lambda x: bool(x < 0),
+    "any_negative": lambda x: bool(np.any(x < 0)),
 }
 
 np.seterr(all="ignore")  # as where it is compiled

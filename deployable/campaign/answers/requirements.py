@@ -85,17 +85,17 @@ def _judge_sound(
     then."""
     (fraction, open_), rows = shares[indices], list(indices)
     is_met = result.margins[rows].min(axis=0) >= 0
-    row = {
-        "share": fraction,
-        "share_uncertainty": open_,
-        "runs": len(model.distinct_rows) + model.rest_count + len(model.failed_points),
-    }
+    runs = len(model.distinct_rows) + model.rest_count + len(model.failed_points)
+    # What so many runs in any places miss with a chance of 5 % is not excluded.
+    bound = min(1.0, _RULE_OF_THREE / runs)
+    if any(result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices):
+        open_ = max(open_, bound)
+    row = {"share": fraction, "share_uncertainty": open_, "runs": runs}
     if is_met.all():  # where surrogates break what all runs keep, no run shows it
         row["share_uncertainty"] = max(open_, 1.0 - fraction)
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
-        if not sure:  # what so many runs in any places miss with a chance of 5 % is not excluded
-            bound = min(1.0, _RULE_OF_THREE / row["runs"])
+        if not sure:
             row["share_uncertainty"] = max(row["share_uncertainty"], bound)
         return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
     if fraction > 0 or is_met.any():

@@ -65,9 +65,12 @@ class Model:
         that are wanted, the others may be anything; None: all."""
         raise NotImplementedError
 
-    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+    def error(
+        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
+    ) -> ErrorEstimate:
         """Estimated error (n, T) of `bounds`, the result of `range`; window: half width (s) of the
-        time in which the largest error counts, None: 0.5 % of the duration."""
+        time in which the largest error counts, None: 0.5 % of the duration; columns (n, T): mask of
+        the bounds that are this model's, None: all; errors elsewhere do not count."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
@@ -113,13 +116,17 @@ class PolynomialModel(Model):
         )
         return left_out
 
-    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+    def error(
+        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
+    ) -> ErrorEstimate:
         samples, surrogate = self.samples, self.surrogate
         points, time = samples.points[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
         decay = estimate_decay(surrogate, time, window)
         decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
-        error = estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
+        held_out = np.abs(residuals).max(axis=0, initial=0.0)
+        held_out, decay = _masked(held_out, columns), _masked(decay, columns)
+        error = estimate_error(time, held_out, decay, window)
         return replace(error, total=error.total + self.lost_error)
 
     def centre(self) -> np.ndarray:
@@ -159,7 +166,9 @@ class ScanModel(Model):
         total, points = self.total, self.points
         return to_range(total.low, total.high, points[total.low_run], points[total.high_run])
 
-    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+    def error(
+        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
+    ) -> ErrorEstimate:
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
@@ -245,7 +254,9 @@ class SplineModel(Model):
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
-    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+    def error(
+        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
+    ) -> ErrorEstimate:
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
@@ -255,7 +266,7 @@ class SplineModel(Model):
             if free > 1:
                 for x in (bounds.argmin, bounds.argmax):
                     left_out = np.maximum(left_out, self._next_to(x[..., self.order], free + 1))
-        left_out = left_out + spline.misfit
+        left_out = _masked(left_out + spline.misfit, columns)
         return estimate_error(self.samples.time, left_out, np.zeros_like(left_out), window)
 
     def _next_to(self, points: np.ndarray, count: int) -> np.ndarray:
@@ -346,10 +357,12 @@ class AlignedModel(Model):
         low, x_low, high, x_high = sides
         return to_range(low, high, x_low, x_high)
 
-    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+    def error(
+        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
+    ) -> ErrorEstimate:
         time = self.samples.time
         shapes = self._of_parts(lambda curves: curves.left_out_shapes)[self.tests]
-        held_out = np.nan_to_num(np.abs(shapes)).max(axis=0)
+        held_out = _masked(np.nan_to_num(np.abs(shapes)).max(axis=0), columns)
         shift = 0.0
         for part in self.parts:
             time_errors = part.curves.time_errors[np.isin(part.rows, self.tests)]
@@ -437,8 +450,11 @@ class AutoModel(Model):
         ranges = [fit.range(self.choice == i) for i, fit in enumerate(self.fits)]
         return self._join(ranges)
 
-    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        return self._join([fit.error(bounds, window) for fit in self.fits])
+    def error(
+        self, bounds: Range, window: float | None, columns: np.ndarray | None = None
+    ) -> ErrorEstimate:
+        pairs = enumerate(self.fits)
+        return self._join([fit.error(bounds, window, self.choice == i) for i, fit in pairs])
 
     def _join(self, results: list) -> Any:
         """One Range or ErrorEstimate, of which each instant has the chosen model's."""
@@ -455,6 +471,11 @@ class AutoModel(Model):
     def variables(self) -> dict:
         text = "model whose bounds these are, by its index in the attribute models"
         return {"model": (("response", "time"), self.choice, {"long_name": text})}
+
+
+def _masked(errors: np.ndarray, columns: np.ndarray | None) -> np.ndarray:
+    """Errors (n, T), 0 where the mask `columns` (n, T), if given, is False."""
+    return errors if columns is None else np.where(columns, errors, 0.0)
 
 
 def _mean_square(errors: np.ndarray) -> np.ndarray:

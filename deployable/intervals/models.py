@@ -125,7 +125,7 @@ class PolynomialModel(Model):
         decay = estimate_decay(surrogate, time, window)
         decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
         held_out = np.abs(residuals).max(axis=0, initial=0.0)
-        held_out, decay = _masked(held_out, columns), _masked(decay, columns)
+        held_out, decay = _errors_within(held_out, columns), _errors_within(decay, columns)
         error = estimate_error(time, held_out, decay, window)
         return replace(error, total=error.total + self.lost_error)
 
@@ -266,7 +266,7 @@ class SplineModel(Model):
             if free > 1:
                 for x in (bounds.argmin, bounds.argmax):
                     left_out = np.maximum(left_out, self._next_to(x[..., self.order], free + 1))
-        left_out = _masked(left_out + spline.misfit, columns)
+        left_out = _errors_within(left_out + spline.misfit, columns)
         return estimate_error(self.samples.time, left_out, np.zeros_like(left_out), window)
 
     def _next_to(self, points: np.ndarray, count: int) -> np.ndarray:
@@ -362,7 +362,7 @@ class AlignedModel(Model):
     ) -> ErrorEstimate:
         time = self.samples.time
         shapes = self._of_parts(lambda curves: curves.left_out_shapes)[self.tests]
-        held_out = _masked(np.nan_to_num(np.abs(shapes)).max(axis=0), columns)
+        held_out = _errors_within(np.nan_to_num(np.abs(shapes)).max(axis=0), columns)
         shift = 0.0
         for part in self.parts:
             time_errors = part.curves.time_errors[np.isin(part.rows, self.tests)]
@@ -473,7 +473,7 @@ class AutoModel(Model):
         return {"model": (("response", "time"), self.choice, {"long_name": text})}
 
 
-def _masked(errors: np.ndarray, columns: np.ndarray | None) -> np.ndarray:
+def _errors_within(errors: np.ndarray, columns: np.ndarray | None) -> np.ndarray:
     """Errors (n, T), 0 where the mask `columns` (n, T), if given, is False."""
     return errors if columns is None else np.where(columns, errors, 0.0)
 

@@ -10,6 +10,7 @@ event times map to. Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantificati
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -33,6 +34,8 @@ GAIN = 0.8
 """Root mean square left-out error of the parts over that of all runs, at which they are split."""
 
 _GAP = 3  # instants that a stretch must have in a run
+_NARROW = 0.05  # instants: events that follow each other sooner are one
+_SHORT = 12  # instants: a stretch of fewer is no surer at its ends than its neighbours
 _MOST = 0.7  # of the runs must have these
 _SLACK = 0.5  # of the way from the border to the runs beyond it, where a border may be
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
@@ -60,18 +63,23 @@ def shared_events(runs: list[dict[tuple, float]], time: np.ndarray) -> np.ndarra
     """Return the times (R, E) of the events at which the curves of R runs can be aligned.
 
     runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
-    that all runs have, in one order, and that leaves most of them three instants behind the one
-    before it and before the end. Of events that are closer, or swap, the first counts for all."""
+    that all runs have, in one order, and that leaves most of them three instants before the end. Of
+    events that follow each other within three instants the first and the last count."""
     keys = [key for key in runs[0] if all(key in event_times for event_times in runs[1:])]
     columns = sorted(
         (np.array([event_times[key] for event_times in runs]) for key in keys), key=np.mean
     )
-    gap, last, selection = _GAP * (time[-1] - time[0]) / (len(time) - 1), time[0], []
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    last, groups = np.full(len(runs), time[0]), []
     for column in columns:
-        lead, rest = column - last, time[-1] - column
-        if (lead >= 0).all() and min(np.mean(lead > gap), np.mean(rest > gap)) >= _MOST:
-            selection.append(column)
-            last = column
+        if (column < last).any() or np.mean(time[-1] - column > _GAP * step) < _MOST:
+            continue
+        if np.mean(column - last > _GAP * step) >= _MOST:
+            groups.append([column])
+        elif groups and np.mean(column - groups[-1][0]) > _NARROW * step:
+            groups[-1][1:] = [column]
+        last = column
+    selection = [column for group in groups for column in group]
     return np.array(selection[:MAX_EVENTS]).reshape(-1, len(runs)).T
 
 
@@ -90,8 +98,8 @@ class AlignedCurves:
 
     points (R, k): of the runs in [-1, 1]^k; values (R, n, T): of n responses at `time` (T, s);
     times (R, E): of the events, s. `spline`: of mapped curves (R, n, S); `times_spline`: of event
-    times, None without any; `until`: the last time (s) that is known in all of the box, since the
-    last stretch is as long as the shortest of any run."""
+    times, None without any; `end_time`: the last time (s) that is known in all of the box,
+    since the last stretch is as long as the shortest of any run."""
 
     def __init__(
         self, points: np.ndarray, values: np.ndarray, time: np.ndarray, times: np.ndarray,
@@ -114,26 +122,74 @@ class AlignedCurves:
         self.counts = np.maximum(2 * np.ceil(lengths / step).astype(int) + 1, 5)
         self.offsets = np.cumsum(self.counts) - self.counts
         mapped_curves = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
+        if (lengths < _SHORT * step).any():
+            passes = self._passes(mapped_curves)
+            for curves, y, s in zip(mapped_curves, values, starts, strict=True):
+                self._bridge(curves, y, s, passes)
         self._fill(mapped_curves, scales)
+
+    def _stretches(self, starts: np.ndarray) -> Iterator[tuple[slice, slice, np.ndarray]]:
+        """Of each stretch of a run: the instants within it, its columns, their times (s)."""
+        ends = np.append(starts[1:], starts[-1] + self.reach)
+        edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
+        first = np.searchsorted(self.time, starts + edge)
+        stop = np.searchsorted(self.time, ends - edge)
+        first[0], stop[-1] = 0, len(self.time)
+        for i, count in enumerate(self.counts):
+            columns = slice(self.offsets[i], self.offsets[i] + count)
+            times = starts[i] + np.linspace(0.0, 1.0, count) * (ends[i] - starts[i])
+            yield slice(first[i], stop[i]), columns, times
 
     def _map(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """Curves (n, T) of a run over mapped time (n, S), from one side at events; NaN where the
         run has ended, and in a stretch of less than three instants."""
-        ends, parts = np.append(starts[1:], starts[-1] + self.reach), []
-        edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
-        for i, (start, end, count) in enumerate(zip(starts, ends, self.counts, strict=True)):
-            first = np.searchsorted(self.time, start + edge) if i else 0
-            stop = np.searchsorted(self.time, end - edge) if i < len(starts) - 1 else len(self.time)
-            instants = start + np.linspace(0.0, 1.0, count) * (end - start)
-            part = np.full((len(values), count), np.nan)
-            if stop - first >= _GAP:
-                curve = scipy.interpolate.CubicSpline(
-                    self.time[first:stop], values[:, first:stop], axis=1
-                )
-                is_known = instants <= self.time[-1] + edge
-                part[:, is_known] = curve(instants[is_known])
-            parts.append(part)
-        return np.concatenate(parts, axis=1)
+        mapped_curves = np.full((len(values), self.counts.sum()), np.nan)
+        for within, columns, times in self._stretches(starts):
+            if within.stop - within.start >= _GAP:
+                curve = scipy.interpolate.CubicSpline(self.time[within], values[:, within], axis=1)
+                mapped_curves[:, columns] = np.where(self._is_known(times), curve(times), np.nan)
+        return mapped_curves
+
+    def _is_known(self, times: np.ndarray) -> np.ndarray:
+        return times <= self.time[-1] + 1e-6 * (self.time[1] - self.time[0])
+
+    def _passes(self, mapped_curves: np.ndarray) -> np.ndarray:
+        """Whether responses pass through events (E, n) without a jump: in most runs both sides
+        differ less than two instants beside the event do, or one side has too few instants."""
+        passes = np.zeros((len(self.offsets) - 1, mapped_curves.shape[1]), bool)
+        for row, c in zip(passes, self.offsets[1:], strict=True):
+            pairs = (c, c - 1), (c, c + 2), (c - 1, c - 3)  # columns are half an instant apart
+            jump, *changes = (
+                np.abs(mapped_curves[..., i] - mapped_curves[..., j]) for i, j in pairs
+            )
+            row[:] = np.mean((jump <= np.fmax(*changes)) | np.isnan(jump), axis=0) > 0.5
+        return passes
+
+    def _bridge(
+        self, mapped_curves: np.ndarray, values: np.ndarray, starts: np.ndarray, passes: np.ndarray
+    ) -> None:
+        """Fill short stretches of a run's mapped curves (n, S) from the values (n, T) and, at the
+        events where these pass (E, n) without a jump, from their neighbours: few instants say
+        little of the ends."""
+        step, ends = self.time[1] - self.time[0], np.pad(passes, ((1, 1), (0, 0)))
+        for i, (within, columns, times) in enumerate(self._stretches(starts)):
+            if within.stop - within.start >= _SHORT:
+                continue
+            for joined in itertools.product((False, True), repeat=2):
+                rows = (ends[i] == joined[0]) & (ends[i + 1] == joined[1])
+                knots, y = self.time[within], values[rows, within]
+                neighbours = (times[0], columns.start - 1), (times[-1], columns.stop)
+                for at, _ in itertools.compress(neighbours, joined):
+                    far = np.abs(knots - at) > 0.25 * step
+                    knots, y = knots[far], y[:, far]
+                for at, column in itertools.compress(neighbours, joined):
+                    knots = np.append(knots, at)
+                    y = np.append(y, mapped_curves[rows, column, None], axis=1)
+                order = np.argsort(knots)
+                if len(order) >= 2 and np.isfinite(y).all():
+                    curve = scipy.interpolate.CubicSpline(knots[order], y[:, order], axis=1)
+                    part = np.where(self._is_known(times), curve(times), np.nan)
+                    mapped_curves[rows, columns] = part
 
     def _fill(self, mapped_curves: np.ndarray, scales: np.ndarray | None) -> None:
         """Fit curves (R, n, S), what is not known of a run (NaN) by the splines through others."""

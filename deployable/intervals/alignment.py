@@ -144,9 +144,9 @@ class AlignedCurves:
         """Curves (n, T) of a run over mapped time (n, S), from one side at events; NaN where the
         run has ended, and in a stretch of less than three instants."""
         mapped_curves = np.full((len(values), self.counts.sum()), np.nan)
-        for within, columns, times in self._stretches(starts):
-            if within.stop - within.start >= _GAP:
-                curve = scipy.interpolate.CubicSpline(self.time[within], values[:, within], axis=1)
+        for span, columns, times in self._stretches(starts):
+            if span.stop - span.start >= _GAP:
+                curve = scipy.interpolate.CubicSpline(self.time[span], values[:, span], axis=1)
                 mapped_curves[:, columns] = np.where(self._is_known(times), curve(times), np.nan)
         return mapped_curves
 
@@ -172,18 +172,19 @@ class AlignedCurves:
         events where these pass (E, n) without a jump, from their neighbours: few instants say
         little of the ends."""
         step, ends = self.time[1] - self.time[0], np.pad(passes, ((1, 1), (0, 0)))
-        for i, (within, columns, times) in enumerate(self._stretches(starts)):
-            if within.stop - within.start >= _SHORT:
+        for i, (span, columns, times) in enumerate(self._stretches(starts)):
+            if span.stop - span.start >= _SHORT:
                 continue
-            for joined in itertools.product((False, True), repeat=2):
-                rows = (ends[i] == joined[0]) & (ends[i + 1] == joined[1])
-                knots, y = self.time[within], values[rows, within]
-                neighbours = (times[0], columns.start - 1), (times[-1], columns.stop)
-                for at, _ in itertools.compress(neighbours, joined):
-                    far = np.abs(knots - at) > 0.25 * step
-                    knots, y = knots[far], y[:, far]
-                for at, column in itertools.compress(neighbours, joined):
-                    knots = np.append(knots, at)
+            neighbours = (times[0], columns.start - 1), (times[-1], columns.stop)
+            for flags in itertools.product((False, True), repeat=2):
+                rows = (ends[i] == flags[0]) & (ends[i + 1] == flags[1])
+                sides = list(itertools.compress(neighbours, flags))
+                knots, y = self.time[span], values[rows, span]
+                for moment, _ in sides:
+                    is_distant = np.abs(knots - moment) > 0.25 * step
+                    knots, y = knots[is_distant], y[:, is_distant]
+                for moment, column in sides:
+                    knots = np.append(knots, moment)
                     y = np.append(y, mapped_curves[rows, column, None], axis=1)
                 order = np.argsort(knots)
                 if len(order) >= 2 and np.isfinite(y).all():

@@ -37,7 +37,7 @@ _GAP = 3  # instants that a stretch must have in a run
 _NARROW = 0.05  # instants: events that follow each other sooner are one
 _SHORT = 12  # instants: a stretch of fewer is no surer at its ends than its neighbours
 _MOST = 0.7  # of the runs must have these
-_SLACK = 0.5  # of the way from the border to the runs beyond it, where a border may be
+_SLACK = 1.0  # of the way from the border to the runs beyond it, where a border may be
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
 _SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
 _CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
@@ -91,6 +91,31 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
         (t for event_times in runs for key, t in event_times.items() if key not in common),
         default=np.inf,
     )
+
+
+def difference_across(
+    points: np.ndarray, values: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
+) -> np.ndarray:
+    """Return by how much values (R, n, T) of runs with and without an event differ, behind it, at
+    most (n, T): of each run and the nearest one of the other kind.
+
+    points (R, k): of the runs in [-1, 1]^k; time (T): instants, s; runs: times of events by what
+    they are (`name_events`), of which the first of a kind counts."""
+    differences = np.zeros(values.shape[1:])
+    tree = scipy.spatial.cKDTree
+    for key in {key for event_times in runs for key in event_times if key[-1] == 0}:
+        presence = np.array([key in event_times for event_times in runs])
+        if presence.all():
+            continue
+        for rows, rivals in itertools.permutations(
+            (np.flatnonzero(presence), np.flatnonzero(~presence))
+        ):
+            nearest = rivals[tree(points[rivals]).query(points[rows])[1]]
+            for row, rival in zip(rows, nearest, strict=True):
+                moment = runs[row if presence[row] else rival][key]
+                change = np.where(time >= moment, np.abs(values[row] - values[rival]), 0.0)
+                differences = np.maximum(differences, change)
+    return differences
 
 
 class AlignedCurves:

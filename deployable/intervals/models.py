@@ -14,6 +14,7 @@ from .alignment import (
     EVENT_NAMES,
     AlignedCurves,
     change_within,
+    difference_across,
     first_difference,
     name_events,
     split_runs,
@@ -291,7 +292,8 @@ class AlignedModel(Model):
     runs, and their width is the error.
     The error is the largest left-out error of the aligned curves, of the runs inside the box and
     those that `design`, if given, does not contain, and the most by which the bounds change within
-    the left-out error of event times, or with what is near the borders of parts."""
+    the left-out error of event times, or with what is near the borders of parts. Where an event of
+    part of the box does not split the runs, it is at least the difference across its border."""
 
     kind = "attained range of splines through all runs, aligned at their events"
 
@@ -311,7 +313,9 @@ class AlignedModel(Model):
             columns = [samples.source[name].values for name in EVENT_NAMES]
             runs = name_events(np.stack(columns, axis=-1))
         self.parts = split_runs(self.points, samples.values, samples.time, runs)
-        self.differ = first_difference(runs)
+        self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
+        if len(self.parts) == 1:
+            self.part_error = difference_across(self.points, samples.values, samples.time, runs)
         if len(self.parts) > 1:  # where a part ends, runs inside the box are at its edge
             self.tests = rows
         self.end_time = min(part.curves.end_time for part in self.parts)
@@ -374,7 +378,7 @@ class AlignedModel(Model):
             total = total + change_within(time, curve, shift)
         is_beyond = time > self.end_time
         total[:, is_beyond] = (bounds.inner_upper - bounds.inner_lower)[:, is_beyond]
-        return replace(estimate, total=total)
+        return replace(estimate, total=np.maximum(total, self.part_error))
 
     def centre(self) -> np.ndarray:
         point = np.zeros((1, self.points.shape[1]))
@@ -407,9 +411,12 @@ class AutoModel(Model):
         if not self.fits:
             raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
         self.choice = self._choose(alignment)
+        self.part_error = np.zeros(1) if alignment is None else alignment.part_error
         self.test_rows = self.fits[0].test_rows
         names = [next(n for n, kind in MODELS.items() if type(fit) is kind) for fit in self.fits]
         self.attributes = {**self.fits[-1].attributes, "models": names}
+        if alignment is not None and self.part_error.any():
+            self.attributes["undivided_from"] = alignment.differ
 
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
         """The index of the model (n, T)."""
@@ -454,7 +461,8 @@ class AutoModel(Model):
         self, bounds: Range, window: float | None, columns: np.ndarray | None = None
     ) -> ErrorEstimate:
         pairs = enumerate(self.fits)
-        return self._join([fit.error(bounds, window, self.choice == i) for i, fit in pairs])
+        error = self._join([fit.error(bounds, window, self.choice == i) for i, fit in pairs])
+        return replace(error, total=np.maximum(error.total, self.part_error))
 
     def _join(self, results: list) -> Any:
         """One Range or ErrorEstimate, of which each instant has the chosen model's."""

@@ -35,7 +35,6 @@ GAIN = 0.8
 
 _GAP = 3  # instants that a stretch must have in a run
 _NARROW = 0.05  # instants: events that follow each other sooner are one
-_SHORT = 12  # instants: a stretch of fewer is no surer at its ends than its neighbours
 _MOST = 0.7  # of the runs must have these
 _SLACK = 1.0  # of the way from the border to the runs beyond it, where a border may be
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
@@ -59,12 +58,14 @@ def name_events(events: np.ndarray) -> list[dict[tuple, float]]:
     return runs
 
 
-def shared_events(runs: list[dict[tuple, float]], time: np.ndarray) -> np.ndarray:
+def shared_events(
+    runs: list[dict[tuple, float]], time: np.ndarray, with_last: bool = True
+) -> np.ndarray:
     """Return the times (R, E) of the events at which the curves of R runs can be aligned.
 
     runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
     that all runs have, in one order, and that leaves most of them three instants before the end. Of
-    events that follow each other within three instants the first and the last count."""
+    events that follow each other within three instants the first counts and, `with_last`, the last."""
     keys = [key for key in runs[0] if all(key in event_times for event_times in runs[1:])]
     columns = sorted(
         (np.array([event_times[key] for event_times in runs]) for key in keys), key=np.mean
@@ -76,7 +77,7 @@ def shared_events(runs: list[dict[tuple, float]], time: np.ndarray) -> np.ndarra
             continue
         if np.mean(column - last > _GAP * step) >= _MOST:
             groups.append([column])
-        elif groups and np.mean(column - groups[-1][0]) > _NARROW * step:
+        elif with_last and groups and np.mean(column - groups[-1][0]) > _NARROW * step:
             groups[-1][1:] = [column]
         last = column
     selection = [column for group in groups for column in group]
@@ -147,10 +148,10 @@ class AlignedCurves:
         self.counts = np.maximum(2 * np.ceil(lengths / step).astype(int) + 1, 5)
         self.offsets = np.cumsum(self.counts) - self.counts
         mapped_curves = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
-        if (lengths < _SHORT * step).any():
-            passes = self._passes(mapped_curves)
-            for curves, y, s in zip(mapped_curves, values, starts, strict=True):
-                self._bridge(curves, y, s, passes)
+        if times.shape[1]:
+            passages = self._passages(mapped_curves)
+            for curves, y, s, passage in zip(mapped_curves, values, starts, passages, strict=True):
+                self._bridge(curves, y, s, passage)
         self._fill(mapped_curves, scales)
 
     def _stretches(self, starts: np.ndarray) -> Iterator[tuple[slice, slice, np.ndarray]]:
@@ -178,41 +179,46 @@ class AlignedCurves:
     def _is_known(self, times: np.ndarray) -> np.ndarray:
         return times <= self.time[-1] + 1e-6 * (self.time[1] - self.time[0])
 
-    def _passes(self, mapped_curves: np.ndarray) -> np.ndarray:
-        """Whether responses pass through events (E, n) without a jump: in most runs both sides
-        differ less than two instants beside the event do, or one side has too few instants."""
-        passes = np.zeros((len(self.offsets) - 1, mapped_curves.shape[1]), bool)
-        for row, c in zip(passes, self.offsets[1:], strict=True):
-            pairs = (c, c - 1), (c, c + 2), (c - 1, c - 3)  # columns are half an instant apart
-            jump, *changes = (
-                np.abs(mapped_curves[..., i] - mapped_curves[..., j]) for i, j in pairs
-            )
-            row[:] = np.mean((jump <= np.fmax(*changes)) | np.isnan(jump), axis=0) > 0.5
-        return passes
+    def _passages(self, mapped_curves: np.ndarray) -> np.ndarray:
+        """Values (R, n, E) at events that responses pass without a jump, NaN at others: those of
+        the side that changes less. There is none if in most runs both sides differ less than two
+        instants near the event do, or one side has too few instants."""
+        passages = np.full((*mapped_curves.shape[:2], len(self.offsets) - 1), np.nan)
+        changes = np.abs(mapped_curves[..., 2:] - mapped_curves[..., :-2])  # of an instant
+        for i, c in enumerate(self.offsets[1:]):
+            low, high = mapped_curves[..., c - 1], mapped_curves[..., c]
+            left, right = changes[..., c - 7 : c - 2], changes[..., c : c + 5]
+            largest = np.nan_to_num(np.concatenate([left, right], axis=-1)).max(axis=-1)
+            jump = np.abs(high - low)
+            passes = np.mean((jump <= largest) | np.isnan(jump), axis=0) > 0.5
+            is_lower = np.isnan(high) | (left[..., -1] <= right[..., 0])
+            passages[:, passes, i] = np.where(is_lower, low, high)[:, passes]
+        return passages
 
     def _bridge(
-        self, mapped_curves: np.ndarray, values: np.ndarray, starts: np.ndarray, passes: np.ndarray
+        self,
+        mapped_curves: np.ndarray,
+        values: np.ndarray,
+        starts: np.ndarray,
+        passages: np.ndarray,
     ) -> None:
-        """Fill short stretches of a run's mapped curves (n, S) from the values (n, T) and, at the
-        events where these pass (E, n) without a jump, from their neighbours: few instants say
-        little of the ends."""
-        step, ends = self.time[1] - self.time[0], np.pad(passes, ((1, 1), (0, 0)))
+        """Map the values (n, T) of a run again, into mapped_curves (n, S), where they pass events
+        with the values `passages` (n, E): instants say little of the ends of a stretch."""
+        step = self.time[1] - self.time[0]
+        ends = np.pad(passages, ((0, 0), (1, 1)), constant_values=np.nan)
         for i, (span, columns, times) in enumerate(self._stretches(starts)):
-            if span.stop - span.start >= _SHORT:
-                continue
-            neighbours = (times[0], columns.start - 1), (times[-1], columns.stop)
+            pair = ends[:, i : i + 2]
             for flags in itertools.product((False, True), repeat=2):
-                rows = (ends[i] == flags[0]) & (ends[i + 1] == flags[1])
-                sides = list(itertools.compress(neighbours, flags))
+                rows = (np.isfinite(pair) == flags).all(axis=1)
+                if not any(flags) or not rows.any():
+                    continue
                 knots, y = self.time[span], values[rows, span]
-                for moment, _ in sides:
-                    is_distant = np.abs(knots - moment) > 0.25 * step
-                    knots, y = knots[is_distant], y[:, is_distant]
-                for moment, column in sides:
-                    knots = np.append(knots, moment)
-                    y = np.append(y, mapped_curves[rows, column, None], axis=1)
-                order = np.argsort(knots)
-                if len(order) >= 2 and np.isfinite(y).all():
+                distances = np.abs(knots - times[[0, -1], None][list(flags)])
+                is_distant = (distances > 0.25 * step).all(axis=0)
+                knots = np.concatenate([knots[is_distant], times[[0, -1]][list(flags)]])
+                y = np.concatenate([y[:, is_distant], pair[rows][:, flags]], axis=1)
+                if len(knots) >= 2:
+                    order = np.argsort(knots)
                     curve = scipy.interpolate.CubicSpline(knots[order], y[:, order], axis=1)
                     part = np.where(self._is_known(times), curve(times), np.nan)
                     mapped_curves[rows, columns] = part
@@ -316,10 +322,18 @@ class AlignedCurves:
             return np.zeros((len(self.points), 0))
         return self.times_spline.left_out
 
-    @cached_property
-    def left_out_shapes(self) -> np.ndarray:
-        """As `left_out`, of mapped curves: without the errors of event times."""
-        return self.read(self.times, self.errors, self.time)
+    def error(self, rows: np.ndarray, window: float) -> np.ndarray:
+        """Return the largest left-out errors (n, S) of mapped curves of the runs `rows`, within a
+        time `window` (s) in the same stretch."""
+        largest = np.abs(self.errors[rows]).max(axis=0, initial=0.0)
+        step = (self.time[-1] - self.time[0]) / (len(self.time) - 1)
+        size = 4 * int(window / step) + 1  # columns are half an instant apart
+        for i, count in zip(self.offsets, self.counts, strict=True):
+            part = slice(i, i + count)
+            largest[:, part] = scipy.ndimage.maximum_filter1d(
+                largest[:, part], size, mode="nearest"
+            )
+        return largest
 
 
 @dataclass(frozen=True)
@@ -341,11 +355,11 @@ class Part:
         return is_inside
 
     def maximum(
-        self, sign: float, columns: np.ndarray
+        self, sign: float, columns: np.ndarray, error: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the largest values (C) of the curves times `sign` over the part of the box, their
-        points (C, k), and the largest values (C) with what is near the borders, for the C responses
-        and instants of the mask `columns` (n, T).
+        points (C, k), and the largest values (C) with the error of mapped curves (n, S) and with
+        what is near the borders, for the C responses and instants of the mask `columns` (n, T).
 
         A search by coordinates, with steps that are halved, starts from the best of the runs and of
         points spread over the box, and from those of the instants before and behind."""
@@ -362,8 +376,11 @@ class Part:
         step = max(CHUNK // max(best.size, curves.mapped_curves[0].size), 1)
         for start in range(0, len(trial), step):
             part = slice(start, start + step)
-            values = sign * curves.evaluate(trial[part], time[instants])
-            near_values = np.maximum(near_values, values.max(axis=0))
+            times = curves.times_at(trial[part])
+            values = curves.read(times, sign * curves.spline.evaluate(trial[part]), time[instants])
+            column = np.rint(curves.place(times, time[instants])).astype(int)
+            most = (values + error[:, column].swapaxes(0, 1)).max(axis=0)
+            near_values = np.maximum(near_values, most)
             values[is_outside[part]] = -np.inf
             top = values.argmax(axis=0)
             value = np.take_along_axis(values, top[None], axis=0)[0]
@@ -377,7 +394,9 @@ class Part:
             value, point = self._climb(sign, trial[rows], response, time[instants[instant]])
             better = value > values
             values, x = np.where(better, value, values), np.where(better[:, None], point, x)
-        return values, x, np.maximum(values, near_values[choice])
+        column = curves.place(curves.times_at(x), time[instants[instant], None])[:, 0]
+        most = values + error[response, np.rint(column).astype(int)]
+        return values, x, np.maximum(most, near_values[choice])
 
     def _climb(self, sign, x, response, instants) -> tuple[np.ndarray, np.ndarray]:
         """Larger values (C) near points (C, k), and where."""
@@ -420,9 +439,14 @@ def split_runs(
 
 def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:
     event_times = [events[row] for row in rows]
-    times = shared_events(event_times, time)
-    curves = AlignedCurves(points[rows], values[rows], time, times, scales)
+    tables = [shared_events(event_times, time, flag) for flag in (True, False)]
+    curves = AlignedCurves(points[rows], values[rows], time, tables[0], scales)
     whole, scales = [Part(rows, curves, borders)], curves.spline.scales
+    if tables[1].shape != tables[0].shape:
+        curves = AlignedCurves(points[rows], values[rows], time, tables[1], scales)
+        fewer = [Part(rows, curves, borders)]
+        if _loss(fewer, values, time) < GAIN * _loss(whole, values, time):
+            whole = fewer
     for label in _labels(event_times, time) if depth else ():
         sides = []
         try:

@@ -1,6 +1,5 @@
 """Models of the responses over the box, from which bounds are taken."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -12,7 +11,6 @@ import scipy
 
 from .alignment import (
     EVENT_NAMES,
-    AlignedCurves,
     change_within,
     difference_across,
     first_difference,
@@ -40,7 +38,7 @@ from .splines import check_spline_runs, fit_spline
 AUTO_RUNS = 1000
 """Most runs for which splines are tried where there is a polynomial: they cost their cube."""
 
-_ALIGNED_WINDOW = 0.02  # of the duration: few runs are near the edge of a part at one instant
+_WINDOWS = 0.002, 0.02  # of the duration, of parts: few runs are near their edges at one instant
 _PLAIN = {"lowest", "highest", "argmin", "argmax", "misfit"}  # of a spline: not of its runs
 
 
@@ -290,10 +288,11 @@ class AlignedModel(Model):
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
     run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the
     runs, and their width is the error.
-    The error is the largest left-out error of the aligned curves, of the runs inside the box and
-    those that `design`, if given, does not contain, and the most by which the bounds change within
-    the left-out error of event times, or with what is near the borders of parts. Where an event of
-    part of the box does not split the runs, it is at least the difference across its border."""
+    The error is what the bounds become with the largest left-out errors of the mapped curves, of
+    the runs inside the box and those that `design`, if given, does not contain, and with what is
+    near the borders of parts; and their change within the left-out error of event times. Where an
+    event of part of the box does not split the runs, it is at least the difference across its
+    border."""
 
     kind = "attained range of splines through all runs, aligned at their events"
 
@@ -330,12 +329,9 @@ class AlignedModel(Model):
     def left_out(self) -> np.ndarray:
         """Values (R, n, T) of runs less those of the splines through all others; NaN for those
         that are nearly the same as others, and behind `end_time`."""
-        return self._of_parts(lambda curves: curves.left_out)
-
-    def _of_parts(self, curves_of: Callable[[AlignedCurves], np.ndarray]) -> np.ndarray:
         values = np.full(self.samples.values.shape, np.nan)
         for part in self.parts:
-            values[part.rows] = curves_of(part.curves)
+            values[part.rows] = part.curves.left_out
         values[:, :, self.samples.time > self.end_time] = np.nan
         return values
 
@@ -343,20 +339,22 @@ class AlignedModel(Model):
         values, time = self.samples.values, self.samples.time
         columns = np.ones(values.shape[1:], bool) if columns is None else columns
         columns = columns & (time <= self.end_time)
-        sides = []
-        self.border_error = np.zeros(columns.shape)
+        sides, window = [], _WINDOWS[len(self.parts) > 1]
+        self.model_error = np.zeros(columns.shape)
         for sign in (-1.0, 1.0):
             run = (sign * values).argmax(axis=0)
             best = sign * np.take_along_axis(values, run[None], axis=0)[0]
             x = self.points[run]
             near_values = best.copy()
             for part in self.parts:
-                values_of_part, places, border_values = part.maximum(sign, columns)
+                tests = np.isin(part.rows, self.tests)
+                error = part.curves.error(tests, window * (time[-1] - time[0]))
+                values_of_part, places, border_values = part.maximum(sign, columns, error)
                 near_values[columns] = np.maximum(near_values[columns], border_values)
                 better = values_of_part > best[columns]
                 best[columns] = np.where(better, values_of_part, best[columns])
                 x[columns] = np.where(better[:, None], places, x[columns])
-            self.border_error = np.maximum(self.border_error, near_values - best)
+            self.model_error = np.maximum(self.model_error, near_values - best)
             sides += [sign * best, x[..., np.argsort(self.order)]]
         low, x_low, high, x_high = sides
         return to_range(low, high, x_low, x_high)
@@ -364,21 +362,17 @@ class AlignedModel(Model):
     def error(
         self, bounds: Range, window: float | None, columns: np.ndarray | None = None
     ) -> ErrorEstimate:
-        time = self.samples.time
-        shapes = self._of_parts(lambda curves: curves.left_out_shapes)[self.tests]
-        held_out = _errors_within(np.nan_to_num(np.abs(shapes)).max(axis=0), columns)
+        time, total = self.samples.time, self.model_error.copy()
         shift = 0.0
         for part in self.parts:
             time_errors = part.curves.time_errors[np.isin(part.rows, self.tests)]
             shift = max(shift, float(np.abs(time_errors).max(initial=0.0)))
-        wide = _ALIGNED_WINDOW * (time[-1] - time[0]) if window is None else window
-        estimate = estimate_error(time, held_out, np.zeros_like(held_out), wide)
-        total = estimate.total + self.border_error
         for curve in (bounds.inner_lower, bounds.inner_upper):
             total = total + change_within(time, curve, shift)
         is_beyond = time > self.end_time
         total[:, is_beyond] = (bounds.inner_upper - bounds.inner_lower)[:, is_beyond]
-        return replace(estimate, total=np.maximum(total, self.part_error))
+        total = np.maximum(total, self.part_error)
+        return ErrorEstimate(total, total, np.zeros_like(total))
 
     def centre(self) -> np.ndarray:
         point = np.zeros((1, self.points.shape[1]))

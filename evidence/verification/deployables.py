@@ -117,10 +117,10 @@ def bounds_through_a_stop(bench: Bench) -> None:
     time, omega = bounds["time"].values, 1e3
     low, high = np.full((2, 2, len(time)), [[[np.inf]], [[-np.inf]]])
     for v, length in product(np.linspace(1.8, 2.2, 201), np.linspace(0.9, 1.1, 201)):
-        elapsed = time - length / v
-        angle = np.clip(omega * elapsed, 0.0, np.pi)
-        rebound = np.maximum(elapsed - np.pi / omega, 0.0)
-        place = np.where(elapsed < 0, v * time, length + v / omega * np.sin(angle) - v * rebound)
+        lapse = time - length / v
+        angle = np.clip(omega * lapse, 0.0, np.pi)
+        rebound = np.maximum(lapse - np.pi / omega, 0.0)
+        place = np.where(lapse < 0, v * time, length + v / omega * np.sin(angle) - v * rebound)
         curves = np.array([place, v * np.cos(angle)])
         low, high = np.minimum(low, curves), np.maximum(high, curves)
     for i, name in enumerate(("place", "rate")):

@@ -65,22 +65,27 @@ def shared_events(
 
     runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
     that all runs have, in one order, and that leaves most of them three instants before the end. Of
-    events that follow each other within three instants the first counts and, `with_last`, the last."""
+    those that follow each other within three instants the first and (`with_last`) last count."""
     keys = [key for key in runs[0] if all(key in event_times for event_times in runs[1:])]
     columns = sorted(
         (np.array([event_times[key] for event_times in runs]) for key in keys), key=np.mean
     )
     step = (time[-1] - time[0]) / (len(time) - 1)
-    last, groups = np.full(len(runs), time[0]), []
+    groups = [(np.full(len(runs), time[0]),) * 2]  # first and last times of events that are close
     for column in columns:
-        if (column < last).any() or np.mean(time[-1] - column > _GAP * step) < _MOST:
+        first, last = groups[-1]
+        lead, is_early = column - last, time[-1] - column > _GAP * step
+        if (lead < -_GAP * step).any() or np.mean(is_early) < _MOST:
             continue
-        if np.mean(column - last > _GAP * step) >= _MOST:
-            groups.append([column])
-        elif with_last and groups and np.mean(column - groups[-1][0]) > _NARROW * step:
-            groups[-1][1:] = [column]
-        last = column
-    selection = [column for group in groups for column in group]
+        if (lead >= 0).all() and np.mean(lead > _GAP * step) >= _MOST:
+            groups.append((column, column))
+        elif len(groups) > 1:
+            groups[-1] = np.minimum(first, column), np.maximum(last, column)
+    selection = []
+    for first, last in groups[1:]:
+        selection.append(first)
+        if with_last and np.mean(last - first) > _NARROW * step:
+            selection.append(last)
     return np.array(selection[:MAX_EVENTS]).reshape(-1, len(runs)).T
 
 
@@ -187,11 +192,13 @@ class AlignedCurves:
         changes = np.abs(mapped_curves[..., 2:] - mapped_curves[..., :-2])  # of an instant
         for i, c in enumerate(self.offsets[1:]):
             low, high = mapped_curves[..., c - 1], mapped_curves[..., c]
-            left, right = changes[..., c - 7 : c - 2], changes[..., c : c + 5]
-            largest = np.nan_to_num(np.concatenate([left, right], axis=-1)).max(axis=-1)
+            low_changes, high_changes = changes[..., c - 7 : c - 2], changes[..., c : c + 5]
+            largest = np.nan_to_num(np.concatenate([low_changes, high_changes], axis=-1)).max(
+                axis=-1
+            )
             jump = np.abs(high - low)
             passes = np.mean((jump <= largest) | np.isnan(jump), axis=0) > 0.5
-            is_lower = np.isnan(high) | (left[..., -1] <= right[..., 0])
+            is_lower = np.isnan(high) | (low_changes[..., -1] <= high_changes[..., 0])
             passages[:, passes, i] = np.where(is_lower, low, high)[:, passes]
         return passages
 
@@ -440,13 +447,12 @@ def split_runs(
 def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:
     event_times = [events[row] for row in rows]
     tables = [shared_events(event_times, time, flag) for flag in (True, False)]
-    curves = AlignedCurves(points[rows], values[rows], time, tables[0], scales)
-    whole, scales = [Part(rows, curves, borders)], curves.spline.scales
-    if tables[1].shape != tables[0].shape:
-        curves = AlignedCurves(points[rows], values[rows], time, tables[1], scales)
-        fewer = [Part(rows, curves, borders)]
-        if _loss(fewer, values, time) < GAIN * _loss(whole, values, time):
-            whole = fewer
+    fits = []
+    for times in tables if tables[0].shape != tables[1].shape else tables[:1]:
+        curves = AlignedCurves(points[rows], values[rows], time, times, scales)
+        fits.append([Part(rows, curves, borders)])
+        scales = curves.spline.scales
+    whole = min(fits, key=lambda parts: _loss(parts, values, time))
     for label in _labels(event_times, time) if depth else ():
         sides = []
         try:

@@ -39,7 +39,7 @@ _MOVING = "pictures.animation:write_moving"
 FORMATS = {
     "vtk": ExportFormat(
         "export.vtk:write_vtk",
-        "a collection for ParaView: a .pvd, and two .vtu for every frame", 101, ".pvd",
+        "a collection for ParaView: a .pvd, and up to three .vtu for every frame", 101, ".pvd",
     ),
     "glb": ExportFormat(
         "pictures.glb:write_glb", "one glTF file that moves, for viewers and Blender", 101, ".glb"

@@ -162,7 +162,7 @@ def _relative_errors(
 
 def _count_new_runs(plan: Plan) -> int:
     """Runs of a plan that are not those of the round before it."""
-    nodes, last = len(plan.unique_runs()), plan.adaptive.rounds[-1:]
+    nodes, last = len(plan.unique_runs), plan.adaptive.rounds[-1:]
     return nodes if not last or last[0].action in ("mesh", "step") else nodes - last[0].nodes
 
 
@@ -200,7 +200,7 @@ def _refinement_state(
 ) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would; in the
     check of this round that was `check_count` runs, if known."""
-    target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
+    target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs)
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
     new, check_runs = _count_new_runs(plan), count_check_runs(plan.experiment)

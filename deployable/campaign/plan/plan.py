@@ -141,12 +141,9 @@ class Plan:
             "mechanics": self.mechanics,
         }
 
-    def unique_runs(self) -> Runs:
-        """Return the plan's runs in order, without repeats of an earlier one's parameter values."""
-        return self._unique
-
     @cached_property
-    def _unique(self) -> Runs:
+    def unique_runs(self) -> Runs:
+        """The plan's runs in order, without repeats of an earlier one's parameter values."""
         return self.runs.unique()
 
     def name_values(self, run: PlannedRun) -> dict[str, float]:
@@ -233,7 +230,10 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
     if len(plan.runs) > MAX_PLAN_ROWS:
-        text = json.dumps(head | {"packed": _pack(plan.runs)}, indent=1) + "\n"
+        arrays = {"role": plan.runs.role.astype("i1"), "normalized": plan.runs.normalized}
+        packed = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
+        packed = {"count": len(plan.runs), **packed}
+        text = json.dumps(head | {"packed": packed}, indent=1) + "\n"
     else:
         runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
         text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
@@ -249,13 +249,12 @@ def read_plan(path: str | Path) -> Plan:
 
 def _plan(path: str | Path, data: Mapping) -> Plan:
     experiment, mechanics = Experiment.from_results(data["config"]), str(data["mechanics"])
-    time = _time(data)
-    if not time.step > 0 or time.output_steps < 1:
-        raise ValueError("its step is not above 0")
-    for problem in steps_problems(experiment.solver, time.step):
-        raise ValueError(problem)
-    if "packed" in data:
-        runs = Runs.from_points(experiment, *_unpack(data["packed"]), time.step, mechanics)
+    time = from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
+    if columns := data.get("packed"):
+        role = np.frombuffer(b64decode(columns["role"]), "i1").astype(np.int8)
+        points = np.frombuffer(b64decode(columns["normalized"]), "<f8").astype(float)
+        points = points.reshape(columns["count"], -1)
+        runs = Runs.from_points(experiment, role, points, time.step, mechanics)
     else:
         for run in data["runs"]:
             if not RUN_ID.fullmatch(run["id"]):
@@ -264,36 +263,5 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
             PlannedRun(r["id"], r["role"], tuple(r["normalized"]), tuple(r["values"]))
             for r in data["runs"]
         ])  # fmt: skip
-    shape = len(runs), len(experiment.intervals)
-    if (
-        runs.normalized.shape != shape
-        or runs.values.shape != shape
-        or max(runs.role, default=0) >= len(ROLES)
-    ):
-        raise ValueError("its runs are not those of its config")
     adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
     return Plan(experiment, mechanics, time, runs, adaptive)
-
-
-def read_step(path: str | Path) -> TimeStep:
-    """Read only the time step of the plan in the file `path` (`plan.json`), which is faster."""
-    data = read_json(path)
-    with report_damage(path):
-        return _time(data)
-
-
-def _time(data: Mapping) -> TimeStep:
-    return from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
-
-
-def _pack(runs: Runs) -> dict:
-    arrays = {"role": runs.role.astype("i1"), "normalized": runs.normalized.astype("<f8")}
-    columns = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
-    return {"count": len(runs), **columns}
-
-
-def _unpack(columns: Mapping) -> tuple[np.ndarray, np.ndarray]:
-    """Roles (N) and unit coordinates (N, k)."""
-    points = np.frombuffer(b64decode(columns["normalized"]), "<f8").astype(float)
-    role = np.frombuffer(b64decode(columns["role"]), "i1").astype(np.int8)
-    return role, points.reshape(columns["count"], -1)

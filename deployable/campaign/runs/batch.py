@@ -69,7 +69,7 @@ def run_batch(
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
-    groups = store.groups(plan.unique_runs(), jobs.group)
+    groups = store.groups(plan.unique_runs, jobs.group)
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)

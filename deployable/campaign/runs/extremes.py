@@ -28,7 +28,6 @@ from deployable.campaign.files.contents import report_damage
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import RunBounds
-from fpm.files.seals import DamagedError
 
 FEWEST, MOST = 4, 128
 """Chunks of a scan; quarters consist of whole ones."""
@@ -179,16 +178,12 @@ class ScanExtremes(common.Store):
 
     def read(self, group: Runs) -> "ScanChunk | None":
         """Read what is stored of a chunk (`group`), from its undamaged file with most runs; None
-        without one. Raises `DamagedError` for a file of other runs, responses or instants."""
+        without one."""
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         if path is None:
             return None
-        chunk = ScanChunk.read(path, self.responses, self.quantities)
-        shape = len(group), len(self.responses), self.experiment.solver.instants
-        if chunk and (len(chunk.mask), *chunk.first.shape) != shape:
-            raise DamagedError(path, "it has other runs, responses or instants than the campaign")
-        return chunk
+        return ScanChunk.read(path, self.responses, self.quantities)
 
     def _files(self, group: Runs) -> list[Path]:
         return list(self.folder.glob(f"{self.file_of(group)}.*.nc"))

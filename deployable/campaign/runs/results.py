@@ -139,21 +139,6 @@ class Store:
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
-    def check_record(self, record: RunRecord) -> RunRecord:
-        """Check a record that was read from a file, and return it unchanged; raises ValueError
-        unless it has the instants, responses and quantities of the experiment, finite responses
-        (quantities may be NaN: absent), and events of its own contacts only."""
-        shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
-        count, instants = len(self.responses), self.experiment.solver.instants
-        if shapes != [(instants,), (count, instants), (len(self.experiment.quantities),)]:
-            raise ValueError("it has other instants, responses or quantities than the campaign")
-        indices = record.events[:, 1]
-        if not (np.isfinite(record.values).all() and np.isfinite(record.overlap)):
-            raise ValueError("it has values that are no numbers")
-        if not ((indices >= 0) & (indices < len(record.contacts))).all():
-            raise ValueError("it has events of no contact")
-        return record
-
     def is_whole(self, path: Path) -> bool:
         """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:

@@ -77,14 +77,13 @@ class Trajectories(Store):
             if (curves := self._curves(run)) is None:
                 continue
             with report_damage(self.path(run)):
-                values = np.stack([r.evaluate(curves) for r in self.responses])
+                values = common.values_of(self.responses, [curves])[0]
                 numbers = common.numbers_of(self.quantities, curves)
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
                 fields = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
-                record = RunRecord(*fields)
-                records[run.id] = self.check_record(record)
+                records[run.id] = RunRecord(*fields)
         return records
 
     def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
@@ -174,8 +173,7 @@ class Responses(Store):
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
                 last = *numbers[row], float(overlaps[row]), float(steps[row])
-                record = RunRecord(time, values[row], run_events, contacts, *last)
-                records[run.id] = self.check_record(record)
+                records[run.id] = RunRecord(time, values[row], run_events, contacts, *last)
         return records
 
 

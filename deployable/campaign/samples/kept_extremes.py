@@ -38,7 +38,7 @@ def gather(
     that failed are listed apart. Raises `CampaignError` if too many did."""
     import netCDF4
 
-    store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs()
+    store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs
     failures = store.list_failures(unique)
     check_failures(plan, failures, len(unique))
     runs = store.sound(unique)

@@ -37,7 +37,7 @@ def gather(
     those that failed are listed apart. Raises `CampaignError` if too many did."""
     import netCDF4
 
-    store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs()
+    store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs
     groups, failures = store.groups(unique, jobs.group), store.list_failures(unique)
     check_failures(plan, failures, len(unique))
     runs = store.sound(plan.runs)
@@ -113,7 +113,7 @@ def write_box(file: Any, plan: Plan) -> None:
         **plan.attributes,
         "title": f"Responses of all runs of the campaign {plan.experiment.name}",
         "source": "finite particle method",
-        "history": f"deployable gather: {len(plan.unique_runs())} runs of fpm",
+        "history": f"deployable gather: {len(plan.unique_runs)} runs of fpm",
         "time_step": plan.time.step,
         "time_step_limit": plan.time.step_limit,
         "limiting_element": plan.time.limiting_element,

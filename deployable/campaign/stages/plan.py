@@ -16,7 +16,7 @@ def work(folder: Folder, notify: Notify, experiment: Any) -> None:
     write_plan(plan, folder.plan)
     step, limit = plan.time.step, plan.time.step_limit
     notify(
-        f"{experiment.name}: {len(plan.unique_runs())} runs, step {step:.4g} s "
+        f"{experiment.name}: {len(plan.unique_runs)} runs, step {step:.4g} s "
         f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
 

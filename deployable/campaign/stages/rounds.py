@@ -46,5 +46,5 @@ def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
         plan = start_plan(experiment)
     write_plan(plan, folder.plan)
     if not plan.is_finished:
-        notify(f"{experiment.name}: {len(plan.unique_runs())} runs")
+        notify(f"{experiment.name}: {len(plan.unique_runs)} runs")
     return plan.is_finished

@@ -17,7 +17,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
-from deployable.campaign.plan.plan import read_plan, read_step
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.runs.batch import spread
 from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
@@ -65,7 +65,7 @@ class Workflow:
         """Return the minutes of wall-clock time to ask a queue for, for a job of one of `batches`
         equal parts of the runs. plan_path: path of their `plan.json`, None before there is one."""
         runs = -(-count_runs(self.campaign.experiment) // batches)
-        return job_minutes(self.campaign, runs, read_step(plan_path) if plan_path else None)
+        return job_minutes(self.campaign, runs, read_plan(plan_path).time if plan_path else None)
 
     @cache  # noqa: B019
     def megabytes(self) -> int:

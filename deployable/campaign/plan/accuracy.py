@@ -167,9 +167,8 @@ def _count_new_runs(plan: Plan) -> int:
 
 
 def allow_check_runs(plan: Plan) -> int:
-    """Return how many runs the check of a round may make for an `accuracy` to keep its limit: what
-    the rounds so far left of it, but for what is kept for a choice, and, unless this check is of
-    step and mesh, for one that is. plan: of the round."""
+    """Return how many runs the check of a plan's round may make: what the rounds so far left of the
+    limit, but for what is kept for a choice, and for the check of step and mesh."""
     accuracy, rounds = plan.experiment.accuracy, plan.adaptive
     if rounds.met is not None:
         return accuracy.max_runs - accuracy.reserve - rounds.rounds[-1].runs
@@ -179,8 +178,7 @@ def allow_check_runs(plan: Plan) -> int:
 
 
 def affordable_runs(plan: Plan) -> int:
-    """Return how many runs the core time of an `accuracy` leaves for bounds of quantities after its
-    last round. plan: of that."""
+    """Return how many runs the core time leaves for bounds of quantities after the last round."""
     seconds = 60 * plan.experiment.accuracy.max_core_minutes - plan.adaptive.rounds[-1].seconds
     return max(0, int(seconds / run_seconds(plan.experiment, plan.time)))
 
@@ -228,12 +226,10 @@ def _refinement_state(
 
 
 def add_runs(nodes: int, growth: float, affordable: float, cheap: float = 0.0) -> int:
-    """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
-    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`,
-    or all of them if they take no longer than a round, and at most as many as there are, or as
-    take no longer. nodes: runs that surrogates are fitted to so far; growth: factor by which their
-    number should grow; affordable: runs that the budget allows; cheap: runs that take as long as
-    all else in a round."""
+    """Return how many runs the next round adds, a multiple of 8 (`LANES`): `growth` - 1 times
+    `nodes`, if affordable, but at least a quarter of `nodes`, or all of them if they take no longer
+    than a round, and at most as many as there are, or as take no longer. affordable: runs that the
+    budget allows; cheap: runs that take as long as all else in a round."""
     least, most = max(min(cheap, nodes), nodes / 4), max(cheap, nodes)
     quarter, need = (
         LANES * max(1, round(count / LANES))

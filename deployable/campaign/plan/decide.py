@@ -106,8 +106,7 @@ class Errors:
 
     @property
     def surrogate(self) -> float:
-        """Error by the surrogate, as a fraction of the width; 0 of quantities, whose bounds are
-        sought after the rounds."""
+        """Error by the surrogate; 0 of quantities, whose bounds are sought after the rounds."""
         return self.parts.get("surrogate", 0.0)
 
     @property
@@ -144,11 +143,10 @@ class Need:
 
 @dataclass(frozen=True)
 class RefinementState:
-    """State after a finished round of runs, from which `decide` takes the next action. accuracy:
-    tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
-    name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
-    and the errors that this one was checked for; cost: resources spent and needed; is_step_free:
-    whether the step may be halved, since the config does not give one."""
+    """State after a finished round, from which `decide` takes the next action. accuracy: of the
+    config; shares: errors by name and component, as fractions of widths; state: earlier rounds, and
+    the errors that this one was checked for; cost: spent and needed; is_step_free: whether the step
+    may be halved."""
 
     accuracy: Accuracy
     shares: Shares
@@ -173,8 +171,7 @@ class RefinementState:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """What each response or quantity beyond its tolerance needs, by name: the action that would
-        bring it within, and why that cannot be done, if so."""
+        """What each response or quantity beyond its tolerance needs, by name."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property

@@ -4,7 +4,6 @@ which the templates in this folder make the summary and the page."""
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,12 @@ import numpy as np
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import ROUNDING, Plan, read_plan
-from deployable.campaign.results.quantity_results import QuantityResults, add_total_error, number
+from deployable.campaign.results.quantity_results import (
+    QuantityResults,
+    add_total_error,
+    number,
+    whole_error,
+)
 from deployable.campaign.results.response_bounds import (
     COMPONENTS,
     LARGE,
@@ -318,10 +322,14 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
     ]  # fmt: skip
-    unmet = [row for row in intervals if not _is_met(row["errors"])]
+    unmet = [
+        row["name"] for row in intervals  # by the three digits that are printed
+        if (share := row["errors"]["share"]) is None
+        or float(f"{share:.3g}") > row["errors"]["target"]
+    ]  # fmt: skip
     texts = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
     texts += [f"The search for the bounds of {row['name']} ended as {row['search_end']}"
-              for row in unmet if row.get("search_end")]  # fmt: skip
+              for row in intervals if row["name"] in unmet and row.get("search_end")]  # fmt: skip
     texts = texts or ["Finer steps and meshes change bounds too much"]
     reason = ". ".join(text.removesuffix(".") for text in texts)
     if not unmet and intervals:
@@ -330,7 +338,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
     return {
         "met": not unmet,
-        "unmet": [row["name"] for row in unmet],
+        "unmet": unmet,
         "others": len(intervals) - len(unmet),
         "reason": reason,
         "rounds": len(plan.adaptive.rounds),
@@ -338,11 +346,6 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         "runs": last.runs,
         "seconds": last.seconds,
     }
-
-
-def _is_met(errors: Mapping[str, Any]) -> bool:
-    """As it is printed: with three digits."""
-    return errors["share"] is not None and float(f"{errors['share']:.3g}") <= errors["target"]
 
 
 def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:
@@ -431,8 +434,8 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     if row["met"] != "some" or not row["share"] < 1 or len(names) != 1:
         return None
     quantity = rows[names.pop()]
-    is_kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
-    return quantity["name"] if is_kept else None
+    is_kept = all(keeps(quantity, limit["kind"], limit["level"]) for limit in limits)
+    return quantity["name"] if is_kept and quantity["happens"] == row["share"] else None
 
 
 def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:
@@ -444,20 +447,18 @@ def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> M
         return limit
     quantity = next(quantity for quantity in quantities if quantity["name"] == name)
     end, place = ("upper", "argmax") if limit["kind"] == "at_most" else ("lower", "argmin")
-    error = quantity.get("errors", {}).get("whole", quantity["error"])
     margin = abs(limit["level"] - quantity[end])  # is kept by the error
-    worst = {"margin": margin, "error": error, "at": quantity[place], "ran": True}
+    worst = {"margin": margin, "error": whole_error(quantity), "at": quantity[place], "ran": True}
     return {**limit, **worst, "simulated": quantity[f"simulated_{end}"], "is_partial": True}
 
 
-def _keeps(quantity: Mapping, limit: Mapping) -> bool:
-    """Whether a quantity's bounds keep a limit by their error."""
-    error = quantity.get("errors", {}).get("whole", quantity["error"])
-    if quantity["lower"] is None or error is None:
+def keeps(row: Mapping, kind: str, level: float) -> bool:
+    """Return whether the bounds of a quantity (its dict, `row`) keep a limit by their error. kind:
+    of the limit, "at_most" or "at_least"; level: its number."""
+    error = whole_error(row)
+    if row["lower"] is None or error is None or (kind == "at_most" and row.get("censored_at")):
         return False
-    if limit["kind"] == "at_most":
-        return quantity["censored_at"] is None and quantity["upper"] + error <= limit["level"]
-    return quantity["lower"] - error >= limit["level"]
+    return bool((row["lower"] - level if kind == "at_least" else level - row["upper"]) >= error)
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:

@@ -87,6 +87,12 @@ def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float
     return row
 
 
+def whole_error(row: Mapping[str, Any]) -> float | None:
+    """Return the error of a quantity's interval, with those of mesh and step where these are known.
+    row: its dict (`QuantityResults`)."""
+    return row.get("errors", {}).get("whole", row["error"])
+
+
 def add_total_error(
     parts: Mapping[str, float | None], width: float | None
 ) -> dict[str, float | None]:

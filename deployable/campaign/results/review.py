@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
-from deployable.campaign.results.facts import decisive
+from deployable.campaign.results.facts import decisive, keeps
+from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text import numbers
 from fpm.reading.margins import MOST
@@ -145,20 +146,6 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     return budgets
 
 
-def _error(row: Mapping[str, Any]) -> float | None:
-    """The error of a quantity's interval, of mesh and step too where it is known."""
-    return row["errors"]["whole"] if row.get("errors") else row["error"]
-
-
-def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
-    """Whether the interval of a quantity, as it is printed, keeps a limit with its error."""
-    if row["lower"] is None or row["runs_without"]:
-        return False
-    error = _error(row)
-    margin = row["lower"] - level if kind == "at_least" else level - row["upper"]
-    return error is not None and margin >= error
-
-
 class _Sheet:
     def __init__(self, facts: Mapping[str, Any], experiment: Any, standard: str):
         self.facts, self.standard = facts, standard
@@ -268,7 +255,7 @@ class _Sheet:
     ) -> dict[str, str]:
         """A quantity with its interval and a verdict; limit: by which it is judged."""
         name, units, parameters = row["name"], row["units"], self.facts["parameters"]
-        value = f"{numbers.interval(row)} ± {numbers.quantity(_error(row), units, 2)}"
+        value = f"{numbers.interval(row)} ± {numbers.quantity(whole_error(row), units, 2)}"
         if row["lower"] is None:
             value = "happens in no run"
         analysed, nearest = f"{name}: {row['long_name']}", ""
@@ -315,7 +302,9 @@ class _Sheet:
         if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
             return _because(OPEN, f"{runs}, which proves nothing of the rest")
-        if limit["kind"] != "happens" and not _keeps(row, limit["kind"], limit["level"]):
+        if limit["kind"] != "happens" and (
+            row["runs_without"] or not keeps(row, limit["kind"], limit["level"])
+        ):
             return _because(OPEN, "the limit is within the error")
         if row.get("doubt"):
             return _because(OPEN, f"{row['doubt']}")
@@ -365,7 +354,7 @@ class _Sheet:
             return ALL_FAIL
         if row["lower"] is None or row["lower"] < 0:
             return SOME_FAIL
-        if _keeps(row, "at_least", 0.0):
+        if not row["runs_without"] and keeps(row, "at_least", 0.0):
             return self._met
         return _because(OPEN, "the least margin is within its error")
 
@@ -470,7 +459,7 @@ class _Sheet:
         """Whether the least clearance is three times its tolerance, the width of its interval."""
         if self._numbers[row["name"]].kind != "smallest":
             return _because(NOT_ANALYSED, "of a clearance the `smallest` is asked")
-        error = _error(row)
+        error = whole_error(row)
         if row["lower"] is None or error is None or not row["upper"] > row["lower"]:
             return _because(NOT_ANALYSED, "no tolerance changes it")
         tolerance = row["upper"] - row["lower"] + 2 * error

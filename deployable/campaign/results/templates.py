@@ -16,17 +16,13 @@ _FOLDERS = [Path(__file__).parents[1] / room for room in ("results", "report", "
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
-    """Make a jinja2 environment that renders the templates of this folder, of `report/` and `cli/`,
-    with this program's filters. units: spellings such as `m/s` that stay on one line with their
-    number, in HTML; html: whether texts are escaped for HTML."""
+    """Make a jinja2 environment of the templates of this folder, `report/` and `cli/`. units:
+    spellings such as `m/s` that stay on one line with their number, in HTML; html: whether texts
+    are escaped for HTML."""
     import jinja2
 
     class CompiledTemplates(jinja2.FileSystemBytecodeCache):
-        """Templates as code on disk: to make it takes longer than to render them. Filters of
-        constants are part of it, and so the program's digest of its checksum."""
-
-        def get_source_checksum(self, source: str) -> str:
-            return super().get_source_checksum(source + program_digest())
+        """Templates as code on disk: to make it takes longer than to render them."""
 
         def dump_bytecode(self, bucket: Any) -> None:
             with suppress(OSError):  # of a full disk, say
@@ -36,7 +32,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     def tie_units(_: Any, value: Any) -> Any:
         return numbers.tie_units(value, units) if type(value) is str else value
 
-    units, folder = list(units), user_cache() / "templates"
+    # Filters of constants are part of what is compiled, and so all of the program.
+    units, folder = list(units), user_cache() / "templates" / program_digest()
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
     env = jinja2.Environment(
@@ -47,7 +44,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     )  # fmt: skip
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "with_error", "earliest", "capitalise"),
+                  "position", "with_error", "earliest"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest", "largest",
                 "gains", "best_halvings", "worst_case"),
     }  # fmt: skip
@@ -55,6 +52,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         env.filters |= {name: getattr(module, name) for name in names}
     env.filters |= {
         "met_text": met_text, "doubts": doubts,
+        "capitalise": lambda text: text[:1].upper() + text[1:],
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.to_html, units=units),
     }  # fmt: skip

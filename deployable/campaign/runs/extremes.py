@@ -49,10 +49,9 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 class ScanChunk:
     """What is kept of `count` runs, a chunk of a scan. `mask` (count): which runs are included yet;
-    `bounds`: extremes of the responses over these at each instant (`RunBounds`); `numbers`
-    (count, 2, q): quantities and event margins; `events`: tables (count, events) of contacts that
-    close or open by name; `first` (n, T): responses of the first run; `time` (T): s; `overlap`:
-    largest of contacts (rad). responses, quantities: by which results are evaluated."""
+    `bounds`: their extremes (`RunBounds`); `numbers` (count, 2, q): quantities and event margins;
+    `events`: tables (count, events) of contacts by name; `first` (n, T): responses of the first
+    run; `time` (T): s; `overlap`: largest of contacts (rad)."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
@@ -130,10 +129,8 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of the runs of a scan for `jobs.keep: extremes`, in at most 128 chunks, a file each. A
-    file (`ScanChunk`) holds the least and the largest value of each response at each instant over
-    the runs of its chunk, with which run has them, and of every run its quantities and impacts.
-    folder: of the files; experiment: its responses and quantities are kept."""
+    """Store of the runs of a scan for `jobs.keep: extremes`, in at most 128 chunks (`ScanChunk`), a
+    file each."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide the runs of a scan, in order, into 4 to 128 chunks, a file each; size: unused."""

@@ -54,8 +54,7 @@ class Trajectories(Store):
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) recorded in the files of these runs, which lack
-        columns that responses need, so that a new simulation can record them again."""
+        """Return the columns (variable, label) that the files of these runs have."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
@@ -113,8 +112,7 @@ class Responses(Store):
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: none if all are stored, or known to fail,
-        else all that are not known to fail."""
+        """Return the runs of a group to be simulated: none, or all that are not known to fail."""
         import netCDF4
 
         path, group = self.path(group), self.sound(group)
@@ -181,8 +179,7 @@ STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Scan
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
-    """Return the store of runs in a folder that `keep` (config: `jobs.keep`) asks for:
-    "trajectories", "responses" or "extremes". experiment: its responses and quantities are kept."""
+    """Return the store of an experiment's runs in a folder for `jobs.keep` of the config."""
     return STORES[keep](Path(folder), experiment)
 
 

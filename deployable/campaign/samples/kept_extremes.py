@@ -1,10 +1,7 @@
-"""Gather what `keep: extremes` left of all runs of a plan into one file, `samples.nc`.
-
-What it holds says `files/variables.json` (`extremes`): in the place of every run's curves the least
-and largest values in each quarter of the runs, with the first run that has each, -1 in a quarter
-without runs. Events are padded with NaN, -1, -1, their times in single precision. There is no role
-and no name of a run: the first is the nominal one, the others are nodes, and the name follows from
-the values (`campaign.plan.runs.run_id`)."""
+"""Gather what `keep: extremes` left of all runs into `samples.nc`: in the place of curves the
+extremes in each quarter of the runs, with the first run that has each, -1 in a quarter without
+runs. There is no role and no name of a run: the first is the nominal one, and the name follows from
+the values (`campaign.plan.runs.run_id`). `files/variables.json` says more (`extremes`)."""
 
 from pathlib import Path
 from typing import Any
@@ -31,11 +28,9 @@ _FILE = "extremes"
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
-    """Write `samples.nc` to `path` from the stored chunks (parts) of a scan with `jobs.keep:
-    extremes`: least and largest responses over quarters of its runs, and quantities of each run.
-    plan: the runs; jobs: section of the config; folder: of the store; notify: called with each
-    message. One chunk at a time is in memory. Missing or damaged ones are simulated again; runs
-    that failed are listed apart. Raises `CampaignError` if too many did."""
+    """Write `samples.nc` to `path` from the stored chunks of a scan. One chunk at a time is in
+    memory. Missing or damaged ones are simulated again; runs that failed are listed apart. Raises
+    `CampaignError` if too many did."""
     import netCDF4
 
     store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs

@@ -24,12 +24,11 @@ def pretty(units: str) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """Write a number as text: `0.0618`, `−2.5`, `1.2 × 10⁹`; digits: most significant digits."""
-    text = f"{value + 0.0:.{digits}g}"  # no -0
-    if "e" not in text:
-        return text.replace("-", "−")
-    mantissa, exponent = text.split("e")
-    head = "" if mantissa == "1" else f"{mantissa} × "
-    return f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}".replace("-", "−")
+    mantissa, is_power, exponent = f"{value + 0.0:.{digits}g}".partition("e")  # no -0
+    if is_power:
+        head = "" if mantissa == "1" else f"{mantissa} × "
+        mantissa = f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return mantissa.replace("-", "−")
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
@@ -122,11 +121,6 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
     if not 0 <= places <= 9:
         return [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
     return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
-
-
-def capitalise(text: str) -> str:
-    """Make the first letter of a sentence a capital, the rest as it is."""
-    return text[:1].upper() + text[1:]
 
 
 def _power(value: float) -> int:

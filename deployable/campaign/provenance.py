@@ -27,9 +27,8 @@ def program_digest() -> str:
 
 @cache
 def program() -> dict[str, str]:
-    """What computes results, texts by name: `program` (with version), `commit`, `processor`, and
-    versions of Python and packages; found once in a process. `commit` ends with `, changed` where
-    files differ from it, and is `unknown` without git."""
+    """What computes results, texts by name, found once in a process. `commit` ends with `, changed`
+    where files differ from it, and is `unknown` without git."""
     versions = {
         "program": f"deployable-intervals {deployable.__version__}",
         "commit": _commit(),

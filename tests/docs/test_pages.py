@@ -51,7 +51,7 @@ NOT_RUN = {
     "EXUDYN_PYTHON=": "with Exudyn",
     "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
     "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
-    "python -m deployable attack": "an hour; tests/attack does a minute of it",
+    "python -m evidence attack": "an hour; tests/attack does a minute of it",
 }
 
 # Where each campaign of the pages is run. The other tests run it by `python -m deployable run`;

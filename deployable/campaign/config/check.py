@@ -90,9 +90,8 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campaign:
-    """Check a config, fill in all defaults, return the campaign. raw: sections by name, nested as
-    in YAML, or the path of a YAML file; source: what messages call sections. Raises `ConfigError`
-    with all that is wrong."""
+    """Check a config, fill in all defaults, return the campaign. raw: sections by name, or the path
+    of a YAML file; source: what messages call it. Raises `ConfigError` with all that is wrong."""
     if not isinstance(raw, Mapping):
         return load_config([raw])
     sections = Config.__dataclass_fields__.keys()

@@ -11,12 +11,11 @@ from deployable.campaign.files import check_results
 
 @dataclass(frozen=True)
 class ExportFormat:
-    """A format in which a run is exported, such as vtk. writer: module of the campaign, and
-    function in it, which is imported when it is used; summary: what the format is, in words;
-    frames: how many by default; suffix: of the file into which ``writer(motion, path)`` writes the
-    motion of the run, of moving pictures also with `by_stress` (colours), and whose path it
-    returns; without one ``writer(run, folder, frames)`` simulates the `SelectedRun`, and returns
-    the paths to open; takes: names of results that it reads besides `samples.nc`."""
+    """A format in which a run is exported. writer: module of the campaign, and function in it,
+    imported when it is used; frames: how many by default; suffix: of the file into which
+    `writer(motion, path)` writes the motion, of moving pictures also with `by_stress`, and whose
+    path it returns; without one `writer(run, folder, frames)` simulates the `SelectedRun`, and
+    returns the paths to open; takes: names of results that it reads besides `samples.nc`."""
 
     writer: str
     summary: str
@@ -25,8 +24,7 @@ class ExportFormat:
     takes: tuple[str, ...] = ()
 
     def write(self, run: SelectedRun, folder: Path, frames: int, **colours: bool) -> list[Path]:
-        """Simulate a run, write it with so many frames into a folder, and return the paths of the
-        files to open. colours: `by_stress` of moving pictures."""
+        """Simulate a run, write it into a folder, and return the paths of the files to open."""
         module, function = self.writer.split(":")
         writer = getattr(import_module(f"deployable.campaign.{module}"), function)
         if not self.suffix:

@@ -123,8 +123,8 @@ class Errors:
     def allowance(self) -> float:
         """Error that the surrogate may have, as a fraction of the width: the tolerance less the
         errors by mesh and step, but at least a quarter of the tolerance."""
-        mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
-        return max(self.tolerance - mesh - step, (1 - _FINAL_SHARE) * self.tolerance)
+        least = (1 - _FINAL_SHARE) * self.tolerance
+        return max(self.tolerance - self.discretization, least)
 
     def __str__(self) -> str:
         components = ", ".join(f"{part} {_percent(value)}" for part, value in self.parts.items())
@@ -158,10 +158,9 @@ class RefinementState:
     def unmet(self) -> list[Errors]:
         """Errors of responses above their tolerances, and of quantities above the share of these
         that step and mesh may take; not NaN, of constant ones."""
+        limits = [e.tolerance * (1.0 if e.surrogate else _FINAL_SHARE) for e in self._all]
         return [
-            error
-            for error in self._all
-            if error.total > error.tolerance * (1.0 if error.surrogate else _FINAL_SHARE)
+            error for error, limit in zip(self._all, limits, strict=True) if error.total > limit
         ]
 
     @property
@@ -199,10 +198,10 @@ class RefinementState:
                 closest = max(self._all, key=lambda error: error.total / error.tolerance)
                 reason = f"no error exceeds its tolerance; nearest to it is {closest}"
                 return Decision("stop", reason, met=True)
-            reason = "the surrogate's error is small enough"
-            return Decision(
-                "check", f"{reason}; step and mesh are checked where it decides", COMPONENTS
+            reason = (
+                "the surrogate's error is small enough; step and mesh are checked where it decides"
             )
+            return Decision("check", reason, COMPONENTS)
         if not self.reducible:
             return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
         finer = [error for error in self.reducible if self.needs[error.name].action != "runs"]
@@ -221,10 +220,8 @@ class RefinementState:
         """Return the factor (1.25 to 4) by which to increase the number of runs that surrogates are
         fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
         to three quarters of their allowance, at the rate at which they fell last."""
-        factors = [
-            (error.surrogate / (_SPARE * error.allowance)) ** (1 / self._rate(error))
-            for error in self.reducible
-        ]
+        factors = [(error.surrogate / (_SPARE * error.allowance)) ** (1 / self._rate(error))
+                   for error in self.reducible]  # fmt: skip
         return min(max([_LEAST, *factors]), _MOST)
 
     def _need(self, error: Errors) -> Need:
@@ -249,13 +246,10 @@ class RefinementState:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
                 previous = record.shares.get(error.name, {}).get("surrogate", math.inf)
                 if value >= _STAGNANT * previous:
-                    shares = (
-                        f"{_percent(previous)} of the width with {record.nodes} runs, "
-                        f"{_percent(value)} with {nodes}"
-                    )
                     return (
                         f"the surrogate's error of {error.name} does not fall with more runs "
-                        f"({shares}): it jumps, or has an edge, inside the box"
+                        f"({_percent(previous)} of the width with {record.nodes} runs, "
+                        f"{_percent(value)} with {nodes}): it jumps, or has an edge, inside the box"
                     )
         return ""
 
@@ -270,10 +264,9 @@ class RefinementState:
             costs += f"{' and quantities' * bool(cost.reserve)}, {rest - reserve} left"
             return f"the budget of {budget.max_runs} runs does not allow more ({costs})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
-            costs = f"{duration_text(max(1.0, cost.seconds))} are spent"
-            return (
-                f"the budget of {budget.max_core_minutes:g} minutes does not allow more ({costs})"
-            )
+            costs = f"{budget.max_core_minutes:g} minutes does not allow more "
+            costs += f"({duration_text(max(1.0, cost.seconds))} are spent)"
+            return f"the budget of {costs}"
         return ""
 
     def _rate(self, error: Errors) -> float:
@@ -322,9 +315,8 @@ class RefinementState:
             nodes = math.ceil(nodes * min(error.surrogate / allowance, 100.0))
             texts.append(f"some {nodes} runs beside those of checks" if is_known else "more runs")
         time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
-        return (
-            f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
-        )
+        need = " and ".join(texts) or "more runs"
+        return f"{error.name} would take {need}, about {time} of a core"
 
     def _is_not_converging(self, error: Errors) -> bool:
         """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""

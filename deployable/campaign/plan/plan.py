@@ -161,10 +161,9 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
         groups.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.mechanics
-    normalized = np.concatenate([points for _, points in groups])
     role = np.repeat([ROLES.index(role) for role, _ in groups], [len(p) for _, p in groups])
-    role = role.astype(np.int8)
-    runs = Runs.from_points(experiment, role, normalized, time.step, mechanics)
+    normalized = np.concatenate([points for _, points in groups])
+    runs = Runs.from_points(experiment, role.astype(np.int8), normalized, time.step, mechanics)
     return Plan(experiment, mechanics, time, runs)
 
 
@@ -217,8 +216,8 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
     arrays = {"role": plan.runs.role.astype("i1"), "normalized": plan.runs.normalized}
-    packed = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
-    head["runs"] = {"count": len(plan.runs), **packed}
+    columns = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
+    head["runs"] = {"count": len(plan.runs), **columns}
     text = json.dumps(head, indent=1) + "\n"
     write_result(path, text, plan=plan.digest)
 

@@ -9,8 +9,7 @@ from deployable.campaign.text.numbers import pretty
 
 
 def render_cases(facts: Mapping[str, Any]) -> str:
-    """The page of all cases as the text of one HTML file, with links to the pages of each; facts:
-    of all cases (`results.cases.cases_facts`)."""
+    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`."""
     units = {pretty(row["units"]) for row in facts["quantities"]} - {"1"}
     style = (Path(__file__).parent / "style.css").read_text(encoding="utf-8")
     return environment(units, html=True).get_template("cases.html").render(facts=facts, style=style)

@@ -67,9 +67,8 @@ def _text(name: str) -> str:
 
 
 def still_picture(motion: xarray.Dataset) -> str:
-    """Draw three moments of a motion side by side as an SVG element, a text, for browsers that show
-    no motion: start, middle (halfway by length of the particles' paths), and the first closure of a
-    contact, or else the end. motion: a run's whole motion (`fpm.motions`)."""
+    """Draw three moments of a whole motion side by side as an SVG element, for browsers that show
+    no motion: start, middle, and the first closure of a contact, or else the end."""
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)

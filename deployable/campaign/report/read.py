@@ -21,7 +21,7 @@ from deployable.campaign.report.data import (
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
-from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds, read_bounds
+from deployable.campaign.results.response_bounds import CampaignBounds, read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
     RunTable,
@@ -47,7 +47,12 @@ def from_results(path: str | Path) -> PageData:
         data = PageData(
             facts=facts,
             time=bounds.time,
-            responses=tuple(map(_show_significant, bounds.responses)),
+            responses=tuple(  # without widths below the error of the fit, which are none
+                r
+                if r.widths is None
+                else replace(r, widths=np.where(r.widths > r.width_error, r.widths, np.nan))
+                for r in bounds.responses
+            ),
             runs=runs,
             moving=moving,
             omitted_runs=tuple(run for run in movers if moving and run.id not in moving_ids),
@@ -63,14 +68,6 @@ def from_results(path: str | Path) -> PageData:
             curves |= {run: samples.curves(rows[run]) for run in sorted(drawn_runs)}
     with_curves = (replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
     return replace(data, runs=tuple(with_curves))
-
-
-def _show_significant(bounds: ResponseBounds) -> ResponseBounds:
-    """The bounds without widths below the error of the fit, which are none."""
-    if bounds.widths is None:
-        return bounds
-    widths = np.where(bounds.widths > bounds.width_error, bounds.widths, np.nan)
-    return replace(bounds, widths=widths)
 
 
 MOST_RUNS = 10_000

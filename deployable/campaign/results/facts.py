@@ -53,10 +53,9 @@ def facts_of(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = ()
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
-    keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
-    files, which are read; published: largest width (upper less lower bound) that somebody has
-    published, by name of response, in its unit; answers: which results in JSON the campaign has,
-    "requirements", "choice" (of parameters) or "measured" (what explains measured curves)."""
+    keys `summary.schema.json` describes. Other functions call it the facts. published: largest
+    width that somebody has published, by response; answers: which results in JSON the campaign has,
+    "requirements", "choice" or "measured"."""
     plan = read_plan(folder.plan)
     experiment, bounds = plan.experiment, read_bounds(folder)
     with open_samples(folder) as samples:
@@ -79,9 +78,10 @@ def facts_of(
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
     least = {quantity.name: quantity.least for quantity in experiment.quantity_list}
+    by_name = {row["name"]: row for row in facts["quantities"]}
     for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
-        row = next(row for row in facts["quantities"] if row["name"] == limit["quantity"])
-        if reason := why_idle(limit, row, least[row["name"]]):
+        name = limit["quantity"]
+        if reason := why_idle(limit, by_name[name], least[name]):
             limit["idle"] = reason
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
@@ -122,12 +122,11 @@ def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
 
 
 def mark_constant(facts: dict) -> None:
-    """Mark the responses and quantities that do not vary over the box of parameters. In their dicts
-    `constant` becomes True, `shares` is removed, `grade` "none", the `share` of each influence 0,
-    that of the errors None; facts: the campaign's results as plain data (`facts_of`), changed in
-    place. They are those whose upper and lower bound differ by rounding alone: by at most
-    `ROUNDING` (1e-12) times the largest value that any of them with that unit has, at least 1 rad,
-    1 mm, the duration (s), or 1 rad or 1 mm per duration (of rates); other units have no least."""
+    """Mark the responses and quantities of the facts that do not vary over the box: `constant`
+    becomes True, `shares` is removed, `grade` "none", the `share` of each influence 0, that of the
+    errors None. Their bounds differ by rounding alone: by at most `ROUNDING` times the largest
+    value that any of them with that unit has, at least 1 rad, 1 mm, the duration (s), or 1 rad or 1
+    mm per duration."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
@@ -162,9 +161,7 @@ def varies(row: Mapping) -> bool:
 def bounds_facts(
     bounds: CampaignBounds, samples: RunSamples, published: Mapping[str, float]
 ) -> dict[str, Any]:
-    """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
-    parameters, design, contacts that close in the nominal run, and bounds by response. published:
-    largest difference in the literature by response."""
+    """Collect what `bounds.nc` and `samples.nc` tell, a part of `summary.json`."""
     time, attributes = bounds.time, bounds.attributes
     nominal: Any = samples.nominal
     (events,) = samples.events([nominal])
@@ -200,12 +197,10 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     definitions = experiment.scene_type.parameters
     for parameter in parameters:
         parameter["description"] = definitions[parameter["name"]].description
-    settings = experiment.scene.parameters
-    values = {name: settings.get(name, x.default) for name, x in definitions.items()}
     fixed = [
         {"name": name, "value": value, "units": definitions[name].unit or "1",
          "description": definitions[name].description}
-        for name, value in values.items()
+        for name, value in experiment.parameters({}).items()
         if name not in experiment.intervals and value is not None
     ]  # fmt: skip
     description = experiment.scene_type.description.strip().rstrip(".")
@@ -233,9 +228,7 @@ def _response(
 ) -> dict[str, Any]:
     time, width, instant = bounds.time, bounds.width, bounds.widest
     row: dict[str, Any] = {
-        "name": bounds.name,
-        "long_name": bounds.long_name,
-        "units": bounds.units,
+        "name": bounds.name, "long_name": bounds.long_name, "units": bounds.units,
         "largest_difference": float(width[instant]),
         "time_of_largest_difference": float(time[instant]),
         "lower": float(bounds.lower[instant]),
@@ -245,7 +238,7 @@ def _response(
         "ratio_to_published": None if not published else float(width[instant] / published),
         "mean_difference": _mean(width, time),
         "error_at_largest_difference": None,
-    }
+    }  # fmt: skip
     if bounds.abscissa:
         row["along"] = bounds.abscissa
     if bounds.error is not None:
@@ -264,9 +257,8 @@ def _response(
     if bounds.growth is not None:
         row["largest_growth_quarter"] = float(bounds.growth.max())
     if COMPONENTS[0] in bounds.errors:
-        errors = {
-            name: _mean(bounds.errors[name], time) for name in COMPONENTS if name in bounds.errors
-        }
+        parts = [name for name in COMPONENTS if name in bounds.errors]
+        errors = {name: _mean(bounds.errors[name], time) for name in parts}
         row["errors"] = add_total_error(errors, _mean(width, time))
     row["impossible_by"], row["time_of_impossible"] = bounds.impossible
     if bounds.shares is not None:
@@ -291,11 +283,8 @@ def _mean(curve: np.ndarray, time: np.ndarray) -> float:
 def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
     """The largest difference between the bounds of a response where these are drawn, with the
     error of either and the time; None where there are no errors, or none is small enough."""
-    if bounds.error is None:
-        return None
     width, error = bounds.width, bounds.error
-    is_sure = error < LARGE * width.max()
-    if not is_sure.any():
+    if error is None or not (is_sure := error < LARGE * width.max()).any():
         return None
     instant = int(np.where(is_sure, width, -np.inf).argmax())
     values = width[instant], error[instant], bounds.time[instant]
@@ -312,9 +301,8 @@ def grade(error: float | None, width: float) -> str:
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
-    """Whether an accuracy is `met`, by the last `errors` of responses and quantities (rows, with
-    `name` and what is `asked`), which are `unmet`; why rounds and searches ended, as sentences;
-    mesh, runs, core seconds."""
+    """Whether an accuracy is `met`, by the last errors of responses and quantities (rows), which
+    are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [
@@ -392,8 +380,7 @@ def largest(shares: Mapping[str, float | None]) -> list[str]:
 
 def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
     """Return whether a parameter that is known exactly (`key` "fixed"), or half as wide ("halved"),
-    narrows a quantity's interval by more than the error of these widths. influence: what is said of
-    the parameter in `row`, the quantity's dict (`QuantityResults`)."""
+    narrows a quantity's interval by more than the error of these widths."""
     numbers = influence[key], influence["width_error"], row["surrogate_upper"]
     if "constant" in row or None in numbers:
         return False
@@ -410,9 +397,7 @@ def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
     """Name the parameters whose halved interval raises most the share of the box that meets all
     requirements, as far as the errors tell; [] if none does. halved: of `together`."""
     effective = {name: half for name, half in halved.items() if gains(half)}
-    least = max(
-        (half["gain"] - half["gain_uncertainty"] for half in effective.values()), default=0.0
-    )
+    least = max((x["gain"] - x["gain_uncertainty"] for x in effective.values()), default=0.0)
     return [name for name, x in effective.items() if x["gain"] + x["gain_uncertainty"] >= least]
 
 
@@ -424,10 +409,9 @@ def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
-    """Name the quantity of a requirement that fails in part of the box only because the quantity
-    (an event's time, say) does not occur there: where it occurs, its bounds keep all limits by
-    their error. None for any other requirement. row: the requirement's dict in the results as plain
-    data (`facts_of`); quantities: dicts of all quantities there."""
+    """Name the quantity of a requirement (`row`) that fails in part of the box only because the
+    quantity does not occur there: where it occurs, its bounds keep all limits by their error. None
+    for any other requirement."""
     rows = {quantity["name"]: quantity for quantity in quantities}
     limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
     names = {limit["quantity"] for limit in limits}

@@ -114,10 +114,9 @@ def number(value: float) -> float | None:
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
-    q): quantities of all runs, NaN for one that does not occur. Of up to 10,000 runs
-    (`MAX_FIT_RUNS`) all are chosen; of more the first 4000, which fill the box of parameters, and
-    for each quantity the runs with its least and largest value and the first without it."""
+    """Choose the runs that surrogates of quantities are fitted to, of all runs' `numbers` (R, q):
+    all of up to `MAX_FIT_RUNS`; of more the first 4000, which fill the box, and for each quantity
+    the runs with its least and largest value and the first without it."""
     if len(numbers) <= MAX_FIT_RUNS:
         return np.arange(len(numbers))
     rows = set(range(_MAX_FITTED_RUNS))

@@ -95,9 +95,8 @@ class CampaignBounds:
 
 
 def read_bounds(folder: Folder, of_design: bool = False) -> CampaignBounds:
-    """Read the bounds of a campaign's responses, with what parameters contribute where there is a
-    `sensitivities.nc`. folder: of the results; of_design: whether to read those by the planned runs
-    alone. Raises `DamagedError` for a damaged file."""
+    """Read the bounds of a campaign's responses, with what parameters contribute where that is
+    known. of_design: those by the planned runs alone. Raises `DamagedError`."""
     columns: dict[str, Any] = {}
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as file:

@@ -65,9 +65,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template over the facts, by default the summary as Markdown, as text. facts: the
-    campaign's results as plain data (`facts_of`), whose texts are escaped, but for backticks in a
-    `doubt`; template: name of a file in this folder."""
+    """Render a template over the facts, whose texts are escaped, but for backticks in a `doubt`."""
     text = environment().get_template(template).render(facts=_escape(facts))
     return text.rstrip() + "\n"
 
@@ -85,9 +83,8 @@ def _escape(facts: Any, code: str = "") -> Any:
 
 
 def met_text(row: Mapping[str, Any]) -> str:
-    """Write in which part of the box of parameters a requirement is met: `All`, `None`, a
-    percentage, or, where no share is known, that no run or every run fails. row: dict of a
-    requirement, or of one of its limits, in the results as plain data (`facts_of`)."""
+    """Write in which part of the box a requirement, or one of its limits (`row`), is met: `All`,
+    `None`, a percentage, or, where no share is known, that no run or every run fails."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     if row["met"] == "some" and not row["share"] and row["share_uncertainty"] >= 1:
@@ -99,9 +96,7 @@ def met_text(row: Mapping[str, Any]) -> str:
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:
     """Write sentences that name the responses and quantities whose values do not follow from the
-    structural model, one for each reason; [] if all do. Reasons are peaks of shocks, which depend
-    on mesh and step, and statically indeterminate forces (`Experiment.doubts`). facts: results as
-    plain data (`facts_of`), with the reason as `doubt` of a response or quantity."""
+    model, one for each reason (`Experiment.doubts`)."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 

@@ -75,19 +75,14 @@ class ScanChunk:
             self.first = values[0]
         for row, outcome in zip(rows, outcomes, strict=True):
             events, self.contacts = outcome.impacts()
-            self._note(row, events)
+            padding = (0, 0), (0, max(0, len(events) - self.events["event_time"].shape[1]))
+            for column, (name, (_, fill)) in enumerate(EVENTS.items()):
+                self.events[name] = np.pad(self.events[name], padding, constant_values=fill)
+                self.events[name][row, : len(events)] = events[:, column]
             overlap = common.largest_overlap(outcome.openings, self.contacts)
             self.overlap = max(self.overlap, overlap)
             self.numbers[row] = common.numbers_of(self.quantities, outcome)
             self.mask[row] = True
-
-    def _note(self, row: int, events: np.ndarray) -> None:
-        """Note the impacts (e, 3) of a run."""
-        short = max(0, len(events) - self.events["event_time"].shape[1])
-        for column, (name, (_, fill)) in enumerate(EVENTS.items()):
-            padding = ((0, 0), (0, short))
-            self.events[name] = np.pad(self.events[name], padding, constant_values=fill)
-            self.events[name][row, : len(events)] = events[:, column]
 
     def write(self, path: Path) -> None:
         """Write the chunk to the netCDF file `path`, without a seal (checksum)."""
@@ -176,22 +171,20 @@ class ScanExtremes(common.Store):
     def read(self, group: Runs) -> "ScanChunk | None":
         """Read what is stored of a chunk (`group`), from its undamaged file with most runs; None
         without one."""
-        paths = sorted(self._files(group), key=_runs_in, reverse=True)
+        files = self.folder.glob(f"{self.file_of(group)}.*.nc")
+        paths = sorted(files, key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         if path is None:
             return None
         return ScanChunk.read(path, self.responses, self.quantities)
 
-    def _files(self, group: Runs) -> list[Path]:
-        return list(self.folder.glob(f"{self.file_of(group)}.*.nc"))
-
     def _save(self, group: Runs, chunk: "ScanChunk") -> None:
-        path = self.folder / f"{self.file_of(group)}.{chunk.mask.sum()}.nc"
+        name = self.file_of(group)
+        path = self.folder / f"{name}.{chunk.mask.sum()}.nc"
         with whole_file(path, {"name": common.title(path)}) as temporary:
             chunk.write(temporary)
-        for stale_path in self._files(group):
-            if stale_path != path:
-                stale_path.unlink(missing_ok=True)
+        for stale_path in {*self.folder.glob(f"{name}.*.nc")} - {path}:
+            stale_path.unlink(missing_ok=True)
 
 
 def _runs_in(path: Path) -> int:

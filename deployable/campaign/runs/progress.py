@@ -121,10 +121,10 @@ def progress_of(campaign: str, total: int, count: Callable[[], int]) -> Callable
     start_count = count()
 
     def describe(seconds: float) -> str:
-        done = count()
-        text = f"{campaign}: {done} of {total} runs done"
-        if start_count < done < total:
-            rest = seconds / (done - start_count) * (total - done)
+        run_count = count()
+        text = f"{campaign}: {run_count} of {total} runs done"
+        if start_count < run_count < total:
+            rest = seconds / (run_count - start_count) * (total - run_count)
             text += f", about {duration_text(rest)} left"
         return text
 

@@ -8,8 +8,7 @@ from deployable.campaign.runs.progress import Notify, report_seconds
 
 
 def work(folder: Folder, notify: Notify, experiment: Any) -> None:
-    """Do the work of the stage `plan`: choose a campaign's runs and their time step, and write
-    `plan.json` into `folder`. notify: called with each message; experiment: decides the runs."""
+    """Do the work of the stage `plan`: choose a campaign's runs and their time step."""
     warn(notify, experiment)
     with report_seconds(f"{experiment.name}: choosing the runs and their time step", notify):
         plan = make_plan(experiment)

@@ -20,8 +20,7 @@ def work(
     threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `rounds`: simulate in rounds until an accuracy is met or its budget
-    is spent, and leave plan, samples and bounds of the last round in `folder`. notify: called with
-    each message; experiment, bounds, verify, jobs: config sections; threads: how many simulate."""
+    is spent, and leave plan, samples and bounds of the last round in `folder`."""
     number = 0
     while not _plan_round(place := folder.round(number), notify, experiment):
         with results_of(check_results(place, (PLAN,))):

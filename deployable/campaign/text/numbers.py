@@ -66,10 +66,9 @@ def percent(share: float) -> str:
 
 def share(share: float, open_: float = 0.0) -> str:
     """Write a share of the box's volume in per cent with its uncertainty, never rounded to all or
-    nothing: `81 ± 2 %`, `at least 98 %`, `at most 2 %`, `an unknown share`. share: from 0 to 1;
-    open_: half-width of its uncertainty, from 0 to 1, too, rounded up to one digit, above 10 per
-    cent to a whole number; left out below 0.05 per cent and a tenth of what is missing to all or
-    nothing: `81.25 %`, `less than 0.01 %`."""
+    nothing: `81 ± 2 %`, `at least 98 %`, `an unknown share`. open_: half-width of its uncertainty,
+    rounded up to one digit, above 10 per cent to a whole number; left out below 0.05 per cent and a
+    tenth of what is missing to all or nothing: `81.25 %`."""
     percent, half_width = 100 * share, 100 * open_
     if half_width < min(OPEN, max(min(percent, 100 - percent), 0.01) / 10):
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -95,12 +94,11 @@ OPEN = 0.05
 
 
 def interval(row: Mapping[str, Any]) -> str:
-    """Write a quantity's interval with its unit, `0.31 to 0.34 s`; "" where there is none. row: the
-    quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, and censored_at:
-    None, or, of a time that some runs do not reach, their duration (s): then the text is `0.31 to
-    more than 2 s (the end of the runs)`. Both bounds are rounded to the place of the first digit of
-    their error, or of a tenth of their difference if that is less; never more than two places
-    beyond the first digit of their difference."""
+    """Write a quantity's interval (its dict) with its unit, `0.31 to 0.34 s`; "" where there is
+    none, and `0.31 to more than 2 s (the end of the runs)` of a time that some runs do not reach.
+    Both bounds are rounded to the place of the first digit of their error, or of a tenth of their
+    difference if that is less; never more than two places beyond the first digit of their
+    difference."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)
@@ -129,17 +127,15 @@ def _power(value: float) -> int:
 
 
 def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
-    """Write parameter values, such as `k = 2.5 N/m, L = 1 m`; values: by name, None is left out;
-    parameters: dicts with `name` and `units`, as in `summary.json` (`facts_of`)."""
+    """Write parameter values by name, such as `k = 2.5 N/m, L = 1 m`; None is left out."""
     units = {parameter["name"]: parameter["units"] for parameter in parameters}
     values = {name: value for name, value in values.items() if value is not None}
     return ", ".join(f"{name} = {quantity(values[name], units[name], 4)}" for name in values)
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
-    """Write the interval of a parameter: `± 1 %` of its nominal value (of angles `± 2°`) if that is
-    the middle, else both bounds, `1 to 2 m`. parameter: dict with lower, nominal, upper and units,
-    as in `summary.json` (`facts_of`)."""
+    """Write the interval of a parameter (its dict): `± 1 %` of its nominal value (of angles `± 2°`)
+    if that is the middle, else both bounds, `1 to 2 m`."""
     nominal, units = parameter["nominal"], parameter["units"]
     below_nominal, above_nominal = nominal - parameter["lower"], parameter["upper"] - nominal
     if abs(above_nominal - below_nominal) < 1e-6 * abs(nominal):
@@ -158,8 +154,7 @@ def escape_text(text: str, code: str = "") -> str:
 
 def tie_units(text: str, units: Iterable[str]) -> str:
     """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
-    ten or names (`k = 2`), and hyphens before numbers by minus signs. units: spellings such as
-    `m/s`, besides those of seconds, radians, per cent."""
+    ten or names (`k = 2`), and hyphens before numbers by minus signs. units: besides s, rad, %."""
     units = sorted(units, key=len, reverse=True)  # `N m s/rad` before `N m`
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)

@@ -172,8 +172,8 @@ def choose_of(section: ChooseSection, intervals: Mapping[str, IntervalSpec]) -> 
     names = [name for name in section.parameters if name in intervals]
     relative = tuple(name for name in names if intervals[name].relative is not None)
     goals: Any = (section.minimise, section.maximise)
-    goals = [(goal,) if isinstance(goal, str) else goal for goal in goals]
-    return Choose(section.parameters, *goals, order=section.order, relative=relative)
+    minimise, maximise = ((goal,) if isinstance(goal, str) else goal for goal in goals)
+    return Choose(section.parameters, minimise, maximise, section.order, relative)
 
 
 def intervals_of(

@@ -157,8 +157,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
                 key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")
             problems.append(sentence(key, error))
-    return problems + [f"published.{name}: {unknown(name, 'response', responses)}"
-                       for name in campaign.published if name not in responses]  # fmt: skip
+    names = [name for name in campaign.published if name not in responses]
+    return problems + [f"published.{n}: {unknown(n, 'response', responses)}" for n in names]
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
@@ -278,9 +278,9 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
         )
     names = [*config.responses, *config.quantities]
     tolerances = config.accuracy.tolerance_by_name if isinstance(config.accuracy, Aim) else ()
-    noun = "response or quantity"
-    return problems + [f"accuracy.tolerance_by_name.{n}: {unknown(n, noun, names)}"
-                       for n in tolerances if n not in names]  # fmt: skip
+    key, noun = "accuracy.tolerance_by_name", "response or quantity"
+    wrong = [name for name in tolerances if name not in names]
+    return problems + [f"{key}.{name}: {unknown(name, noun, names)}" for name in wrong]
 
 
 def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
@@ -327,8 +327,9 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
                             f"q, with {', '.join(ENDS)}")  # fmt: skip
         elif quantity not in quantities:
             problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
-    problems += [f"choose.parameters.{name}: {text}" for name in choose.parameters
-                 if (text := _choice_problem(name, choose, experiment))]  # fmt: skip
+    for name in choose.parameters:
+        if text := _choice_problem(name, choose, experiment):
+            problems.append(f"choose.parameters.{name}: {text}")
     if not problems and len({*experiment.intervals, *choose.parameters}) > 8:
         problems.append("choose.parameters: more than 8 with the intervals; allowed: fewer")
     return problems
@@ -356,10 +357,10 @@ def keep_problems(campaign: Campaign) -> list[str]:
     if campaign.jobs.keep != "extremes":
         is_large = design.samples > LARGE and design.method == "sobol"
         return room_problems(campaign) if is_large else []
-    cause, other = f"bounds model {bounds.model}", ""
+    cause, allowed = f"bounds model {bounds.model}", "responses or trajectories"
     if campaign.experiment.is_adaptive or design.method != "sobol" or design.order is not None:
-        cause, other = "a surrogate", ", or design method sobol without order"
+        cause, allowed = "a surrogate", f"{allowed}, or design method sobol without order"
     elif bounds.model in ("auto", "polynomial"):
         return []
-    return [f"jobs.keep: 'extremes' is not allowed with {cause}, which needs every run; "
-            f"allowed: responses or trajectories{other}"]  # fmt: skip
+    text = f"'extremes' is not allowed with {cause}, which needs every run"
+    return [f"jobs.keep: {text}; allowed: {allowed}"]

@@ -218,10 +218,8 @@ class Experiment:
         words, by name; without those that it determines. Peaks of shocks depend on mesh and step;
         forces of joints that others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.response_list]
-        quantities = [
-            (q.name, leaf.response, leaf.is_instantaneous)
-            for q in self.quantity_list for leaf in q.leaves if leaf.response
-        ]  # fmt: skip
+        leaves = [(q.name, leaf) for q in self.quantity_list for leaf in q.leaves if leaf.response]
+        quantities = [(name, leaf.response, leaf.is_instantaneous) for name, leaf in leaves]
         redundancies = undetermined_forces(self.nominal_scene, self.response_list)
         reasons = [
             (name, (warn(self.nominal_scene, response) if peak else "")

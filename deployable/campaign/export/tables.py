@@ -27,7 +27,12 @@ def write_tables(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     quantities, `quantities.csv`. Raises `CampaignError` if the run fails."""
     tables = {f"{run.name}.csv": _columns(tabulate_curves(run.outcome(), run.responses))}
     if run.folder:
-        tables["bounds.csv"] = _columns(tabulate_bounds(run.folder))
+        bounds = read_bounds(run.folder)
+        columns = {"time (s)": bounds.time}
+        for row in bounds.responses:
+            curves = {f"{row.name}_{key} ({row.units})": getattr(row, key) for key in _BOUNDS}
+            columns |= {name: curve for name, curve in curves.items() if curve is not None}
+        tables["bounds.csv"] = _columns(columns)
         tables["runs.csv"] = tabulate_runs(run.folder)
         if run.folder.quantities.exists():
             tables["quantities.csv"] = tabulate_quantities(run.folder)
@@ -48,18 +53,6 @@ def tabulate_curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np
     units = {hinge.name: "m" if hinge.slides else "rad" for hinge in outcome.scene.hinges}
     columns |= {f"opening of {n} ({units[n]})": values for n, values in outcome.openings.items()}
     columns |= {f"{name} energy (J)": values for name, values in outcome.energies.items()}
-    return columns
-
-
-def tabulate_bounds(folder: Folder) -> dict[str, np.ndarray]:
-    """Collect the bounds of a campaign as columns (T) by heading with unit: time, and of each
-    response lower bound, upper bound, nominal run and estimated error, those that there are."""
-    bounds = read_bounds(folder)
-    columns = {"time (s)": bounds.time}
-    for row in bounds.responses:
-        for key in _BOUNDS:
-            if (values := getattr(row, key)) is not None:
-                columns[f"{row.name}_{key} ({row.units})"] = values
     return columns
 
 

@@ -48,10 +48,8 @@ class _Buffer:
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 4)
-        accessor: dict[str, Any] = {
-            "bufferView": len(self.views) - 1, "componentType": _COMPONENTS[kind],
-            "count": len(raw), "type": _SHAPES[raw.shape[1:]],
-        }  # fmt: skip
+        accessor: dict[str, Any] = {"bufferView": len(self.views) - 1, "count": len(raw)}
+        accessor |= {"componentType": _COMPONENTS[kind], "type": _SHAPES[raw.shape[1:]]}
         if kind == "f4" and raw.ndim < 3:  # the format asks for them at some, and allows all
             low, high = raw.min(axis=0), raw.max(axis=0)
             accessor |= {"min": np.atleast_1d(low).tolist(), "max": np.atleast_1d(high).tolist()}

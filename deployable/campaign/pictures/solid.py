@@ -103,18 +103,18 @@ class Solid:
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
     """Make the `Solid` of a whole motion (`fpm.motions`, `xarray` or `netCDF4`) at some frames."""
+    cables = NO_CABLES
+    if "cable_point_cable" in motion.variables:
+        keys = ("cable", "particle", "arm")
+        cable, particle, arm = (values_in(motion, f"cable_point_{key}") for key in keys)
+        cables = CablePoints(cable, particle, arm, values_in(motion, "cable_tension")[frames])
     return Solid(
         nodes=values_in(motion, "element_particle"),
         sections=values_in(motion, "section_corner"),
         position=values_in(motion, "position")[frames],
         frame=values_in(motion, "frame")[frames],
         elements=tuple(map(str, values_in(motion, "element"))),
-        cables=NO_CABLES
-        if "cable_point_cable" not in motion.variables
-        else CablePoints(
-            *(values_in(motion, f"cable_point_{key}") for key in ("cable", "particle", "arm")),
-            values_in(motion, "cable_tension")[frames],
-        ),
+        cables=cables,
     )
 
 

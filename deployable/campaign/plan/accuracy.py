@@ -98,9 +98,8 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
 
 
 def _plan(
-    experiment: Experiment, points: list, rounds: tuple, check: tuple[str, ...],
-    time: TimeStep | None = None,
-) -> Plan:  # fmt: skip
+    experiment: Experiment, points: list, rounds: tuple, check: tuple, time: TimeStep | None = None
+) -> Plan:
     """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
     places = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, points=places)

@@ -133,15 +133,6 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Need:
-    """What brings a response or quantity within its tolerance: `action`, "runs", "mesh" or "step";
-    why_not: why that cannot be done, empty if it can."""
-
-    action: str
-    why_not: str = ""
-
-
-@dataclass(frozen=True)
 class RefinementState:
     """State after a finished round, from which `decide` takes the next action. accuracy: of the
     config; shares: errors by name and component, as fractions of widths; state: earlier rounds, and
@@ -169,14 +160,15 @@ class RefinementState:
         return [Errors(name, tolerances[name], parts) for name, parts in self.shares.items()]
 
     @cached_property
-    def needs(self) -> dict[str, Need]:
-        """What each response or quantity beyond its tolerance needs, by name."""
+    def needs(self) -> dict[str, tuple[str, str]]:
+        """What each response or quantity beyond its tolerance needs, by name: the action, "runs",
+        "mesh" or "step", that would bring it within, and why that cannot be, empty if it can."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
     def reducible(self) -> list[Errors]:
         """Errors of responses and quantities beyond tolerance whose needed action is possible."""
-        return [error for error in self.unmet if not self.needs[error.name].why_not]
+        return [error for error in self.unmet if not self.needs[error.name][1]]
 
     def decide(self) -> Decision:
         """Decide on the next action of the rounds, with the reason. A check repeats the runs that
@@ -203,11 +195,11 @@ class RefinementState:
             )
             return Decision("check", reason, COMPONENTS)
         if not self.reducible:
-            return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
-        finer = [error for error in self.reducible if self.needs[error.name].action != "runs"]
+            return self._end("; ".join(dict.fromkeys(cause for _, cause in self.needs.values())))
+        finer = [error for error in self.reducible if self.needs[error.name][0] != "runs"]
         if finer:  # comes before runs, which are all made again then
             worst = max(finer, key=lambda error: error.discretization / error.tolerance)
-            action = self.needs[worst.name].action
+            action, _ = self.needs[worst.name]
             check: tuple[str, ...] = ("mesh",) if action == "mesh" else COMPONENTS
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._exceeds_budget("runs"):
@@ -220,24 +212,23 @@ class RefinementState:
         """Return the factor (1.25 to 4) by which to increase the number of runs that surrogates are
         fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
         to three quarters of their allowance, at the rate at which they fell last."""
-        factors = [(error.surrogate / (_SPARE * error.allowance)) ** (1 / self._rate(error))
-                   for error in self.reducible]  # fmt: skip
-        return min(max([_LEAST, *factors]), _MOST)
+        ratios = [(e.surrogate / (_SPARE * e.allowance), self._rate(e)) for e in self.reducible]
+        return min(max([_LEAST, *(ratio ** (1 / rate) for ratio, rate in ratios)]), _MOST)
 
-    def _need(self, error: Errors) -> Need:
+    def _need(self, error: Errors) -> tuple[str, str]:
         """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves of
         responses; those for quantities come after the rounds."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         fraction = _INITIAL_SHARE if is_first else _FINAL_SHARE
         if not error.discretization > fraction * error.tolerance:
-            return Need("runs", self._stagnation(error))
+            return "runs", self._stagnation(error)
         action, cause = error.larger, self._exceeds_budget(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.is_step_free):
             cause = f"the config keeps its {action}"
         elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"
         is_needed = not cause or not error.surrogate or error.discretization >= error.tolerance
-        return Need(action, cause) if is_needed else Need("runs")
+        return (action, cause) if is_needed else ("runs", "")
 
     def _stagnation(self, error: Errors) -> str:
         """Why no more runs help: the error hardly fell with four times as many; empty if it did."""

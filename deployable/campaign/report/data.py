@@ -68,8 +68,8 @@ class WhatIf:
     quantities over all choices, and what its runs span, (lower, upper) by parameter."""
 
     quantities: Mapping[str, Any]
-    indices: Any
-    coefficients: np.ndarray | None
+    indices: Any = None
+    coefficients: np.ndarray | None = None
     choice_quantities: Mapping[str, Any] = field(default_factory=dict)
     choice_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 

@@ -125,8 +125,9 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     if len(trials) < 2 or not np.isfinite(columns).all():
         return []
     axes = [{key: parameters[0][key] for key in ("name", "units")}]
-    axes += [{"name": f"{goal['quantity']} {_ENDS[goal['end']]}", "units": goal["units"]}
-             for goal in goals[:2]]  # fmt: skip
+    for goal in goals[:2]:
+        name = f"{goal['quantity']} {_ENDS[goal['end']]}"
+        axes.append({"name": name, "units": goal["units"]})
     shares = []
     for axis, column in zip(axes, columns, strict=True):
         axis |= {"lower": float(column.min()), "upper": float(column.max())}

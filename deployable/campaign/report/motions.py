@@ -55,12 +55,10 @@ def shown_runs(path: Any) -> list[ShownRun]:
         if quantities := list(samples.experiment.quantities):
             table, extra_ids, _ = read_refinement(folder)
             tables.append(table)
-            columns = zip(quantities, RunTable.join(tables).numbers.T, strict=True)
-            ends = [
-                *((name, (int(np.nanargmin(column)), int(np.nanargmax(column))))
-                  for name, column in columns if np.isfinite(column).any()),
-                *ends,
-            ]  # fmt: skip
+            columns = dict(zip(quantities, RunTable.join(tables).numbers.T, strict=True))
+            happens = {name: x for name, x in columns.items() if np.isfinite(x).any()}
+            limits = [(n, (int(np.nanargmin(x)), int(np.nanargmax(x)))) for n, x in happens.items()]
+            ends = limits + ends
         values = RunTable.join(tables).values
         labels, count = _label_runs(ends, values, samples.nominal), len(samples)
         rows = [run for run in labels if run < count]

@@ -13,7 +13,8 @@ import numpy as np
 
 from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData
-from deployable.campaign.results.response_bounds import LARGE
+from deployable.campaign.results.quantity_results import number
+from deployable.campaign.results.response_bounds import LARGE, ResponseBounds
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
 from deployable.intervals.scalars.fits import choose_fit
@@ -91,7 +92,6 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     each array in `arrays`. frames: number kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thin_curves(bounds)
-    vague = {row["name"] for row in data.facts["responses"] if row["grade"] in ("large", "none")}
     return {
         "campaign": data.facts["campaign"],
         "large": LARGE,
@@ -100,28 +100,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
             {"unit": pretty(p["units"]), **{key: p[key] for key in _PARAMETER}}
             for p in data.parameters
         ],
-        "responses": [
-            {
-                "name": r.name, "longName": r.long_name, "units": r.units,
-                "unit": pretty(r.units),
-                "widest": float(data.time[r.widest]), "along": r.abscissa,
-                **{
-                    key: None if limit is None or np.isnan(limit) else float(limit)
-                    for key, limit in (("least", r.least), ("most", r.most))
-                },
-                **{
-                    key: None if values is None else arrays.add(values[..., keep], "f8")
-                    for key, values in (
-                        ("lower", r.lower), ("upper", r.upper), ("nominal", r.nominal),
-                        ("error", r.error),
-                    )
-                },
-                # What parameters contribute, where that is known well enough to be drawn.
-                "widths": None if r.widths is None or r.name in vague
-                else [arrays.add(w[keep], "f4") for w in r.widths],
-            }
-            for r in data.responses
-        ],
+        "responses": [_response(r, data, keep, arrays) for r in data.responses],
         "runs": _runs(data),
         "whatIf": _what_if(data, keep, arrays),
         "judged": {
@@ -132,6 +111,25 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
         "moving": [_line(data, m.run, keep, arrays) | {"label": m.label} for m in data.moving],
         "motion": _motion(data.moving, frames, arrays) if data.moving else None,
     }  # fmt: skip
+
+
+def _response(
+    bounds: ResponseBounds, data: PageData, keep: np.ndarray, arrays: _Arrays
+) -> dict[str, Any]:
+    row: dict[str, Any] = {"name": bounds.name, "longName": bounds.long_name}
+    row |= {"units": bounds.units, "unit": pretty(bounds.units), "along": bounds.abscissa}
+    row["widest"] = float(data.time[bounds.widest])
+    for key in ("least", "most"):
+        row[key] = number(getattr(bounds, key))
+    for key in ("lower", "upper", "nominal", "error"):
+        values = getattr(bounds, key)
+        row[key] = None if values is None else arrays.add(values[..., keep], "f8")
+    # What parameters contribute, where that is known well enough to be drawn.
+    vague = [r["name"] for r in data.facts["responses"] if r["grade"] in ("large", "none")]
+    is_drawn = bounds.widths is not None and bounds.name not in vague
+    return row | {
+        "widths": [arrays.add(w[keep], "f4") for w in bounds.widths] if is_drawn else None
+    }
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
@@ -209,7 +207,7 @@ def _table(formula: Any, arrays: _Arrays) -> Any:
 def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     value, happens = surrogate.formulas()
     numbers = {"least": surrogate.least, "latest": surrogate.latest, "error": row["error"]}
-    numbers = {k: None if x is None or not np.isfinite(x) else x for k, x in numbers.items()}
+    numbers = {k: None if x is None else number(x) for k, x in numbers.items()}
     words = {"name": row["name"], "unit": pretty(row["units"])}
     words |= {"words": row.get("words", row["long_name"])}
     return words | numbers | {"value": _table(value, arrays), "there": _table(happens, arrays)}

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,6 +61,13 @@ def render(data: PageData) -> str:
             payload=pack_data(data),
         )
     )
+
+
+def render_cases(facts: Mapping[str, Any]) -> str:
+    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`."""
+    units = {pretty(row["units"]) for row in facts["quantities"]} - {"1"}
+    template = environment(units, html=True).get_template("cases.html")
+    return template.render(facts=facts, style=_text("style.css"))
 
 
 def _text(name: str) -> str:

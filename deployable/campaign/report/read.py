@@ -125,30 +125,22 @@ def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdi
 
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
     """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
-    model = WhatIf({}, None, None)
+    limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:
-        names = samples.experiment.quantities
-        return dict(zip(names, runs.surrogates(limits), strict=True))
+        return dict(zip(samples.experiment.quantities, runs.surrogates(limits), strict=True))
 
-    limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
-    if limits:
-        model = replace(model, quantities=surrogates(FittedRuns.read(folder)))
+    fits: dict[str, Any] = {"quantities": surrogates(FittedRuns.read(folder)) if limits else {}}
     if "choice" in summary:
         record = read_json(folder.choice)["fitted"]
         keys = ("points", "numbers", "margins")
-        points, values, margins = (np.array(record[key], dtype=float) for key in keys)
-        runs = FittedRuns(points, values, margins)
-        model = replace(
-            model,
-            choice_quantities=surrogates(runs),
-            choice_intervals={name: tuple(ends) for name, ends in record["intervals"].items()},
-        )
-    if "polynomial" not in summary["bounds"]:
-        return model
-    with open_netcdf(folder.surrogate) as file:
-        indices, coefficients = file["multi_index"][:], file["coefficient"][:]
-    return replace(model, indices=indices, coefficients=coefficients)
+        points, numbers, margins = (np.array(record[key], dtype=float) for key in keys)
+        fits["choice_quantities"] = surrogates(FittedRuns(points, numbers, margins))
+        fits["choice_intervals"] = {n: tuple(ends) for n, ends in record["intervals"].items()}
+    if "polynomial" in summary["bounds"]:
+        with open_netcdf(folder.surrogate) as file:
+            fits |= {"indices": file["multi_index"][:], "coefficients": file["coefficient"][:]}
+    return WhatIf(**fits)
 
 
 def _work(folder: Folder, run_counts: Mapping[str, int]) -> list[dict]:

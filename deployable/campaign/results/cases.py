@@ -54,12 +54,17 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
         "next": max(  # that separates runs most: in bands, or unmeasured, as a share of the width
-            ({**facts["measured"]["next"][0], "case": name} for name, facts in summaries.items()
-             if facts.get("measured", {}).get("next")),
-            default=None, key=lambda row: (row["bands"] or 0.0, row["fraction"]),
+            _next_tests(summaries), default=None,
+            key=lambda row: (row["bands"] or 0.0, row["fraction"]),
         ),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
     }  # fmt: skip
+
+
+def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
+    """The clearest next test of each case, where runs that measured curves leave differ most."""
+    tests = {name: facts.get("measured", {}).get("next") for name, facts in summaries.items()}
+    return [{**rows[0], "case": name} for name, rows in tests.items() if rows]
 
 
 def combine_met(verdicts: Iterable[str]) -> str:
@@ -111,11 +116,10 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
     """One limit in the cases that it is of, and the case that is worst."""
     worst = min(limits.values(), key=_severity)
-    close = [
-        case for case, row in limits.items()  # as bad as the worst, within both errors
-        if row is not worst and GROUPS[row["met"]] == GROUPS[worst["met"]]
-        and _is_same(row, worst, _margin)
-    ]  # fmt: skip
+    peers = {
+        case: row for case, row in limits.items() if GROUPS[row["met"]] == GROUPS[worst["met"]]
+    }
+    close = [c for c, row in peers.items() if row is not worst and _is_same(row, worst, _margin)]
     keys = ("quantity", "units", "words", "event", "kind", "level")
     return {
         **{key: worst[key] for key in keys if key in worst},

@@ -227,8 +227,8 @@ def _response(
     bounds: ResponseBounds, campaign: CampaignBounds, published: float | None
 ) -> dict[str, Any]:
     time, width, instant = bounds.time, bounds.width, bounds.widest
-    row: dict[str, Any] = {
-        "name": bounds.name, "long_name": bounds.long_name, "units": bounds.units,
+    row: dict[str, Any] = {key: getattr(bounds, key) for key in ("name", "long_name", "units")}
+    row |= {
         "largest_difference": float(width[instant]),
         "time_of_largest_difference": float(time[instant]),
         "lower": float(bounds.lower[instant]),
@@ -238,7 +238,7 @@ def _response(
         "ratio_to_published": None if not published else float(width[instant] / published),
         "mean_difference": _mean(width, time),
         "error_at_largest_difference": None,
-    }  # fmt: skip
+    }
     if bounds.abscissa:
         row["along"] = bounds.abscissa
     if bounds.error is not None:
@@ -310,11 +310,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
     ]  # fmt: skip
-    unmet = [
-        row["name"] for row in intervals  # by the three digits that are printed
-        if (share := row["errors"]["share"]) is None
-        or float(f"{share:.3g}") > row["errors"]["target"]
-    ]  # fmt: skip
+    unmet = [row["name"] for row in intervals if not _is_met(**row["errors"])]
     texts = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
     texts += [f"The search for the bounds of {row['name']} ended as {row['search_end']}"
               for row in intervals if row["name"] in unmet and row.get("search_end")]  # fmt: skip
@@ -334,6 +330,11 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         "runs": last.runs,
         "seconds": last.seconds,
     }
+
+
+def _is_met(share: float | None, target: float, **_: Any) -> bool:
+    """As it is printed: with three digits."""
+    return share is not None and float(f"{share:.3g}") <= target
 
 
 def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:

@@ -489,8 +489,8 @@ class _Sheet:
         if "together" not in self.facts:
             return None
         rows, whole = self.facts["requirements"], self.facts["together"]
-        analysed = (f"all requirements together, over the box of {', '.join(self._free)}; "
-                    f"{self.facts['runs']['all']} runs, the worst places among them")  # fmt: skip
+        analysed = f"all requirements together, over the box of {', '.join(self._free)}; "
+        analysed += f"{self.facts['runs']['all']} runs, the worst places among them"
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
         failures: dict[str, None] = {}
         for row in (row for row in rows if row["met"] in ("some", "none")):
@@ -518,8 +518,8 @@ class _Sheet:
         """Row on the runs' energy balance: met if energies change by much more than its error."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
-        analysed = (f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of "
-                    "the largest energy")  # fmt: skip
+        analysed = f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of "
+        analysed += "the largest energy"
         if motion is None:
             text = "how far energies change was not kept (jobs.keep)"
             return _row(analysed, _because(PARTIAL, text))
@@ -566,8 +566,8 @@ class _Sheet:
                 text = f"the model comes no nearer than {least} bands to the tests. "
                 text = (text + sentence("differing", self.facts, escapes=False)).strip()
             return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
-        value = "; ".join(f"{p['name']} {_stretch(p['after'], p['units'])}"
-                          for p in measured["parameters"])  # fmt: skip
+        stretches = [(p["name"], _stretch(p["after"], p["units"])) for p in measured["parameters"]]
+        value = "; ".join(f"{name} {text}" for name, text in stretches)
         verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
             verdict = _because(OPEN, "no run explains the tests, and none is excluded")

@@ -12,7 +12,6 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import result_file
 from deployable.campaign.files.variables import create
 from deployable.campaign.plan.plan import Plan
-from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import check_failures, make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Notify
@@ -48,7 +47,10 @@ def gather(
         file.createDimension("run", len(runs))
         samples.write_points(file, runs, **_compression(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(unique, jobs.group):
-            chunk = _chunk(plan, store, group, jobs.group, notify)
+            chunk = store.read(group)
+            if len(store.sound(group)) > (0 if chunk is None else chunk.mask.sum()):
+                make_again(plan, store, group, jobs.group, notify)
+                chunk = store.read(group)
             quarter = next(i for i in range(4) if place < ends[i + 1])
             place += len(group)
             if chunk is None:  # all of its runs failed
@@ -65,14 +67,6 @@ def gather(
         _write_quarters(file, quarters)
     if len(store.list_failures(unique)) > len(failures):  # of runs that were made again
         gather(plan, jobs, folder, path, notify)
-
-
-def _chunk(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> ScanChunk | None:
-    chunk = store.read(group)
-    if len(store.sound(group)) > (0 if chunk is None else chunk.mask.sum()):
-        make_again(plan, store, group, size, notify)
-        chunk = store.read(group)
-    return chunk
 
 
 def _compression(runs: int, columns: int) -> dict:

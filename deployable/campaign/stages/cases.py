@@ -6,7 +6,7 @@ from typing import Any
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.report.cases import render_cases
+from deployable.campaign.report.page import render_cases
 from deployable.campaign.results.cases import cases_facts
 from deployable.campaign.results.templates import summary_text
 from deployable.campaign.runs.progress import Notify

@@ -142,18 +142,6 @@ class Workflow:
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
 
-    def write_other_report(self, results: Path = Path("results")) -> str:
-        """Write a message that another campaign than this one was the last to be run, for
-        `snakemake --report` without `--configfile`; "" if this one was, or none has a report."""
-        reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
-        last = max(reports, key=reports.__getitem__, default=self.name)
-        if last == self.name:
-            return ""
-        return (
-            f"--report without --configfile is about the campaign {self.name}, but {last} was the "
-            f"last one that was run; add --configfile with the config of the one that is meant"
-        )
-
     def answer(self) -> list[str]:
         """Return the campaign's answer, which is `summary.md` up to its first section, and, where
         there is a page, a text that tells to open it; [] without a summary."""
@@ -218,9 +206,8 @@ def _load(path: Path) -> Any:
 
 
 def complete(
-    campaign: Campaign, results: str | Path = "results", figures: bool = True,
-    notify: Notify | None = None,
-) -> None:  # fmt: skip
+    campaign: Campaign, results: str | Path, figures: bool = True, notify: Notify | None = None
+) -> None:
     """Make the results of a campaign that are missing or not of its config, as `run` does, which
     has the same arguments and errors, in a process whose linear algebra has one thread."""
     notify = notify or MessagePrinter(sys.stderr)
@@ -261,8 +248,7 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
     ]  # fmt: skip
     # Side by side, but where messages would be lost in other processes, or threads run, which these
     # would not have.
-    prints = isinstance(notify, MessagePrinter) and not any(map(callable, notify.files))
-    is_alone = prints and threading.active_count() == 1
+    is_alone = isinstance(notify, MessagePrinter) and threading.active_count() == 1
     list(spread(_stage, last, (os.cpu_count() or 1) if is_alone else 1))
     for text in workflow.answer():
         notify(text)

@@ -34,7 +34,6 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
     count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
     width: width of the figure, in inches."""
-
     view, indices = View(), telling_moments(motion, count)
     solid = solid_of_motion(motion, indices)
     limits = limits_of(solid.places, view, margin=0.02)

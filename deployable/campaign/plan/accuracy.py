@@ -1,13 +1,10 @@
 """`accuracy`: rounds of runs until the whole error is what was asked for, or the budget is spent.
 
 Each round has a plan (`rounds/<round>/plan.json`) with a mesh, a step, and runs through which a
-spline goes; those of later rounds are sought where the bounds are decided. A round whose plan says
-so is checked: its bounds know what a finer mesh and half the step change. What comes next is
-decided by `decide`; here results become its arguments and its decision a plan.
-
-Rounds add runs for responses alone. Bounds of quantities are sought after the rounds, one run
-after the other (`answers.quantity_bounds`), with at least half of the runs that are allowed; the
-rounds only make step and mesh fine enough for them."""
+spline goes; those of later rounds are sought where the bounds are decided. What comes next is
+decided by `decide`; here results become its arguments and its decision a plan. Bounds of quantities
+are sought after the rounds (`answers.quantity_bounds`), with at least half of the runs that are
+allowed; the rounds only make step and mesh fine enough for them."""
 
 from collections.abc import Mapping
 from dataclasses import replace

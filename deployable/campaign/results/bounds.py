@@ -1,9 +1,6 @@
-"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
-
-The files are described at `intervals.bounds_dataset`, `intervals.surrogate_dataset` and
-`intervals.sensitivity_dataset`; all have coordinates `response`, `response_units`,
-`response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
-Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
+"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package, which says
+what the files hold. Surrogate and sensitivities are the polynomial's, also where the bounds are a
+spline's."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -45,7 +45,6 @@ def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float 
     shade_above: error, as a share of the largest difference of the bounds, above which instants are
         hatched.
     width: of the figure (inches)."""
-
     is_single, columns, narrow = len(bounds) == 1, 1 if len(bounds) <= 3 else 2, width < 5.0
     heights = [1.0] * -(-len(bounds) // columns)
     if is_single and (bounds[0].width > 0).any():

@@ -2,18 +2,9 @@
 
 A chunk of the scan has one netCDF file, `<digest of its runs>.<runs in it>.nc`, which grows while
 its runs are made. There are as many chunks as the scan's size asks for, whatever the jobs, and the
-quarters of the scan consist of whole chunks. In the file:
-
-    dims   run, response, time, quantity, event, contact
-    done(run)                               1 where a run is among those below
-    lower, upper (response, time)           least and largest value of those runs
-    lower_run, upper_run (response, time)   which run that is, counted in the chunk
-    first(response, time)                   the curves of the first run of the chunk
-    quantities(run, pair, quantity)         their values, NaN where what is asked for does not
-                                            happen, and their event margins, NaN if not known
-    event_time, event_contact, event_closing (run, event)   impacts, the times in single precision,
-                                            padded with NaN, -1, -1
-    overlap                                 largest overlap of the faces of a contact, rad"""
+quarters of the scan consist of whole chunks. In the file, of the runs that are `done`: extremes,
+with the runs (counted in the chunk) that have them; curves of the `first` one; quantities with
+event margins, and impacts, padded with NaN, -1, -1; the largest overlap of contacts (rad)."""
 
 import time
 from collections.abc import Callable, Iterable, Sequence

@@ -1,14 +1,4 @@
-"""The stores of runs, one for each `jobs.keep`, and runs as one file between jobs.
-
-`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded: found again by any
-                later design. What is recorded on request (`fpm.reading.variables`) may be lacking:
-                then the run is noted in `absences` and counts as absent, and what it had is
-                recorded again as well;
-`Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
-                responses, contact events and quantities only. Other groups have other files:
-                another design, size of group or response simulates its runs again;
-`ScanExtremes`  one netCDF file per chunk of a scan, with the least and largest values over time
-                (`campaign.runs.extremes`)."""
+"""The stores of runs, one for each `jobs.keep`, and runs as one file between jobs."""
 
 from __future__ import annotations
 
@@ -105,7 +95,7 @@ class Trajectories(Store):
 
 class Responses(Store):
     """Store of runs for `jobs.keep: responses`: one netCDF file for each group of runs, with their
-    responses (single precision), events and quantities."""
+    responses (single precision), events and quantities. Other groups have other files."""
 
     def path(self, group: Runs) -> Path:
         """Return the path of a group's file, named by runs, responses and quantities."""

@@ -26,8 +26,7 @@ from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
 from deployable.campaign.stages.workflow import Workflow, complete
 
-UNMET = 3
-"""Exit status of `run --require` where not all of the box meets all requirements."""
+UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
 
 def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:

@@ -6,8 +6,7 @@ from pathlib import Path
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.text.numbers import size_text
 
-LARGE = 100_000
-"""Runs up to which nobody asks whether the disk has room for them."""
+LARGE = 100_000  # runs up to which nobody asks whether the disk has room for them
 
 
 _TRAJECTORY_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies

@@ -11,8 +11,7 @@ from deployable.campaign.errors import ConfigError
 from fpm.structures.reading import Node, Problems, StructureError, join_key, read_text
 from fpm.structures.reading import read as read_yaml
 
-YTE_KEY = "__use_yte__"
-"""Key of a file whose Python Snakemake would run."""
+YTE_KEY = "__use_yte__"  # key of a file whose Python Snakemake would run
 
 
 class Text(NamedTuple):

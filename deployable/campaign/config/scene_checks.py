@@ -108,8 +108,7 @@ def _build_problems(experiment: Experiment) -> list[str]:
     return []
 
 
-MOST_NUMBERS = 2**27
-"""Numbers recorded of the runs that are integrated side by side: 1 GiB."""
+MOST_NUMBERS = 2**27  # numbers recorded of the runs that are integrated side by side: 1 GiB
 
 _LONG = 60.0  # s
 

@@ -378,8 +378,7 @@ def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     return np.concatenate([nodes, intervals.held_out_points(box.free, _HELD_OUT, nodes)])
 
 
-MOST_STEPS = 10**9
-"""Steps of a run: of the smallest scene, a day."""
+MOST_STEPS = 10**9  # steps of a run: of the smallest scene, a day
 
 
 def steps_problems(solver: Solver, step: float) -> list[str]:

@@ -57,8 +57,7 @@ FORMATS = {
     ),
 }
 MOVIES = ("gif", "webp")
-COLOURS = ("bars", "stress")
-"""By what moving pictures are coloured."""
+COLOURS = ("bars", "stress")  # by what moving pictures are coloured
 
 
 def export(

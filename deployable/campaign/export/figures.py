@@ -19,8 +19,7 @@ COLUMN, PAGE = 90 / 25.4, 190 / 25.4
 
 DPI = 600
 
-SHADE_ABOVE = 0.1
-"""The config's default of `error.shade_above`, which results do not tell."""
+SHADE_ABOVE = 0.1  # the config's default of `error.shade_above`, which results do not tell
 
 _STYLE: Any = {
     "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,

@@ -23,8 +23,7 @@ from fpm.solver.simulate import HALVINGS
 if TYPE_CHECKING:
     import xarray
 
-INSTANTS = 2001
-"""Recorded instants of a structure's run that no config is about."""
+INSTANTS = 2001  # recorded instants of a structure's run that no config is about
 
 
 @dataclass(frozen=True)

@@ -60,8 +60,7 @@ def open_netcdf(path: str | Path) -> Any:
     return file
 
 
-HISTORY: deque[Path] = deque(maxlen=9)
-"""The results that this process has opened last."""
+HISTORY: deque[Path] = deque(maxlen=9)  # the results that this process has opened last
 
 
 def wrap_error(error: Exception) -> CampaignError | None:

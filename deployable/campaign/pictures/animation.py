@@ -18,14 +18,9 @@ from deployable.campaign.pictures.view import View
 if TYPE_CHECKING:
     import xarray
 
-SECONDS = 5.0
-"""How long the picture plays, whatever the time that it shows."""
-
-HOLD = 0.8
-"""Seconds for which its last frame stays."""
-
-WIDTH, _DPI = 4.8, 100
-"""Width of the picture, in inches, and pixels of an inch."""
+SECONDS = 5.0  # how long the picture plays, whatever the time that it shows
+HOLD = 0.8  # seconds for which its last frame stays
+WIDTH, _DPI = 4.8, 100  # width of the picture, in inches, and pixels of an inch
 
 
 def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) -> Path:

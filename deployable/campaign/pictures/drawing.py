@@ -16,8 +16,7 @@ _HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
 _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
 
 
-WIDTH = 6.0
-"""Width of the figure, in inches; the height follows from the structure."""
+WIDTH = 6.0  # width of the figure, in inches; the height follows from the structure
 
 
 def draw_structure(scene: Any) -> Any:

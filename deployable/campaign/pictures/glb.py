@@ -21,8 +21,7 @@ from deployable.campaign.pictures.solid import FACES, Solid, solid_of_motion
 if TYPE_CHECKING:
     import xarray
 
-TO_GLTF = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-"""From our axes to glTF's."""
+TO_GLTF = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # from our axes to glTF's
 
 _COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "i2": 5122}  # glTF's numbers of the types
 _VERTEX, _INDEX = 34962, 34963  # and of what a view is for

@@ -17,8 +17,7 @@ Shares = Mapping[str, Mapping[str, float]]
 _INITIAL_SHARE, _FINAL_SHARE = 0.5, 0.75
 """Share of the tolerance that step and mesh may take: with the first runs, and with more."""
 
-_HARDLY = 1.3
-"""Factor by which the error of a mesh must fall for the next one to be worth its cost."""
+_HARDLY = 1.3  # factor by which the error of a mesh must fall for the next one to be worth its cost
 
 
 _STAGNANT, _STAGNANT_RUNS = 0.9, 4.0
@@ -33,14 +32,12 @@ _LEAST, _MOST = 1.25, 4.0
 _SPARE = 0.75
 """Share that is aimed at of what is left for a surrogate's error, not to miss it by little."""
 
-COMPONENTS = ("step", "mesh")
-"""Parts of an error that a check tells."""
+COMPONENTS = ("step", "mesh")  # parts of an error that a check tells
 
 CHECKED_RUNS = 14
 """Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
 
-UNKNOWN = 1e6
-"""Share of a width: an error that is not known, or larger."""
+UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 
 ROUND, RUN_FILES = 0.5, 0.01
 """Core seconds of a round beside its runs: a check that takes less is made at once; and of a run

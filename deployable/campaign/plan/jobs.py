@@ -9,8 +9,7 @@ from deployable.campaign.plan.plan import TimeStep, choose_step
 from fpm.scenes import effort
 from fpm.solver.pack import curve_bytes
 
-LANES = 8
-"""Runs that are integrated side by side; fewer take as long."""
+LANES = 8  # runs that are integrated side by side; fewer take as long
 
 JOB_START = 5.0
 """Minutes of a job beside its runs, at most: starting, and compiling the time loop once."""

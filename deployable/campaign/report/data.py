@@ -15,11 +15,8 @@ if TYPE_CHECKING:
     from deployable.campaign.results.response_bounds import ResponseBounds
 
 
-REFINEMENT = "further"
-"""Role of the runs that were made for the ends of quantities."""
-
-MOST_LINES = 48
-"""Runs that were not fitted, drawn as thin lines."""
+REFINEMENT = "further"  # role of the runs that were made for the ends of quantities
+MOST_LINES = 48  # runs that were not fitted, drawn as thin lines
 
 
 @dataclass(frozen=True)

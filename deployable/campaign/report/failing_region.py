@@ -13,8 +13,7 @@ from deployable.intervals.scalars import Limit
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
 
-MOST_MARKS = 400
-"""Runs that are drawn, evenly chosen where there are more."""
+MOST_MARKS = 400  # runs that are drawn, evenly chosen where there are more
 
 
 @dataclass(frozen=True)

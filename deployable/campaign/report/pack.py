@@ -19,14 +19,12 @@ from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
 from deployable.intervals.scalars.fits import choose_fit
 
-MOST_INSTANTS = 4001
-"""Instants of a curve from which it is thinned."""
+MOST_INSTANTS = 4001  # instants of a curve from which it is thinned
 
 MOST_EVENT_RUNS = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
-MOST_COEFFICIENTS = 150_000
-"""Coefficients of polynomials over time up to which sliders move curves."""
+MOST_COEFFICIENTS = 150_000  # coefficients of polynomials over time up to which sliders move curves
 
 _PARAMETER = "name", "units", "lower", "nominal", "upper", "description"
 _LEAST_MISFIT = 0.01  # bands, below which it makes no difference

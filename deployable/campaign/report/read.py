@@ -70,8 +70,7 @@ def from_results(path: str | Path) -> PageData:
     return replace(data, runs=tuple(with_curves))
 
 
-MOST_RUNS = 10_000
-"""Runs that a page has, with their parameters; of more, it has those that move."""
+MOST_RUNS = 10_000  # runs that a page has, with their parameters; of more, it has those that move
 
 
 def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> Any:

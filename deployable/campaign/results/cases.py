@@ -13,8 +13,7 @@ from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import doubts, sentence
 from deployable.campaign.text.numbers import place, quantity, spread
 
-GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}
-"""Which verdicts decide before others."""
+GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}  # which verdicts decide before others
 
 
 def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:

@@ -37,11 +37,8 @@ from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch, RigidLatch
 from fpm.errors import SceneError
 
-SMALL = 0.05
-"""Share of the largest difference below which an error is small."""
-
-SOFT = 0.05
-"""Overlap (rad) from which faces that touch are said to pass through each other."""
+SMALL = 0.05  # share of the largest difference below which an error is small
+SOFT = 0.05  # overlap (rad) from which faces that touch are said to pass through each other
 
 _SIZES = {"rad": 1.0, "m": 1e-3}
 """Least sizes by unit, beside which a width is rounding: of directions 1, of structures 1 mm."""

@@ -18,8 +18,7 @@ from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
 from fpm.travel import Path, classes_of_kinds, component_classes, springs_of
 
-OPENING_TOLERANCE = 1e-6
-"""Difference of openings (share of the travel) that is none."""
+OPENING_TOLERANCE = 1e-6  # difference of openings (share of the travel) that is none
 
 
 def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:

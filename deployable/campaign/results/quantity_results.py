@@ -14,8 +14,7 @@ from deployable.campaign.results.response_bounds import COMPONENTS, read_paramet
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
 from deployable.intervals.scalars import fit_scalar, share_borders
 
-MAX_FIT_RUNS = 10_000
-"""Runs up to which surrogates of quantities are fitted to all of them."""
+MAX_FIT_RUNS = 10_000  # runs up to which surrogates of quantities are fitted to all of them
 
 _MAX_FITTED_RUNS = 4_000  # of more runs
 _NUMBERS = ("lower", "upper", "simulated_lower", "simulated_upper", "surrogate_lower",

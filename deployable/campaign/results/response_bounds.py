@@ -11,11 +11,8 @@ import numpy as np
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 
-COMPONENTS = ("surrogate", "step", "mesh")
-"""Components of an error."""
-
-LARGE = 0.25
-"""Share of the largest difference of bounds from which their error is large."""
+COMPONENTS = ("surrogate", "step", "mesh")  # components of an error
+LARGE = 0.25  # share of the largest difference of bounds from which their error is large
 
 
 @dataclass(frozen=True)

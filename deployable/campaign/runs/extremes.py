@@ -20,14 +20,9 @@ from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import RunBounds
 
-FEWEST, MOST = 4, 128
-"""Chunks of a scan; quarters consist of whole ones."""
-
-LARGE = 512
-"""Runs of a chunk from which there are more chunks, as long as there are not `MOST`."""
-
-PAUSE = 2.0
-"""Seconds, at least, from one time that a chunk is written to the next, but for its end."""
+FEWEST, MOST = 4, 128  # chunks of a scan; quarters consist of whole ones
+LARGE = 512  # runs of a chunk from which there are more chunks, as long as there are not `MOST`
+PAUSE = 2.0  # seconds, at least, from one time that a chunk is written to the next, but for its end
 
 _LOT = 32  # runs that are taken in side by side
 

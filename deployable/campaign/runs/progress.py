@@ -16,8 +16,7 @@ FIRST, PAUSE = 5.0, 20.0
 """Seconds of one step after which a log has a line on it, and the least from then to the next one;
 each pause is at least a tenth of the time since the step began."""
 
-TICK = 1.0
-"""Seconds between two looks at a step."""
+TICK = 1.0  # seconds between two looks at a step
 
 Notify = Callable[[str], None]
 

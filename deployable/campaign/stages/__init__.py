@@ -22,8 +22,7 @@ DESIGN_BOUNDS, SENSITIVITIES = "design_bounds.nc", "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", DESIGN_BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "refinement.nc"
 
-FRAMES = 401
-"""Frames of the runs that move on a page, unless others are asked for."""
+FRAMES = 401  # frames of the runs that move on a page, unless others are asked for
 
 OPTIONS = {
     "batch": {"type": int, "default": 0, "help": "number of the batch, from 0"},

@@ -86,11 +86,8 @@ def share(share: float, open_: float = 0.0) -> str:
     return f"{percent:.{places}f} ± {half_width:.{places}f} %"
 
 
-VOLUME = "by volume, no probability"
-"""What stands once beside shares of the box."""
-
-OPEN = 0.05
-"""Per cent of the box from which it is said how large the error of a share may be."""
+VOLUME = "by volume, no probability"  # what stands once beside shares of the box
+OPEN = 0.05  # per cent of the box from which it is said how large the error of a share may be
 
 
 def interval(row: Mapping[str, Any]) -> str:

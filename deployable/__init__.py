@@ -2,3 +2,5 @@
 
 `deployable.intervals` is interval mathematics, `deployable.campaign` what joins it to `fpm`, the
 mechanics."""
+
+__version__ = "0.1.0"

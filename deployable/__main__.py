@@ -18,16 +18,8 @@ def program() -> int:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by who started this
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
-    try:
-        from deployable.campaign.cli import main
-        from deployable.campaign.interrupts import end_on_ctrl_c
-    except ModuleNotFoundError as error:
-        if not str(error.name).startswith("deployable"):
-            raise
-        sys.exit(
-            f"error: {os.getcwd()} has a folder or file named deployable, which Python takes for "
-            "this program: rename it, or use `python -P -m deployable` or `deployable-intervals`"
-        )
+    from deployable.campaign.cli import main
+    from deployable.campaign.interrupts import end_on_ctrl_c
 
     end_on_ctrl_c()
     try:

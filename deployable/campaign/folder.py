@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-CAMPAIGN = "campaign.yaml"
-"""Name of the campaign in a folder of one's own."""
+CAMPAIGN = "campaign.yaml"  # name of the campaign in a folder of one's own
 
 PICTURES = ("png", "pdf")
 
-MOST_PANELS = 8
-"""Panels of one figure, as many as fit on a page."""
+MOST_PANELS = 8  # panels of one figure, as many as fit on a page
 
 
 def _file(name: str, text: str) -> Any:

@@ -6,8 +6,7 @@ import signal
 from collections.abc import Callable
 from contextlib import suppress
 
-EXIT_CODE = 130
-"""Exit status after Ctrl-C."""
+EXIT_CODE = 130  # exit status after Ctrl-C
 
 STEPS: list[Callable[[], str]] = []
 """What this process does, the innermost step last: functions that return it in words."""

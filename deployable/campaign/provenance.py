@@ -9,8 +9,10 @@ import subprocess
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import deployable
 from fpm.kernels import sources
 
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
@@ -25,13 +27,10 @@ def program_digest() -> str:
 
 @cache
 def program() -> dict[str, str]:
-    """What computes results, texts by name: `program` (with version), `commit`, `processor`, and
-    versions of Python and packages; found once in a process. `commit` ends with `, changed` where
-    files differ from it, and is `unknown` without git."""
-    from importlib.metadata import PackageNotFoundError, version
-
+    """What computes results, texts by name, found once in a process. `commit` ends with `, changed`
+    where files differ from it, and is `unknown` without git."""
     versions = {
-        "program": f"deployable-intervals {_version()}",
+        "program": f"deployable-intervals {deployable.__version__}",
         "commit": _commit(),
         "processor": _processor(),
         "Python": platform.python_version(),
@@ -53,23 +52,9 @@ def stamp() -> dict[str, str]:
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
 
 
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    with suppress(PackageNotFoundError):
-        return version("deployable-intervals")
-    with suppress(OSError, KeyError):  # a checkout that was not installed
-        import tomllib
-
-        text = (_ROOT / "pyproject.toml").read_text(encoding="utf-8")
-        return tomllib.loads(text)["project"]["version"]
-    return "unknown"
-
-
 def _commit() -> str:
     if not (_ROOT / ".git").exists():
         return "unknown"
-
     command = ["git", "-C", str(_ROOT), "describe", "--always", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
         return subprocess.run(

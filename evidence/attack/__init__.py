@@ -1,6 +1,6 @@
 """Attacks on the program: what happens to it and its files that nobody wants.
 
-    python -m deployable attack --minutes 60
+    python -m evidence attack --minutes 60
 
 kills processes, fills the disk, damages and swaps files, says structures in other words,
 and changes the code to see whether the tests notice.

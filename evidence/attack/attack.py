@@ -61,7 +61,7 @@ def table(ledger: Ledger, hunt: Hunt) -> str:
 
 def main(arguments: list[str]) -> int:
     """Attack from the command line; status 1 if anything went wrong."""
-    parser = argparse.ArgumentParser(prog="python -m deployable attack", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m evidence attack", description=__doc__)
     parser.add_argument("--minutes", type=float, default=60.0, help="%(default)s")
     parser.add_argument("--seed", type=int, default=1, help="%(default)s")
     parser.add_argument("--only", nargs="+", choices=KINDS, default=KINDS, help="these kinds")

@@ -1,6 +1,6 @@
 """Processes are killed, and disks are full: nothing broken is left, and all goes on.
 
-`python -m deployable attack --minutes 60` does this, and all else that is in this folder, for an
+`python -m evidence attack --minutes 60` does this, and all else that is in this folder, for an
 hour.
 """
 

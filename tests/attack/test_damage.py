@@ -1,6 +1,6 @@
 """Every kind of file of a campaign is damaged in every way: told by name, and made again.
 
-`python -m deployable attack --only files` does the same for longer.
+`python -m evidence attack --only files` does the same for longer.
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ def test_the_ballast_has_all_kinds():
 
 @pytest.mark.slow
 def test_random_structures_move_alike_in_other_words():
-    """A minute of it; `python -m deployable attack --only pairs` does more."""
+    """A minute of it; `python -m evidence attack --only pairs` does more."""
     words = ["-m", "evidence.attack.metamorphic", "--count", "16", "--families", "5"]
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run(

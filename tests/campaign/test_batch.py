@@ -43,7 +43,7 @@ def run_all(config, folder, keep):
 @pytest.mark.parametrize("keep", KEEP)
 def test_every_run_is_simulated_once_and_found_again(config, tmp_path, keep):
     plan, counts = run_all(config, tmp_path, keep)
-    assert sum(counts) == len(plan.unique_runs())
+    assert sum(counts) == len(plan.unique_runs)
     _, again = run_all(config, tmp_path, keep)
     assert again == [0, 0]
 
@@ -79,12 +79,12 @@ def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
             for word in ("run ", "E = ", "unstable at t = ", "solver.step"):
                 assert word in str(error)
             failed += str(error).count("\n  run ")
-    assert 0 < failed < len(plan.unique_runs())
+    assert 0 < failed < len(plan.unique_runs)
     written = 0
     for path in (tmp_path / keep).glob("*.nc"):
         with xr.open_dataset(path) as data:
             written += data.sizes.get("run", 1)
-    assert written == len(plan.unique_runs()) - failed
+    assert written == len(plan.unique_runs) - failed
 
 
 def test_lots_come_in_order_and_one_group_is_made_while_another_is_taken(monkeypatch):
@@ -120,7 +120,7 @@ def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
         return scene
 
     monkeypatch.setattr(type(plan.experiment.scene_type), "build", build)
-    runs = plan.unique_runs()
+    runs = plan.unique_runs
     found = Simulation(plan, 2, 2).run_lots([(runs, ())])
     assert sum(len(list(lot)) for lot in found) == len(runs) >= 4
     assert inside["most"] == 1
@@ -132,7 +132,7 @@ def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):
         folder = tmp_path / str(size)
         jobs = Jobs(512, size, "trajectories")
         run_batch(plan, 0, 1, jobs, folder, tmp_path / "0.json", lambda text: None)
-    for run in plan.unique_runs():
+    for run in plan.unique_runs:
         one = xr.open_dataset(tmp_path / "1" / f"{run.id}.nc")
         other = xr.open_dataset(tmp_path / "5" / f"{run.id}.nc")
         xr.testing.assert_identical(one, other)
@@ -180,7 +180,7 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
 @pytest.mark.parametrize(("keep", "again"), [("trajectories", 0), ("responses", 5)])
 def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, keep, again):
     plan, _ = run_all(check_config(raw), tmp_path, keep)
-    assert len(plan.unique_runs()) == 5
+    assert len(plan.unique_runs) == 5
     raw["responses"] = {
         "vBz": {"velocity": "D", "component": "z"},  # was B's
         "psi": {"opening": "A"},

@@ -16,7 +16,7 @@ from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.sections import plain_data
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
-from deployable.campaign.report.cases import render_cases
+from deployable.campaign.report.page import render_cases
 from deployable.campaign.results.cases import cases_facts, combine_met
 from deployable.campaign.results.templates import summary_text
 from deployable.campaign.stages import STAGES

@@ -71,19 +71,8 @@ def test_help_names_all_commands(capsys, arguments):
         main(arguments)
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    for name in ("check", "run", "keys", "structure", "export", "attack", *STAGES):
+    for name in ("check", "run", "keys", "structure", "export", *STAGES):
         assert f"\n    {name}" in told
-
-
-def test_the_attack_is_a_command_where_there_is_one(capsys, monkeypatch):
-    with pytest.raises(SystemExit) as helped:
-        main(["attack", "--help"])
-    assert helped.value.code == 0
-    assert "--minutes" in capsys.readouterr().out
-    monkeypatch.setattr("deployable.campaign.cli.find_spec", lambda name: None)
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    assert "\n    attack" not in capsys.readouterr().out
 
 
 def test_the_program_tells_its_version(capsys):

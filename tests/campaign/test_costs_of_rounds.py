@@ -42,7 +42,7 @@ def after(plan, action, nodes, **more):
 
 def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = start_plan(experiment)
-    cost, nodes = _refinement_state(plan, SHARES).cost, len(plan.unique_runs())
+    cost, nodes = _refinement_state(plan, SHARES).cost, len(plan.unique_runs)
     each = run_seconds(plan.experiment, plan.time)
     checked = CHECK_POINTS + 2 + 2  # of the quantity both ends; an order of either
     assert (cost.nodes, cost.check_runs, cost.run_seconds) == (nodes, checked, each)
@@ -57,7 +57,7 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
 def test_costs_of_rounds_add_up(experiment, action, new):
     """`new` of eight nodes were run in this round; a finer mesh or step runs all of them."""
     plan = start_plan(experiment)
-    nodes = len(plan.unique_runs())
+    nodes = len(plan.unique_runs)
     assert nodes == 8
     before = nodes - new if action == "runs" else nodes
     cost = _refinement_state(after(plan, action, before, check=()), SHARES).cost

@@ -140,7 +140,7 @@ def test_a_kill_costs_one_group(scan, tmp_path, monkeypatch):
 def test_half_a_share_goes_on_where_it_was(scan, tmp_path, monkeypatch):
     plan = make_plan(campaign.check_config(scan).experiment)
     store = open_store("extremes", tmp_path, plan.experiment)
-    share = store.groups(plan.unique_runs(), 4)[1]
+    share = store.groups(plan.unique_runs, 4)[1]
     monkeypatch.setattr(extremes, "PAUSE", 0.0)
     made = batch.Simulation(plan, 2)
     store.write(share, made.results(share[[0, 3]]))

@@ -7,15 +7,12 @@ import errno
 import os
 import resource
 import shutil
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 import yaml
 
-import deployable
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import check_snakemake_arguments
@@ -148,17 +145,6 @@ def test_trouble_with_files_has_its_remedy(tmp_path, monkeypatch, error, limit, 
     told = str(error_of_files(error, tmp_path))
     assert all(word in told for word in words)
     assert ("no room" in told) == ("no room to write in" in words or "but for a quota" in words)
-
-
-def test_a_folder_named_like_the_program_is_told(tmp_path):
-    """Where Python finds it first, and no editable installation stands in: without `site`."""
-    (tmp_path / "deployable").mkdir()
-    program = Path(deployable.__file__).parent / "__main__.py"
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    command = [sys.executable, "-S", str(program), "--version"]
-    (tmp_path / "deployable" / "__init__.py").touch()
-    told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True)
-    assert told.returncode == 1 and "rename it" in told.stderr and "Traceback" not in told.stderr
 
 
 def test_a_folder_that_snakemake_cannot_write_to_is_refused_before_it_tries(monkeypatch, capsys):

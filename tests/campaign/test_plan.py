@@ -36,7 +36,7 @@ def test_a_plan_has_the_nominal_run_the_nodes_and_the_held_out_runs(plan):
 
 def test_a_run_in_two_roles_has_one_name_and_is_simulated_once(plan):
     assert len(plan.runs) == 6  # order 2: the middle root is the nominal value
-    assert len(plan.unique_runs()) == 5
+    assert len(plan.unique_runs) == 5
     nominal = by_role(plan, "nominal")[0]
     assert nominal.id in {run.id for run in by_role(plan, "node")}
 
@@ -137,11 +137,11 @@ def test_runs_with_the_same_values_are_one(config):
 
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
 def test_batches_and_groups_hold_every_run_once(plan, batches, size):
-    every = groups_of(plan.unique_runs(), size)
+    every = groups_of(plan.unique_runs, size)
     groups = [split_evenly(every, batch, batches) for batch in range(batches)]
     assert len(groups) == batches
     flat = [run.id for mine in groups for group in mine for run in group]
-    assert flat == [run.id for run in plan.unique_runs()]
+    assert flat == [run.id for run in plan.unique_runs]
     assert all(len(group) <= size for mine in groups for group in mine)
 
 

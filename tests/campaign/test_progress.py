@@ -15,7 +15,7 @@ import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _round, estimate
 from deployable.campaign.interrupts import STEPS
-from deployable.campaign.runs.progress import MessagePrinter, Progress, report_seconds, warm_up
+from deployable.campaign.runs.progress import MessagePrinter, progress_of, report_seconds, warm_up
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
 from fpm.elements import Beams, Probe
@@ -46,11 +46,10 @@ def test_on_a_terminal_progress_is_one_line_that_moves_and_in_a_log_there_is_new
     for state in ("1 of 3", "2 of 3"):
         now[0] += 3.0
         notify.move(state)
-    notify.move("3 of 3", last=True)
     notify("bounds")
     clear = "\r\x1b[2K"
-    assert terminal.getvalue() == f"plan\n{clear}1 of 3{clear}2 of 3{clear}3 of 3\nbounds\n"
-    assert file.getvalue() == "plan\n2 of 3\n3 of 3\nbounds\n"
+    assert terminal.getvalue() == f"plan\n{clear}1 of 3{clear}2 of 3\nbounds\n"
+    assert file.getvalue() == "plan\n2 of 3\nbounds\n"
 
 
 def test_a_message_goes_below_a_line_that_has_not_ended():
@@ -82,11 +81,11 @@ def test_a_log_is_silent_for_20_s_at_most_or_a_tenth_of_the_time(now, hours):
 
 def test_the_line_tells_how_many_runs_are_done_and_how_long_it_will_take():
     done = [10]
-    progress = Progress("mast", 110, lambda: done[0])
+    describe = progress_of("mast", 110, lambda: done[0])
     done[0] = 30
-    assert progress.describe(20.0) == "mast: 30 of 110 runs done, about 1 min 20 s left"
+    assert describe(20.0) == "mast: 30 of 110 runs done, about 1 min 20 s left"
     done[0] = 110
-    assert progress.describe(100.0) == "mast: 110 of 110 runs done"
+    assert describe(100.0) == "mast: 110 of 110 runs done"
 
 
 @pytest.fixture
@@ -132,11 +131,11 @@ def test_a_stage_says_what_it_does_while_it_works(raw, tmp_path, monkeypatch, ti
 def test_ctrl_c_says_what_is_there_and_how_to_go_on():
     code = """if True:
         import os, signal, sys, time
-        from deployable.campaign.runs.progress import Progress, report_step
+        from deployable.campaign.runs.progress import progress_of, report_step
         from deployable.campaign.interrupts import end_on_ctrl_c
         signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
         end_on_ctrl_c()
-        with report_step(Progress("mast", 9, lambda: 4).describe, print):
+        with report_step(progress_of("mast", 9, lambda: 4), print):
             os.kill(os.getpid(), signal.SIGINT)
             time.sleep(60)
     """

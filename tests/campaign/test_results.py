@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -153,7 +154,8 @@ def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_pat
 
 def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, monkeypatch):
     folder = beside(finished, tmp_path / "test")
-    monkeypatch.setattr(figures, "PICTURES", ("svg",))  # in which panels can be counted
+    save = partial(figures.save, kinds=("svg",))  # in which panels can be counted
+    monkeypatch.setattr(page, "save", save)
     page.work(folder, silent, FigureChoice(3), frames=11)
     drawn = ElementTree.fromstring((folder.overviews / "moments.svg").read_text())
     panels = [each for each in drawn.iter() if each.get("id", "").startswith("axes_")]

@@ -1,10 +1,13 @@
 """What is written for ParaView, read by readers that are not ours."""
 
+import sys
 import xml.etree.ElementTree as Xml
 
+import meshio
 import numpy as np
 import pytest
 
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.export.vtk import write_vtk
 from deployable.campaign.pictures.solid import solid_of_motion
 
@@ -32,7 +35,6 @@ def test_the_collection_has_two_grids_for_each_frame(collection, motion):
 
 
 def test_meshio_reads_what_the_motion_is(collection, motion):
-    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
     paths = [path for _, name, path in datasets(collection) if name == "axes"]
     for frame, path in enumerate(paths):
         grid, now = meshio.read(path), motion.isel(time=frame)
@@ -55,7 +57,6 @@ def test_meshio_reads_what_the_motion_is(collection, motion):
 
 
 def test_axes_of_sections_are_normal_to_each_other_and_to_the_bar(collection, motion):
-    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
     grid = meshio.read(next(path for _, name, path in datasets(collection) if name == "axes"))
     y, z = (grid.cell_data_dict[f"section_{name}"]["line"] for name in "yz")
     ends = grid.points[grid.cells_dict["line"]]
@@ -66,7 +67,6 @@ def test_axes_of_sections_are_normal_to_each_other_and_to_the_bar(collection, mo
 
 
 def test_meshio_reads_the_solid_bars(collection, motion):
-    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
     expected = solid_of_motion(motion)
     paths = [path for _, name, path in datasets(collection) if name == "solid"]
     for frame, path in enumerate(paths):
@@ -74,6 +74,15 @@ def test_meshio_reads_the_solid_bars(collection, motion):
         corners = grid.points[grid.cells_dict["hexahedron"]]
         np.testing.assert_array_equal(corners, expected.corners[frame])
     assert set(grid.cell_data_dict["bar"]["hexahedron"]) == {0, 1, 2, 3}
+
+
+def test_without_meshio_the_message_names_the_extra(motion, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    with pytest.raises(
+        CampaignError, match=r"meshio: pip install 'deployable-intervals\[export\]'"
+    ):
+        write_vtk(motion, tmp_path / "run.pvd")
+    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.slow  # CI installs VTK for the slow tests
@@ -85,7 +94,6 @@ def test_vtk_reads_it_and_no_bar_is_inside_out(collection, motion):
     reader.Update()
     grid = reader.GetOutput()
     assert grid.GetNumberOfCells() == motion.sizes["element"]
-    assert grid.GetFieldData().GetArray("TimeValue").GetValue(0) == 0.0
     sizes = vtk.vtkCellSizeFilter()
     sizes.SetInputData(grid)
     sizes.Update()
@@ -113,15 +121,14 @@ def hexahedron_volume(corners):
 
 
 def test_a_structure_of_particles_alone_is_points(motion, tmp_path):
-    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
     bare = motion.isel(element=slice(0, 0), time=[0])
     write_vtk(bare, tmp_path / "bare.pvd")
+    assert [name for _, name, _ in datasets(tmp_path / "bare.pvd")] == ["axes"]
     grid = meshio.read(tmp_path / "bare/axes-0000.vtu")
     assert len(grid.cells_dict["vertex"]) == len(grid.points) == motion.sizes["particle"]
 
 
 def test_cables_are_lines_with_their_tension(strung, cable_places, tmp_path):
-    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
     write_vtk(strung, tmp_path / "strung.pvd")
     names = [name for _, name, _ in datasets(tmp_path / "strung.pvd")]
     assert names == ["axes", "solid", "cables"] * strung.sizes["time"]
@@ -134,7 +141,6 @@ def test_cables_are_lines_with_their_tension(strung, cable_places, tmp_path):
 
 
 def test_a_rigid_body_is_a_box_and_no_line(hub, tmp_path):
-    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
     write_vtk(hub, tmp_path / "hub.pvd")
     grid = meshio.read(tmp_path / "hub/axes-0001.vtu")
     assert "line" not in grid.cells_dict and grid.cells_dict["vertex"].tolist() == [[0]]

@@ -188,14 +188,6 @@ def test_an_edited_kernel_makes_new_runs(small, workplace):
     assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
 
 
-def test_a_report_is_about_the_campaign_that_was_run(small):
-    refused = small.snakemake("--report", "other.html")
-    assert refused.returncode != 0
-    assert "about the campaign paper, but small was the last one" in refused.stdout
-    assert "--configfile" in refused.stdout
-    assert not (small.folder / "other.html").exists()
-
-
 def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     for name in ("results", ".snakemake"):
         shutil.copytree(small.folder / name, workplace.folder / name)

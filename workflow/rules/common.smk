@@ -52,11 +52,6 @@ except CampaignError as error:
     sys.exit(1)
 
 
-if "--report" in sys.argv and not CONFIG_FILES and not IS_MODULE:
-    if other := WORKFLOW.write_other_report():
-        print(other, file=sys.stderr)
-        sys.exit(1)
-
 # Results tell what they were made from, and whether they are whole, wherever they come from.
 STALE = WORKFLOW.stale() if workflow.is_main_process else {}
 for reason in STALE.values():

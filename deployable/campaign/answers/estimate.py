@@ -299,7 +299,7 @@ def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[
     there are in all, and variables that stored ones lack."""
     keep = campaign.jobs.keep
     store = open_store(keep, folder.runs(keep), campaign.experiment)
-    groups = store.groups(plan.unique_runs(), campaign.jobs.group)
+    groups = store.groups(plan.unique_runs, campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
     return missing, sum(map(len, groups)), set().union(*store.absences.values())
 

@@ -15,9 +15,9 @@ from scipy.spatial import KDTree
 
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import MAX_PLAN_ROWS, Plan, read_plan
+from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.plan.runs import FailedRun, PlannedRun, RunAccount, Runs, run_id
-from deployable.campaign.results.quantity_results import FittedRuns, limits_of, number
+from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, limits_of, number
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import (
     Simulation,
@@ -107,7 +107,7 @@ class ModelEvaluator:
         add the runs in `refinement.nc`, which must exist. jobs: section of the config; notify:
         called with each message; threads: number that simulate further runs."""
         model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
-        if len(plan.runs) <= MAX_PLAN_ROWS:
+        if len(plan.runs) <= MAX_FIT_RUNS:
             model.account = RunAccount(known_ids=[run.id for run in plan.runs])
         with open_samples(folder) as samples:
             model.finest_step = samples.finest_step

@@ -6,7 +6,6 @@
     python -m deployable structure mast.yaml            check a structure, print what it is, draw it
     python -m deployable page results/paper --config config/paper.yaml   make the page again
     python -m deployable export results/paper --to glb  a run for ParaView, viewers, spreadsheets
-    python -m deployable attack --minutes 60            in a checkout: attack it
 
 `deployable-intervals` is the same command, where the package is installed.
 
@@ -19,7 +18,6 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +35,15 @@ PROGRAM = "deployable-intervals"
 def main(arguments: list[str]) -> int:
     """Run the command that the arguments name, those of the shell without the program's name;
     returns the exit status, 0 when all went well."""
-    if arguments[:1] == ["attack"] and _evidence_is_there():
-        return _attack(arguments[1:])
     if arguments and arguments[0].endswith((".yaml", ".yml")):
         arguments = ["check", *arguments]
     is_stage = bool(arguments) and arguments[0] in STAGES
     options = _parser(is_stage).parse_args(arguments or ["--help"])
-    return options.act(options)
+    try:
+        return options.act(options)
+    except (CampaignError, SceneError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
 
 
 def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
@@ -65,41 +65,27 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
             options: Any = OPTIONS[key]
             stage_parser.add_argument(f"--{key}", **options)
         stage_parser.add_argument("--log", type=Path, help="file that messages go to as well")
-    if _evidence_is_there():
-        command(commands, "attack", _attack.__doc__ or "", _attack)  # its words never come here
     return parser
 
 
 def command(
     commands: argparse._SubParsersAction, name: str, description: str, function: Callable
 ) -> argparse.ArgumentParser:
-    """Add a command to a parser's subcommands, and return its own parser. commands: the
-    subcommands; name: of the command; description: help text, of which the first line is taken;
-    function: takes the parsed options and returns the exit status."""
+    """Add a command to a parser's subcommands, and return its own parser. function: takes the
+    parsed options and returns the exit status."""
     text = description.splitlines()[0]
     parser = commands.add_parser(name, help=text, description=text)
     parser.set_defaults(act=function)
     return parser
 
 
-def _evidence_is_there() -> bool:
-    """Whether there is what judges the program, on which nothing else depends."""
-    return all(find_spec(name) is not None for name in ("evidence", "evidence.attack"))
-
-
-def _attack(arguments: list[str]) -> int:
-    """Attack the program with damaged files, kills and full disks, for a time."""
-    return import_module("evidence.attack.attack").main(arguments)
-
-
 class _Version(argparse.Action):
     """Prints the version, also of a checkout that was not installed."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-
         details = program()
         has_commit = details["commit"] != "unknown"
-        print(details["program"] + (f", commit {details['commit']}" if has_commit else ""))
+        print(details["program"] + f", commit {details['commit']}" * has_commit)
         parser.exit()
 
 
@@ -110,7 +96,6 @@ def _run_stage(options: argparse.Namespace) -> int:
         if options.log:
             options.log.parent.mkdir(parents=True, exist_ok=True)
             log = options.log.open("w", encoding="utf-8")
-
     notify = MessagePrinter(*filter(None, (sys.stderr, log)))
     values = {key: getattr(options, key) for key in options.stage.options}
     try:

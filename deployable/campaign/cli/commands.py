@@ -21,19 +21,17 @@ from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, wrap_error
-from deployable.campaign.folder import CAMPAIGN, Folder
+from deployable.campaign.folder import CAMPAIGN
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
 from deployable.campaign.stages.workflow import Workflow, complete
 
-UNMET = 3
-"""Exit status of `run --require` where not all of the box meets all requirements."""
+UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
 
 def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
-    """Add the commands on campaigns and structures (new, check, run, keys, structure, export) to a
-    parser. commands: its subparsers; command: function `command(commands, name, description,
-    function)` that adds one and returns its parser."""
+    """Add the commands on campaigns and structures to a parser's subcommands, by the function
+    `command`."""
     new = command(commands, "new", _new.__doc__, _new)
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")
     new.add_argument(
@@ -93,18 +91,13 @@ class _Starts(argparse.Action):
     """Prints what a new folder can start from."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-
         print("\n".join(list_starts()))
         parser.exit()
 
 
 def _new(options: argparse.Namespace) -> int:
     """Make a folder with a Snakefile, profiles and a campaign to edit."""
-    try:
-        make_folder(options.folder, options.start)
-    except CampaignError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
+    make_folder(options.folder, options.start)
     print(f"Edit {options.folder / CAMPAIGN}, then call snakemake -c2 in {options.folder}")
     return 0
 
@@ -120,21 +113,17 @@ def _check(options: argparse.Namespace) -> int:
                 print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
-                _print_variant(f"{path}: {case}", variant, folder)
+                prefix, experiment = f"{path}: {case}", variant.experiment
+                print(f"{prefix}{_describe_work(variant, folder)}")
+                texts = [*experiment.warnings, *requirement_warnings(variant)]
+                for text in [*texts, *band_warnings(variant)]:
+                    print(f"{prefix}warning: {text}")
+                for text in doubt_texts(experiment.doubts):
+                    print(f"{prefix}{text}")
         except CampaignError as error:
             print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
             status = 1
     return status
-
-
-def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
-    """Print what is to be known of a campaign, or of one of its cases, before it runs."""
-    print(f"{prefix}{_describe_work(campaign, results)}")
-    texts = campaign.experiment.warnings + requirement_warnings(campaign)
-    for text in [*texts, *band_warnings(campaign)]:
-        print(f"{prefix}warning: {text}")
-    for text in doubt_texts(campaign.experiment.doubts):
-        print(f"{prefix}{text}")
 
 
 def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
@@ -147,28 +136,19 @@ def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> s
 
 def _run(options: argparse.Namespace) -> int:
     """Run a whole campaign."""
-    try:
-        campaign = load_config([options.file])
-        if options.require and not any(variant.requirements for _, variant in variants(campaign)):
-            raise CampaignError(f"{options.file} has no requirements; --require needs some")
-        folder = Path(options.results, campaign.name * bool(campaign.cases))
-        for prefix, variant in variants(campaign):
-            with suppress(OSError):  # which running tells better
-                text = _describe_work(variant, folder, not options.no_figures)
-                print(f"{prefix}{text}", file=sys.stderr)
-        complete(campaign, options.results, not options.no_figures)
-        if options.require and not _are_met(campaign, Folder(Path(options.results, campaign.name))):
-            return UNMET
-    except (CampaignError, fpm.SceneError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
-def _are_met(campaign: Campaign, folder: Folder) -> bool:
-    """Whether all of the box meets all requirements, in all cases."""
-    path = folder / "cases.json" if campaign.cases else folder.requirements
-    return read_json(path)["together"]["met"] == "all"
+    campaign = load_config([options.file])
+    if options.require and not any(variant.requirements for _, variant in variants(campaign)):
+        raise CampaignError(f"{options.file} has no requirements; --require needs some")
+    folder = Path(options.results, campaign.name * bool(campaign.cases))
+    for prefix, variant in variants(campaign):
+        with suppress(OSError):  # which running tells better
+            text = _describe_work(variant, folder, not options.no_figures)
+            print(f"{prefix}{text}", file=sys.stderr)
+    complete(campaign, options.results, not options.no_figures)
+    answer = Path(
+        options.results, campaign.name, f"{'cases' if campaign.cases else 'requirements'}.json"
+    )
+    return UNMET if options.require and read_json(answer)["together"]["met"] != "all" else 0
 
 
 def _keys(options: argparse.Namespace) -> int:
@@ -200,7 +180,6 @@ def _structure(options: argparse.Namespace) -> int:
     print(describe(structure, options.duration))
     if options.no_picture:
         return 0
-
     path = options.picture or Path("exports", f"{structure.name}.png")
     if path.suffix not in SUFFIXES:
         print(f"--picture {path} is not allowed; allowed: {', '.join(SUFFIXES)}", file=sys.stderr)
@@ -208,8 +187,7 @@ def _structure(options: argparse.Namespace) -> int:
     try:
         print(f"\npicture       {write_structure(structure.build(), path)}")
     except OSError as error:
-        print(f"error: {error_of_files(error, path.parent)}", file=sys.stderr)
-        return 1
+        raise error_of_files(error, path.parent) or error from None
     return 0
 
 
@@ -222,13 +200,11 @@ def _export(options: argparse.Namespace) -> int:
         if selection.folder and not options.output:
             place = selection.folder / "exports"
         paths = export(selection, options.to, place, options.frames, options.colour)
-    except (CampaignError, fpm.SceneError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
+    except (CampaignError, fpm.SceneError):
+        raise
     except Exception as error:  # a damaged result, a full disk
         if (problem := error_of_files(error, place) or wrap_error(error)) is None:
             raise
-        print(f"error: {problem}", file=sys.stderr)
-        return 1
+        raise problem from error
     print("\n".join(map(str, paths)))
     return 0

@@ -84,12 +84,11 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 
 def campaign_of(path: Path, name: str) -> str:
-    """Return the YAML text of a first campaign for the structure in the file `path`; no file is
-    written. name: of that file in the text. The first real parameter with a value other than 0 gets
-    an interval of 1 % about it; the speeds of all points and the openings of all hinges are
-    recorded for as long as it may take to open (`plausible.run_duration`); quantities ask when its
-    latches catch, requirements whether all do. Raises `CampaignError` if the structure cannot be
-    read, or has no such parameter."""
+    """Return the YAML text of a first campaign for the structure in the file `path`, called `name`
+    in it. The first real parameter with a value other than 0 gets an interval of 1 %; the speeds of
+    all points and the openings of all hinges are recorded for as long as it may take to open;
+    quantities ask when its latches catch, requirements whether all do. Raises `CampaignError` if
+    the structure cannot be read, or has no such parameter."""
     from fpm.structures.plausible import run_duration  # 0.3 s, which no other command needs
 
     try:

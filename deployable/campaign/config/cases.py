@@ -54,11 +54,9 @@ def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> 
 
 
 def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple[dict, dict]:
-    """Return the raw config of one case, without what the case changes, and the changes, a raw
-    config of these alone, to be merged into it.
-
-    raw: the campaign's valid config, whose requirements are of limits alone; name: of the case;
-    case_lists: names of cases by requirement; a requirement without a list is of all cases."""
+    """Return the raw config of one case, without what the case changes, and the changes, to be
+    merged into it. case_lists: names of cases by requirement; one without a list is of all
+    cases."""
     case = raw["cases"][name]
     rest = {key: copy.deepcopy(value) for key, value in raw.items() if key != "cases"}
     rest["campaign"] = folder_name(name)
@@ -77,8 +75,7 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
 
 
 def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
-    """Check that a case gives no value to a parameter that is an interval: returns a sentence for
-    each. case: raw section of the case called `name`; intervals: the campaign's, by parameter."""
+    """Check that a case gives no value to a parameter that is an interval."""
     return [
         f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval; allowed: "
         f"instead `intervals: {{{parameter}: {_shift(intervals.get(parameter, {}), value)}}}` in "
@@ -99,9 +96,8 @@ def _shift(spec: Mapping, nominal: Any) -> str:
 
 def case_problem(name: str, problem: str) -> str:
     """Turn a problem of the config made for one case into one of the user's config:
-    `scene.parameters.g: ...` into `cases.<name>.scene.g: ...`. So are all keys that a case may
-    state (`scene.file`: `file`); before a problem of any other key stands `cases.<name>: `. name:
-    of the case; problem: sentence that starts with its key."""
+    `scene.parameters.g: ...` into `cases.<name>.scene.g: ...`, and so on; before a problem of a key
+    that a case cannot state stands `cases.<name>: `."""
     key, _, text = problem.partition(":")
     if key.startswith(("scene.parameters.", "scene.file", "solver.duration", "intervals.")):
         user_key = key.replace("scene.parameters.", "scene.", 1).replace("scene.file", "file", 1)

@@ -90,9 +90,8 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campaign:
-    """Check a config, fill in all defaults, return the campaign. raw: sections by name, nested as
-    in YAML, or the path of a YAML file; source: what messages call sections. Raises `ConfigError`
-    with all that is wrong."""
+    """Check a config, fill in all defaults, return the campaign. raw: sections by name, or the path
+    of a YAML file; source: what messages call it. Raises `ConfigError` with all that is wrong."""
     if not isinstance(raw, Mapping):
         return load_config([raw])
     sections = Config.__dataclass_fields__.keys()
@@ -112,15 +111,16 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
         cases = raw.get("cases")  # also those in which something is wrong
         names = dict.fromkeys(cases) if isinstance(cases, Mapping) else {}
         problems += naming_problems({**names, **config.cases}, case_lists)
-    if config is not None and not (config.responses or config.margins):
-        allowed = "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
-        problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
-        config = None
-    if config is not None:
-        config, margin_problems = with_margins(config, raw.get("solver") or {})
-        problems += margin_problems + accuracy_problems(config, user_config)
-        campaign, scene_problems = resolve(config, user_config)
-        problems += scene_problems
+        if config.responses or config.margins:
+            config, margin_problems = with_margins(config, raw.get("solver") or {})
+            problems += margin_problems + accuracy_problems(config, user_config)
+            campaign, scene_problems = resolve(config, user_config)
+            problems += scene_problems
+        else:
+            allowed = (
+                "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
+            )
+            problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
     problems = [units.misfits.get(problem.partition(":")[0], problem) for problem in problems]
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
     if problems := problems or [*units.unknowns.values()]:

@@ -6,8 +6,7 @@ from pathlib import Path
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.text.numbers import size_text
 
-LARGE = 100_000
-"""Runs up to which nobody asks whether the disk has room for them."""
+LARGE = 100_000  # runs up to which nobody asks whether the disk has room for them
 
 
 _TRAJECTORY_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
@@ -27,15 +26,13 @@ def bytes_of_run(campaign: Campaign) -> float:
 
 
 def count_curves(experiment: Experiment) -> int:
-    """Return how many arrays over time the trajectory file of a run has, by which its size is
-    estimated; responses are not counted. experiment: has the scene and the recorded columns."""
+    """Return how many arrays over time the trajectory file of a run has, besides responses."""
     scene = experiment.nominal_scene
     return 6 * len(scene.points) + len(scene.hinges) + _TRAJECTORY_CURVES + len(experiment.record)
 
 
 def room_problems(campaign: Campaign) -> list[str]:
-    """Check that the disk of the working folder has room for the runs of a campaign's `sobol`
-    design: returns a list, of a sentence on what is wrong and allowed, or empty if it has."""
+    """Check that the disk has room for the runs of a campaign's `sobol` design."""
     run_bytes, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
     if samples * run_bytes <= room:

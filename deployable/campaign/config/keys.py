@@ -68,9 +68,8 @@ class Rule(NumberLimits):
 @dataclass(frozen=True)
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
-    of any name (None: there are none). rule: its `Rule`; allowed: what is allowed, in words;
-    default: value if left out, `MISSING` if required; section: class of which the children are
-    fields, or None; names: allowed of entries."""
+    of any name, whose `names` are allowed; allowed: in words; default: `MISSING` if required;
+    section: class of which the children are fields, or None."""
 
     rule: Rule
     allowed: str
@@ -91,9 +90,8 @@ class ConfigKey:
 
 
 def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
-    """Describe a config key of a type, with all keys below it. hint: a type with its `Rule` in
-    `Annotated`, a dataclass, a dict or a union of these; default: value of the key if it is left
-    out."""
+    """Describe a config key of a type, a dataclass, a dict or a union of these, with all keys below
+    it."""
     rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     hint = get_args(hint)[0] if get_origin(hint) is Annotated else hint
     section, children, entry, names = None, {}, None, ""

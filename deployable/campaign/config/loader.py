@@ -11,8 +11,7 @@ from deployable.campaign.errors import ConfigError
 from fpm.structures.reading import Node, Problems, StructureError, join_key, read_text
 from fpm.structures.reading import read as read_yaml
 
-YTE_KEY = "__use_yte__"
-"""Key of a file whose Python Snakemake would run."""
+YTE_KEY = "__use_yte__"  # key of a file whose Python Snakemake would run
 
 
 class Text(NamedTuple):
@@ -41,9 +40,8 @@ def _lines(node: Node, path: str = "") -> Iterator[tuple[str, int]]:
 
 
 def restore_types(value: Any) -> Any:
-    """Copy a value in which each text, also in lists and mappings, is replaced by what it means as
-    YAML, such as "1e9" by a number: Snakemake's `--config` leaves numbers as text. Raises
-    `ConfigError` for a text that is no YAML."""
+    """Copy a value in which each text is replaced by what it means as YAML, such as "1e9" by a
+    number: Snakemake's `--config` leaves numbers as text. Raises `ConfigError`."""
     if isinstance(value, Mapping):
         return {key: restore_types(item) for key, item in value.items()}
     if isinstance(value, list):

@@ -12,8 +12,7 @@ from deployable.intervals.box import MOST_FULL
 from fpm.arithmetic.units import unit
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
 
-MOST_INSTANTS = 150
-"""Measured instants of a test that are compared, evenly chosen."""
+MOST_INSTANTS = 150  # measured instants of a test that are compared, evenly chosen
 
 _BAND = "_band"
 _LEAST_INSTANTS = 51  # recorded ones, between which curves are interpolated

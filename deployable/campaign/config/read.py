@@ -50,9 +50,8 @@ def _adapter() -> Any:
 
 
 class Fault(NamedTuple):
-    """A problem of a config: a sentence, `text`, on the key at `path` (names from the top), and
-    `faulty_path`, the path of what must be removed to check the rest: of a mapping's entry the
-    whole entry, since without one of its keys it would raise another complaint."""
+    """A problem of a config: a sentence, `text`, on the key at `path`, and `faulty_path`, what must
+    be removed to check the rest: of a mapping's entry the whole entry."""
 
     path: tuple[str, ...]
     faulty_path: tuple[str, ...]

@@ -39,8 +39,7 @@ def campaign_of(
     config: Config, user_config: Mapping, structure: Any, intervals: Mapping
 ) -> Campaign:
     """Resolve a checked config into a campaign, with numbers for what it leaves open. user_config:
-    the config as the user wrote it, without defaults; structure: the `fpm` structure (`SceneType`);
-    intervals: the resolved `Interval` of each parameter by name."""
+    without defaults; structure: the `SceneType`; intervals: resolved, by name."""
     accuracy = Accuracy()
     order: int | None = config.design.order
     design = user_config.get("design", {})
@@ -78,11 +77,10 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
-    """Turn the section `margins` (torque margins of joints) of a config into responses, quantities
-    of their least values, and requirements that these be at least 0, unless the config requires
-    something of them itself; returns the new config and a sentence for each problem. solver:
-    section `solver` as the user wrote it; if it has no duration, and the config no other response
-    or quantity, runs simulate 1 ms only, as a margin needs no motion."""
+    """Turn the section `margins` of a config into responses, quantities of their least values, and
+    requirements that these be at least 0, unless the config requires something of them itself;
+    returns the new config and a sentence for each problem. solver: as the user wrote it; without a
+    duration and other responses or quantities runs simulate 1 ms only."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief: dict[str, Any] = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -169,22 +167,20 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 
 
 def choose_of(section: ChooseSection, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """Resolve the section `choose` of a config (nominal values to be chosen), `section` as the
-    user wrote it: returns it with goals as tuples, and names of parameters whose intervals are
-    `relative`, scaling with the nominal value. intervals: section of the config, by parameter."""
+    """Resolve the section `choose` of a config (nominal values to be chosen): goals become tuples,
+    and names of parameters whose intervals are `relative` are noted. intervals: section of it."""
     names = [name for name in section.parameters if name in intervals]
-    relative = [name for name in names if intervals[name].relative is not None]
-    goals: dict[str, Any] = {"minimise": section.minimise, "maximise": section.maximise}
-    goals = {key: (goal,) if isinstance(goal, str) else goal for key, goal in goals.items()}
-    return Choose(section.parameters, **goals, order=section.order, relative=(*relative,))
+    relative = tuple(name for name in names if intervals[name].relative is not None)
+    goals: Any = (section.minimise, section.maximise)
+    minimise, maximise = ((goal,) if isinstance(goal, str) else goal for goal in goals)
+    return Choose(section.parameters, minimise, maximise, section.order, relative)
 
 
 def intervals_of(
     specs: Mapping[str, IntervalSpec], scene_values: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
-    """Resolve the section `intervals` (`specs`, by parameter) into numbers: returns the intervals
-    by name, and a sentence for each that cannot be used. scene_values: scene parameters set by the
-    config; scene_type: the `fpm` structure."""
+    """Resolve the section `intervals` into numbers: returns the intervals by name, and a sentence
+    for each that cannot be used."""
     intervals: dict[str, Interval] = {}
     problems: list[str] = []
     for name, spec in specs.items():
@@ -197,14 +193,12 @@ def intervals_of(
 
 def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: Any) -> Interval:
     """The interval of one parameter, inside the range that the scene allows."""
-    real = real_names(scene_type)
-    if name not in scene_type.parameters:
+    real, parameter = real_names(scene_type), scene_type.parameters.get(name)
+    if parameter is None:
         raise RefusedError("", unknown(name, f"parameter of {scene_type.name}", real))
-    parameter = scene_type.parameters[name]
     if parameter.kind != "real":
         text = f"{name} is of kind {parameter.kind} and cannot be an interval"
-        text += f"; allowed: {', '.join(real)}"
-        raise RefusedError("", text)
+        raise RefusedError("", f"{text}; allowed: {', '.join(real)}")
     if name in scene_values and spec.nominal is not None:
         text = f"{name} is defined twice, here and by scene.parameters.{name}"
         raise RefusedError(".nominal", f"{text}; allowed: one of the two")
@@ -240,9 +234,8 @@ def real_names(scene_type: Any) -> list[str]:
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:
-    """Write the end of a message about an unknown name: that there is no such `noun`, as
-    "response", a hint such as the most similar name, and all allowed `names`. name: the unknown
-    one, for the hint only, as the caller begins the message with it."""
+    """Write the end of a message about an unknown name: that there is no such `noun`, a hint such
+    as the most similar name, and all allowed `names`."""
     hint, names = did_you_mean(name, names), ", ".join(names)
     return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 
@@ -257,9 +250,7 @@ def allows(parameter: Any, value: Any) -> bool:
 
 
 def parameter_problems(key: str, values: Mapping, scene_type: Any) -> list[str]:
-    """Check values of a structure's parameters, by name, that a section of the config called `key`
-    sets: returns a sentence for each unknown name or value that is not allowed. scene_type: the
-    `fpm` structure."""
+    """Check values of a structure's parameters that a section of the config called `key` sets."""
     problems, parameters = [], scene_type.parameters
     for name, value in values.items():
         if name not in parameters:

@@ -54,8 +54,7 @@ EXCLUSIVE = ("design", "bounds", "held_out")
 
 def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list[str]]:
     """Resolve a checked config into a campaign and check it against its structure; returns the
-    campaign, None if the structure cannot be read, and a sentence for each problem. user_config:
-    the config as the user wrote it, without defaults."""
+    campaign, None if the structure cannot be read, and a sentence for each problem."""
     section = config.scene
     try:
         structure = scene_type(section.name or "", section.file or "")
@@ -109,8 +108,7 @@ def _build_problems(experiment: Experiment) -> list[str]:
     return []
 
 
-MOST_NUMBERS = 2**27
-"""Numbers recorded of the runs that are integrated side by side: 1 GiB."""
+MOST_NUMBERS = 2**27  # numbers recorded of the runs that are integrated side by side: 1 GiB
 
 _LONG = 60.0  # s
 
@@ -134,14 +132,13 @@ def _time_problems(experiment: Experiment) -> list[str]:
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Whether the runs that are integrated side by side find room in memory."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
-    recorded_numbers = count_values(scene, experiment.record) if experiment.record else 0
-    instant_numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + recorded_numbers)
-    if instants * instant_numbers <= MOST_NUMBERS:
+    count = count_values(scene, experiment.record) if experiment.record else 0
+    most = MOST_NUMBERS // (8 * (6 * len(scene.points) + len(scene.hinges) + 10 + count))
+    if instants <= most:
         return []
     return [
         f"solver.instants: {instants} are more than memory should hold of this scene"
-        f"{' and what its responses ask for' if recorded_numbers else ''}; allowed: at most "
-        f"{MOST_NUMBERS // instant_numbers}"
+        f"{' and what its responses ask for' if count else ''}; allowed: at most {most}"
     ]
 
 
@@ -159,10 +156,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
                 key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")
             problems.append(sentence(key, error))
-    unknown_names = [name for name in campaign.published if name not in responses]
-    return problems + [
-        f"published.{name}: {unknown(name, 'response', responses)}" for name in unknown_names
-    ]
+    names = [name for name in campaign.published if name not in responses]
+    return problems + [f"published.{n}: {unknown(n, 'response', responses)}" for n in names]
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
@@ -228,16 +223,12 @@ def _design_problems(campaign: Campaign) -> list[str]:
     if (problems := keep_problems(campaign)) or experiment.is_adaptive:
         return problems
     try:
-        node_design = make_design(
-            replace(design, samples=2) if has_none else design, experiment.box
-        )
+        choice = replace(design, samples=2) if has_none else design
+        node_design = make_design(choice, experiment.box)
     except IntervalError as error:
         return [sentence(f"design.{error.key}", error)]
-    if has_none:
-        return []
-    if campaign.bounds.model not in ("spline", "aligned"):
-        return []
-    return _spline_problems(campaign, node_design)
+    is_spline = not has_none and campaign.bounds.model in ("spline", "aligned")
+    return _spline_problems(campaign, node_design) if is_spline else []
 
 
 def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
@@ -277,11 +268,8 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
     would choose itself, and each unknown name in it. user_config: the config without defaults."""
     if config.accuracy is None:
         return []
-    problems = [
-        f"{key}: not allowed beside accuracy, which chooses it; allowed: one of the two"
-        for key in EXCLUSIVE
-        if key in user_config
-    ]
+    text = "not allowed beside accuracy, which chooses it; allowed: one of the two"
+    problems = [f"{key}: {text}" for key in EXCLUSIVE if key in user_config]
     if len(config.intervals) > MOST_FULL:
         problems.append(
             f"accuracy: not allowed with {len(config.intervals)} intervals; allowed: up to "
@@ -289,12 +277,9 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
         )
     names = [*config.responses, *config.quantities]
     tolerances = config.accuracy.tolerance_by_name if isinstance(config.accuracy, Aim) else ()
-    noun = "response or quantity"
-    return problems + [
-        f"accuracy.tolerance_by_name.{n}: {unknown(n, noun, names)}"
-        for n in tolerances
-        if n not in names
-    ]
+    key, noun = "accuracy.tolerance_by_name", "response or quantity"
+    wrong = [name for name in tolerances if name not in names]
+    return problems + [f"{key}.{name}: {unknown(name, noun, names)}" for name in wrong]
 
 
 def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
@@ -341,11 +326,9 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
                             f"q, with {', '.join(ENDS)}")  # fmt: skip
         elif quantity not in quantities:
             problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
-    problems += [
-        f"choose.parameters.{name}: {text}"
-        for name in choose.parameters
-        if (text := _choice_problem(name, choose, experiment))
-    ]
+    for name in choose.parameters:
+        if text := _choice_problem(name, choose, experiment):
+            problems.append(f"choose.parameters.{name}: {text}")
     if not problems and len({*experiment.intervals, *choose.parameters}) > 8:
         problems.append("choose.parameters: more than 8 with the intervals; allowed: fewer")
     return problems
@@ -370,16 +353,13 @@ def keep_problems(campaign: Campaign) -> list[str]:
     """Check `jobs.keep` of a campaign: returns a list, with a sentence if it excludes the design or
     the model of the bounds, or the disk lacks room; empty if all is right."""
     design, bounds = campaign.experiment.design, campaign.bounds
-    if campaign.jobs.keep == "extremes":
-        if campaign.experiment.is_adaptive or design.method != "sobol" or design.order is not None:
-            return [
-                "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
-                "allowed: responses or trajectories, or design method sobol without order"
-            ]
-        if bounds.model not in ("auto", "polynomial"):
-            return [
-                f"jobs.keep: 'extremes' is not allowed with bounds model {bounds.model}, which "
-                "needs every run; allowed: responses or trajectories"
-            ]
+    if campaign.jobs.keep != "extremes":
+        is_large = design.samples > LARGE and design.method == "sobol"
+        return room_problems(campaign) if is_large else []
+    cause, allowed = f"bounds model {bounds.model}", "responses or trajectories"
+    if campaign.experiment.is_adaptive or design.method != "sobol" or design.order is not None:
+        cause, allowed = "a surrogate", f"{allowed}, or design method sobol without order"
+    elif bounds.model in ("auto", "polynomial"):
         return []
-    return room_problems(campaign) if design.samples > LARGE and design.method == "sobol" else []
+    text = f"'extremes' is not allowed with {cause}, which needs every run"
+    return [f"jobs.keep: {text}; allowed: {allowed}"]

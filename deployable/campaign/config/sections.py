@@ -86,9 +86,8 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
-    """Yield parameter values by name, in their units, to build the structure at: at the nominal
-    point, then at all corners of the box of up to four `intervals`; of more at each interval's two
-    ends with all others nominal instead."""
+    """Yield parameter values by name to build the structure at: at the nominal point, then at all
+    corners of the box of up to four `intervals`; of more at each interval's two ends."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if len(intervals) <= 4:
@@ -113,9 +112,8 @@ class SceneChoice:
 
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
-    """Design of experiments, section `design` of the config with what an `accuracy` adds: which
-    runs are made, and the polynomial `order` of the surrogate, None for no polynomial. existing:
-    normalized points (n, k), -1 to 1, of an adaptive design's runs, empty for other designs."""
+    """Section `design` of the config with what an `accuracy` adds: the polynomial `order` of the
+    surrogate, None for none; points: normalized (n, k), of an adaptive design's runs."""
 
     order: Any = 3
     points: tuple = ()
@@ -124,11 +122,9 @@ class DesignChoice(DesignSection):
 @dataclass(frozen=True)
 class Accuracy:
     """Target and budget of runs that are added until errors are small; without tolerances none are.
-    tolerances: of the estimated errors of responses and quantities by name, as fractions of the
-    widths of their intervals; max_runs: most runs in all, of all rounds and meshes, with those of
-    checks, further ones, and a choice; max_core_minutes: most minutes of one core for rounds and
-    checks, as estimated; mesh: name of the parameter that sets the mesh, "" for none; reserve: how
-    many of the runs are kept for a choice."""
+    tolerances: of the errors of responses and quantities by name, as fractions of widths; max_runs:
+    of all rounds, meshes, checks, further ones and a choice; max_core_minutes: as estimated; mesh:
+    name of the parameter that sets the mesh, "" for none; reserve: runs kept for a choice."""
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
@@ -139,11 +135,9 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All settings that determine the runs of a campaign, and what is evaluated of each run. name:
-    of the campaign; scene: the structure and its parameters; solver: section of the config
-    (duration, instants, step); intervals: of the uncertain parameters, by name; design: points of
-    the runs; held_out: number of validation runs; responses (curves over time), quantities (single
-    numbers): definitions by name, as in the config; accuracy: target of runs in rounds."""
+    """All settings that determine the runs of a campaign, and what is evaluated of each run.
+    intervals: of the uncertain parameters, by name; held_out: number of validation runs; responses,
+    quantities: definitions by name, as in the config; accuracy: target of runs in rounds."""
 
     name: str
     scene: SceneChoice
@@ -167,9 +161,8 @@ class Experiment:
 
     @classmethod
     def from_results(cls, data: Mapping) -> Experiment:
-        """Make the experiment from `data`, its nested dicts in a result file, which may come from
-        anybody: names, after which files are called, are checked. Raises `HeldConfigError` if it
-        cannot be used."""
+        """Make the experiment from its nested dicts in a result file, which may come from anybody:
+        names, after which files are called, are checked. Raises `HeldConfigError`."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
@@ -225,12 +218,8 @@ class Experiment:
         words, by name; without those that it determines. Peaks of shocks depend on mesh and step;
         forces of joints that others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.response_list]
-        quantities = [
-            (q.name, leaf.response, leaf.is_instantaneous)
-            for q in self.quantity_list
-            for leaf in q.leaves
-            if leaf.response
-        ]
+        leaves = [(q.name, leaf) for q in self.quantity_list for leaf in q.leaves if leaf.response]
+        quantities = [(name, leaf.response, leaf.is_instantaneous) for name, leaf in leaves]
         redundancies = undetermined_forces(self.nominal_scene, self.response_list)
         reasons = [
             (name, (warn(self.nominal_scene, response) if peak else "")
@@ -258,14 +247,10 @@ class Experiment:
         """Nominal values (k) of the interval parameters, in their order and units."""
         return [interval.nominal for interval in self.intervals.values()]
 
-    @property
-    def _nominal_values(self) -> dict[str, float]:
-        return dict(zip(self.intervals, self.nominal, strict=True))
-
     @cached_property
     def nominal_scene(self) -> Any:
         """The nominal `fpm.Scene`, shared: do not change it; raises `fpm.SceneError`."""
-        return self.build(self._nominal_values)
+        return self.build(dict(zip(self.intervals, self.nominal, strict=True)))
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
         """Return the values of all structure parameters by name for one run, each in its unit:
@@ -280,10 +265,9 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Choose(ChooseSection):
-    """Parameters whose nominal values are to be chosen by the worst case (section `choose`).
-    parameters: least and largest value by name; minimise, maximise: goals, texts such as `upper(t)`
-    (upper bound of the quantity t); order: of the surrogate along them; relative: those whose
-    intervals scale with the nominal value; others keep their width (0 without an interval)."""
+    """Parameters whose nominal values are to be chosen by the worst case. minimise, maximise:
+    goals, texts such as `upper(t)`; relative: parameters whose intervals scale with the nominal
+    value; others keep their width."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
@@ -306,12 +290,10 @@ class Choose(ChooseSection):
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
+        lower, nominal, upper = interval.lower, interval.nominal, interval.upper
         if name in self.relative:
-            return (
-                value * interval.lower / interval.nominal,
-                value * interval.upper / interval.nominal,
-            )
-        return value + interval.lower - interval.nominal, value + interval.upper - interval.nominal
+            return value * lower / nominal, value * upper / nominal
+        return value + lower - nominal, value + upper - nominal
 
     def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
         """Return the least and largest value of parameter `name` over all nominal values that may
@@ -329,14 +311,10 @@ class ResolvedTest(MeasuredTest):
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole config, checked and resolved: the experiment, which determines the runs, and the
-    sections on what is made of the runs.
-
-    published: largest width (upper less lower bound) in the literature, by response; review:
-    name of the standard that the review sheet follows, None for no sheet; requirements: limits by
-    requirement, quantity and kind; cases: what each case changes, by name, as in the config;
-    case_campaigns: the campaigns of the cases, by name, which are run in the place of this one;
-    measured: tests with measured curves, by name."""
+    """A whole config, checked and resolved: the experiment, and the sections on what is made of the
+    runs. published: largest width in the literature, by response; review: name of the standard of
+    the review sheet; requirements: limits by requirement, quantity and kind; cases: what each case
+    changes; case_campaigns: the campaigns of the cases, which are run in the place of this one."""
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -387,10 +365,9 @@ def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
 
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
-    """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
-    fitted to: a sparse grid and four validation runs. experiment: with intervals of
-    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
-    parameters; along others it has that of the experiment's design, at least 2."""
+    """Make the points (N, k) of the runs that surrogates over all choices are fitted to: a sparse
+    grid and four validation runs. The grid has the `order` of `choose` along chosen parameters, and
+    along others that of the experiment's design, at least 2."""
     order, box = experiment.design.order, experiment.box
     if isinstance(order, tuple):
         order = max(order)
@@ -401,13 +378,11 @@ def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     return np.concatenate([nodes, intervals.held_out_points(box.free, _HELD_OUT, nodes)])
 
 
-MOST_STEPS = 10**9
-"""Steps of a run: of the smallest scene, a day."""
+MOST_STEPS = 10**9  # steps of a run: of the smallest scene, a day
 
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
-    """Check that a run with the time step `step` (s) has at most 10**9 steps (`MOST_STEPS`):
-    returns a list, with a sentence if not, or empty. solver: section with the duration."""
+    """Check that a run with the time step `step` (s) has at most `MOST_STEPS` steps."""
     if solver.duration / step <= MOST_STEPS:
         return []
     key = "duration" if solver.step == "auto" else "step"
@@ -454,8 +429,7 @@ def count_first_runs(experiment: Experiment) -> int:
 
 def as_json(**sections: Any) -> str:
     """Write sections of the config, given by name, as one line of JSON, in the order given."""
-    plain = {name: plain_data(section) for name, section in sections.items()}
-    return json.dumps(plain, separators=(",", ":"), allow_nan=False)
+    return json.dumps(plain_data(sections), separators=(",", ":"), allow_nan=False)
 
 
 def plain_data(section: Any) -> Any:
@@ -486,7 +460,6 @@ _hints = cache(get_type_hints)
 
 
 def digest(data: Any) -> str:
-    """Return 16 hex digits (start of the SHA-256) that identify plain data or a section by its
-    JSON; equal data, floats to the last bit, have equal digests. Runs and plans are named by it."""
+    """Return 16 hex digits (of the SHA-256) that identify plain data or a section by its JSON."""
     text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -38,10 +38,9 @@ _WRONG = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 class StatedUnits:
-    """Units stated in a raw config, in SI units or those of parameters. raw: the config with
-    numbers for texts of a number and a unit that fits its key; misfits: a sentence for each of the
-    others, by key; unknowns: the same of those that are of something unknown, which have become
-    numbers without unit, as what is wrong is told of that."""
+    """Units stated in a raw config. raw: the config with numbers for texts of a number and a unit
+    that fits its key; misfits: a sentence for each of the others, by key; unknowns: of those that
+    are of something unknown, which have become numbers without unit."""
 
     def __init__(self, raw: Mapping):
         self.misfits: dict[str, str] = {}

@@ -1,64 +1,63 @@
 """Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
 
-from dataclasses import dataclass
-from importlib import import_module
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.export.figures import write_figures
 from deployable.campaign.export.selection import SelectedRun, choose
+from deployable.campaign.export.tables import write_tables
+from deployable.campaign.export.vtk import write_vtk
 from deployable.campaign.files import check_results
+from deployable.campaign.pictures.animation import write_moving
+from deployable.campaign.pictures.glb import write_glb
 
 
-@dataclass(frozen=True)
-class ExportFormat:
-    """A format in which a run is exported, such as vtk. writer: module of the campaign, and
-    function in it, which is imported when it is used; summary: what the format is, in words;
-    frames: how many by default; suffix: of the file into which ``writer(motion, path)`` writes the
-    motion of the run, of moving pictures also with `by_stress` (colours), and whose path it
-    returns; without one ``writer(run, folder, frames)`` simulates the `SelectedRun`, and returns
-    the paths to open; takes: names of results that it reads besides `samples.nc`."""
+class ExportFormat(NamedTuple):
+    """A format in which a run is exported. frames: how many by default; suffix: of the file into
+    which `writer(motion, path)` writes the motion, of moving pictures also with `by_stress`, and
+    whose path it returns; without one `writer(run, folder, frames)` simulates the `SelectedRun`,
+    and returns the paths to open; takes: names of results that it reads besides `samples.nc`."""
 
-    writer: str
+    writer: Callable
     summary: str
     frames: int
     suffix: str = ""
     takes: tuple[str, ...] = ()
 
-    def write(self, run: SelectedRun, folder: Path, frames: int, **colours: bool) -> list[Path]:
-        """Simulate a run, write it with so many frames into a folder, and return the paths of the
-        files to open. colours: `by_stress` of moving pictures."""
-        module, function = self.writer.split(":")
-        writer = getattr(import_module(f"deployable.campaign.{module}"), function)
-        if not self.suffix:
-            return writer(run, folder, frames)
-        return [writer(run.motion(frames), folder / f"{run.name}{self.suffix}", **colours)]
 
-
-_CURVES = "bounds.nc", "sensitivities.nc"
-_MOVING = "pictures.animation:write_moving"
 FORMATS = {
     "vtk": ExportFormat(
-        "export.vtk:write_vtk",
-        "a collection for ParaView: a .pvd, and two .vtu for every frame", 101, ".pvd",
+        write_vtk,
+        "a collection for ParaView: a .pvd, and up to three .vtu for every frame",
+        101,
+        ".pvd",
     ),
     "glb": ExportFormat(
-        "pictures.glb:write_glb", "one glTF file that moves, for viewers and Blender", 101, ".glb"
+        write_glb, "one glTF file that moves, for viewers and Blender", 101, ".glb"
     ),
-    "gif": ExportFormat(_MOVING, "a moving picture", 60, ".gif"),
-    "webp": ExportFormat(_MOVING, "a moving picture, smaller and with more colours", 60, ".webp"),
+    "gif": ExportFormat(write_moving, "a moving picture", 60, ".gif"),
+    "webp": ExportFormat(
+        write_moving, "a moving picture, smaller and with more colours", 60, ".webp"
+    ),
     "figures": ExportFormat(
-        "export.figures:write_figures", "figures for a journal: PDF, SVG, PNG", 401, takes=_CURVES
+        write_figures,
+        "figures for a journal: PDF, SVG, PNG",
+        401,
+        "",
+        ("bounds.nc", "sensitivities.nc"),
     ),
     "csv": ExportFormat(
-        "export.tables:write_tables",
-        "curves of the run; of a campaign also its bounds and runs", 0, takes=_CURVES[:1],
+        write_tables,
+        "curves of the run; of a campaign also its bounds and runs",
+        0,
+        "",
+        ("bounds.nc",),
     ),
-}  # fmt: skip
-
-
+}
 MOVIES = ("gif", "webp")
-COLOURS = ("bars", "stress")
-"""By what moving pictures are coloured."""
+COLOURS = ("bars", "stress")  # by what moving pictures are coloured
 
 
 def export(
@@ -86,8 +85,11 @@ def export(
     if run.folder:
         extras = ("quantities.nc",) * (kind == "csv" and run.folder.quantities.exists())
         check_results(run.folder, ("samples.nc", *form.takes, *extras))
+    frames = frames or form.frames
+    if not form.suffix:
+        return form.writer(run, Path(folder), frames)
     colours = {} if colour == "bars" else {"by_stress": True}
-    return form.write(run, Path(folder), frames or form.frames, **colours)
+    return [form.writer(run.motion(frames), Path(folder, run.name + form.suffix), **colours)]
 
 
 __all__ = ["COLOURS", "FORMATS", "SelectedRun", "choose", "export"]

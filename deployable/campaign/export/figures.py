@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import whole_file
 from deployable.campaign.folder import MOST_PANELS
-from deployable.campaign.results.figures import DATELESS, STYLE, envelope, shares, without_formulas
+from deployable.campaign.results.figures import DATELESS, envelope, save, shares
 from deployable.campaign.results.response_bounds import read_bounds
 
 if TYPE_CHECKING:
@@ -19,11 +19,9 @@ COLUMN, PAGE = 90 / 25.4, 190 / 25.4
 
 DPI = 600
 
-SHADE_ABOVE = 0.1
-"""The config's default of `error.shade_above`, which results do not tell."""
+SHADE_ABOVE = 0.1  # the config's default of `error.shade_above`, which results do not tell
 
 _STYLE: Any = {
-    **STYLE,
     "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
 }  # fmt: skip
@@ -34,20 +32,13 @@ def write_figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     journal's columns; returns the paths of the PDF files. They show the structure at moments of its
     motion, chosen from `frames` of them, and for a run of a campaign's results each response with
     its bounds, several in panels too, and what each parameter contributes."""
-    import matplotlib
+    from matplotlib import rc_context
 
     paths = []
-    with matplotlib.rc_context(_STYLE):
+    with rc_context(_STYLE):
         for name, figure in _figures(run, frames):
-            without_formulas(figure)
-            for kind, metadata in DATELESS.items():
-                path = folder / f"{name}.{kind}"
-                with whole_file(path) as temporary:
-                    figure.savefig(temporary, dpi=DPI, metadata=metadata)
-                if kind == "pdf":
-                    paths.append(path)
-                if figure.get_layout_engine():
-                    figure.set_layout_engine("none")  # found by now, and the same for all kinds
+            save(figure, folder / name, DATELESS, DPI, whole_file)
+            paths.append(folder / f"{name}.pdf")
     return paths
 
 

@@ -15,7 +15,7 @@ from deployable.campaign.config.sections import Experiment, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import choose_step
-from deployable.campaign.results.run_samples import open_samples
+from deployable.campaign.results.run_samples import check_mechanics, open_samples
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
 from fpm.solver.simulate import HALVINGS
@@ -23,8 +23,7 @@ from fpm.solver.simulate import HALVINGS
 if TYPE_CHECKING:
     import xarray
 
-INSTANTS = 2001
-"""Recorded instants of a structure's run that no config is about."""
+INSTANTS = 2001  # recorded instants of a structure's run that no config is about
 
 
 @dataclass(frozen=True)
@@ -59,10 +58,9 @@ class SelectedRun:
         frames: how many, evenly spread over time. Raises `CampaignError` if the run fails."""
         from fpm.motions.motion import whole_motion
 
-        self._compile()
+        options: dict[str, Any] = {"frames": frames, "attributes": [dict(self.attributes)]}
         try:
-            options: dict[str, Any] = {"frames": frames, "attributes": [dict(self.attributes)]}
-            (motion,) = whole_motion([self.scene], **options, **self._times())
+            (motion,) = whole_motion([self.scene], **options, **self._start())
         except fpm.InstabilityError as error:
             raise CampaignError(f"the run fails: {error}") from None
         return motion
@@ -71,17 +69,14 @@ class SelectedRun:
         """Simulate the run, record all that its responses need, and return its `fpm.Outcome`.
         Raises `CampaignError` if the run fails."""
         record = [need for response in self.responses for need in response.needs]
-        self._compile(record)
-        (outcome,) = fpm.simulate([self.scene], record=record, **self._times())
+        (outcome,) = fpm.simulate([self.scene], record=record, **self._start(record))
         if outcome.failure is not None:
             raise CampaignError(f"the run fails: {outcome.failure}")
         return outcome
 
-    def _compile(self, record: Sequence = ()) -> None:
-        """Have the kernels compiled, and say so where that takes a while."""
+    def _start(self, record: Sequence = ()) -> dict[str, Any]:
+        """Have the kernels compiled, and say so where that takes a while; options of the run."""
         warm_up(self.scene, lambda text: print(text, file=sys.stderr), record)
-
-    def _times(self) -> dict[str, Any]:
         keys = ("duration", "instants", "step", "energy_tolerance")
         return {key: getattr(self, key) for key in keys} | {"halvings": HALVINGS}
 
@@ -141,15 +136,10 @@ def _select_results_run(folder: Folder, run: str) -> SelectedRun:
     with open_samples(folder) as samples:
         nominal, values, run_ids = samples.nominal, samples.table.values, samples.ids()
         experiment, mechanics, step = samples.experiment, samples.mechanics, samples.time_step
-    if experiment.mechanics != mechanics:
-        raise CampaignError(
-            f"the structure or the mechanics have changed since {folder.path} was made, so that "
-            "its runs cannot be made again; run the campaign first"
-        )
+    check_mechanics(experiment, mechanics, folder)
     row = _row(run, run_ids, nominal, folder)
     point = dict(zip(experiment.intervals, values[row].tolist(), strict=True))
-    attributes = {"run_id": run_ids[row], "campaign": experiment.name}
-    return _selected_run(experiment, point, step, run, attributes, folder)
+    return _selected_run(experiment, point, step, run, folder, run_id=run_ids[row])
 
 
 def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> int:
@@ -181,21 +171,20 @@ def _select_config(path: Path, settings: Mapping[str, str], duration: float | No
     constants = {name: value for name, value in values.items() if name not in nominal}
     scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **constants})
     step = choose_step(replace(experiment, scene=scene)).step
-    return _selected_run(experiment, values, step, experiment.name, {"campaign": experiment.name})
+    return _selected_run(experiment, values, step, experiment.name)
 
 
 def _selected_run(
-    experiment: Experiment, values: Mapping, step: float, name: str, attributes: Mapping,
-    folder: Folder | None = None,
+    experiment: Experiment, values: Mapping, step: float, name: str, folder: Folder | None = None,
+    **attributes: str,
 ) -> SelectedRun:  # fmt: skip
-    solver = experiment.solver
+    solver, responses = experiment.solver, tuple(experiment.response_list)
     times = solver.duration, solver.instants, step, solver.energy_tolerance
-    responses = tuple(experiment.response_list)
+    attributes |= {"campaign": experiment.name}
     return SelectedRun(name, experiment.build(values), *times, responses, attributes, folder)
 
 
 def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
-
     if not Path(source).suffix and Path(source).name != source:
         raise CampaignError(
             f"{source}: there is no such folder of results; `snakemake` or `python -m deployable "

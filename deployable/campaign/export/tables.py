@@ -22,14 +22,17 @@ _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
 def write_tables(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    """Simulate a run, write its curves over time as one table `<run.name>.csv` into `folder`, which
-    is made if missing, and return the paths of all files. For a run of a campaign's results these
-    are also `bounds.csv`, `runs.csv` and, if there are quantities, `quantities.csv`, of the whole
-    campaign. Units stand in the headings; `frames` do not count. Raises
-    `CampaignError` if the run fails."""
+    """Simulate a run, write its curves as `<run.name>.csv` into `folder`, and return the paths of
+    all files. For a run of results these are also `bounds.csv`, `runs.csv` and, if there are
+    quantities, `quantities.csv`. Raises `CampaignError` if the run fails."""
     tables = {f"{run.name}.csv": _columns(tabulate_curves(run.outcome(), run.responses))}
     if run.folder:
-        tables["bounds.csv"] = _columns(tabulate_bounds(run.folder))
+        bounds = read_bounds(run.folder)
+        columns = {"time (s)": bounds.time}
+        for row in bounds.responses:
+            curves = {f"{row.name}_{key} ({row.units})": getattr(row, key) for key in _BOUNDS}
+            columns |= {name: curve for name, curve in curves.items() if curve is not None}
+        tables["bounds.csv"] = _columns(columns)
         tables["runs.csv"] = tabulate_runs(run.folder)
         if run.folder.quantities.exists():
             tables["quantities.csv"] = tabulate_quantities(run.folder)
@@ -39,9 +42,8 @@ def write_tables(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 
 
 def tabulate_curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-    """Collect the curves of a run as columns (T) by heading with unit: time, responses, positions
-    (m) and velocities (m/s) of named points, joint coordinates ("opening of", rad; m of slides),
-    energies (J). outcome: an `fpm.Outcome`; responses: `Response` objects, evaluated on it."""
+    """Collect the curves of a run (`fpm.Outcome`) as columns (T) by heading with unit: time,
+    responses, positions and velocities of named points, openings of joints, energies."""
     columns = {"time (s)": outcome.time}
     columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
     for name, tracks in outcome.points.items():
@@ -54,22 +56,8 @@ def tabulate_curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np
     return columns
 
 
-def tabulate_bounds(folder: Folder) -> dict[str, np.ndarray]:
-    """Collect the bounds of a campaign as columns (T) by heading with unit: time, and of each
-    response, in its unit, lower bound, upper bound, nominal run and estimated error, those that
-    there are. folder: of the results, of which `bounds.nc` is read."""
-    bounds = read_bounds(folder)
-    columns = {"time (s)": bounds.time}
-    for row in bounds.responses:
-        for key in _BOUNDS:
-            if (values := getattr(row, key)) is not None:
-                columns[f"{row.name}_{key} ({row.units})"] = values
-    return columns
-
-
 def tabulate_runs(folder: Folder) -> list[list]:
-    """Make the table of a campaign's runs, headings, then a row for each in `samples.nc`: id, role,
-    parameter values, quantities (empty where one does not occur). folder: of the results."""
+    """Make the table of a campaign's runs, headings first: id, role, parameters, quantities."""
     with open_samples(folder) as samples:
         experiment, table = samples.experiment, samples.table
         fields = samples.ids(), samples.roles, table.values.tolist(), table.numbers
@@ -84,11 +72,8 @@ def tabulate_runs(folder: Folder) -> list[list]:
 
 
 def tabulate_quantities(folder: Folder) -> list[list]:
-    """Make the table of a campaign's quantities, headings first, then a row for each: name, units,
-    lower bound, nominal value, upper bound, estimated error of the surrogate (all in those units),
-    fraction of the box's volume in which it occurs, and the values of all parameters (in their own
-    units) at the lower, then at the upper bound; cells are empty where there is no number. folder:
-    of the results, with `quantities.nc`."""
+    """Make the table of a campaign's quantities, headings first: name, units, interval, nominal
+    value, error, fraction of the box in which it occurs, and the parameters at both ends."""
     results = QuantityResults.read(folder)
     headings = [f"{p['name']} ({p['units']})" for p in results.parameters]
     ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]

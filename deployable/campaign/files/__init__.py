@@ -40,8 +40,7 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 @contextmanager
 def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     """Context manager that yields a temporary path to write to, and at its end, without an error,
-    seals the file (checksum and origin) and renames it to `path`. facts: texts by name for the
-    seal, besides name, program and date."""
+    seals the file and renames it to `path`. facts: texts by name for the seal."""
     facts = {"name": Path(path).name, **stamp(), **_FACTS.get(), **facts}
     with whole_file(path, facts) as file:
         yield file
@@ -61,8 +60,7 @@ def open_netcdf(path: str | Path) -> Any:
     return file
 
 
-HISTORY: deque[Path] = deque(maxlen=9)
-"""The results that this process has opened last."""
+HISTORY: deque[Path] = deque(maxlen=9)  # the results that this process has opened last
 
 
 def wrap_error(error: Exception) -> CampaignError | None:
@@ -90,8 +88,7 @@ def read_json(path: str | Path) -> dict:
 
 def check_results(folder: Folder, names: Iterable[str]) -> dict[str, str]:
     """Check that files of a campaign's results are as written, and all of one plan; else raises
-    DamagedError. folder: of the results; names: of the files in it, such as `bounds.nc`. Returns
-    {"plan": digest of the plan}; {} without names."""
+    DamagedError. Returns {"plan": its digest}; {} without names."""
     plans = {name: check(folder / name, name).get("plan") for name in names}
     for name, plan in plans.items():
         if plan != (first := next(iter(plans.values()))):
@@ -101,8 +98,7 @@ def check_results(folder: Folder, names: Iterable[str]) -> dict[str, str]:
 
 
 def open_dataset(path: str | Path) -> Any:
-    """Check a result in netCDF and open it as an `xarray.Dataset`. Raises
-    `fpm.files.seals.DamagedError` if the file is not as written."""
+    """Check a result in netCDF and open it as an `xarray.Dataset`. Raises `DamagedError`."""
     import xarray
 
     open_netcdf(path).close()
@@ -116,8 +112,7 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def write_result(path: str | Path, text: str, **facts: str) -> None:
-    """Write a text to the file `path` as a result with a seal (checksum and origin), whole or not
-    at all; facts: further texts by name for the seal."""
+    """Write a text to the file `path` as a result with a seal, whole or not at all."""
     with result_file(path, **facts) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -125,11 +120,8 @@ def write_result(path: str | Path, text: str, **facts: str) -> None:
 def csv_text(rows: Iterable[Sequence]) -> str:
     """Write rows (sequences of texts and numbers) as CSV text, numbers with all their digits. A
     text that a spreadsheet would take for a formula gets an apostrophe in front."""
-    buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="\n").writerows([*map(_cell, row)] for row in rows)
+    buffer, starts = io.StringIO(), ("=", "+", "-", "@", "\t", "\r")
+    csv.writer(buffer, lineterminator="\n").writerows(
+        [f"'{x}" if isinstance(x, str) and x.startswith(starts) else x for x in row] for row in rows
+    )
     return buffer.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    is_formula = isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r"))
-    return f"'{value}" if is_formula else value

@@ -20,8 +20,7 @@ FAILURE_VARIABLES = ("failed_id", "failed_normalized", "failed_value", "failed_t
                      "failed_reason")  # fmt: skip
 """Variables of runs that failed, which no other variable has."""
 
-RUN_ID = re.compile("[0-9a-f]{16}")
-"""Pattern of the names of runs, after which files are called."""
+RUN_ID = re.compile("[0-9a-f]{16}")  # pattern of the names of runs, after which files are called
 
 _PATTERNS = {"run_id": RUN_ID, "response": NAME, "quantity": NAME, "parameter": NAME}
 """Patterns of names, by the variable that has them."""

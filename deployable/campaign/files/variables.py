@@ -23,8 +23,7 @@ class VariableSpec(NamedTuple):
 
 @cache
 def variables_of(result: str) -> dict[str, VariableSpec]:
-    """Variables of a result by name; {} for one of which nothing is stated. result:
-    name of the file, such as `bounds.nc`; of a `samples.nc` with `keep: extremes`, `extremes`."""
+    """Variables of a result by name of its file; {} for one of which nothing is stated."""
     return dict(_rows(_tables(), result))
 
 
@@ -49,10 +48,9 @@ def _rows(tables: Mapping[str, list], name: str) -> Iterator[tuple[str, Variable
 def create(
     file: Any, result: str, name: str, values: Any = None, kind: Any = "f8", **options
 ) -> Any:
-    """Create a variable of a result in an open `netCDF4.Dataset` (`file`) with its dimensions,
-    which exist but for one that it names itself, and attributes, and return it. result: as of
-    `variables_of`; values: to be written, None: none yet; kind: netCDF's type of numbers; options:
-    of `createVariable`."""
+    """Create a variable of a result in an open `netCDF4.Dataset` with its dimensions, which exist
+    but for one that it names itself, and attributes, and return it. values: None for none yet;
+    kind: netCDF's type of numbers; options: of `createVariable`."""
     dims, content, attributes = variables_of(result)[name]
     if content == "text":
         kind, values = str, np.array([str(value) for value in values], dtype=object)
@@ -66,8 +64,7 @@ def create(
 
 
 def dataset_of(result: str, columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> Any:
-    """Make the `xarray.Dataset` of a result of quantities from the values of its variables,
-    `columns` by name, and its attributes. result: as of `variables_of`."""
+    """Make the `xarray.Dataset` of a result from the values of its variables and its attributes."""
     import xarray as xr
 
     specs, coordinates = variables_of(result), variables_of("answers")

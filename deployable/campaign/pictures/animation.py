@@ -18,20 +18,14 @@ from deployable.campaign.pictures.view import View
 if TYPE_CHECKING:
     import xarray
 
-SECONDS = 5.0
-"""How long the picture plays, whatever the time that it shows."""
-
-HOLD = 0.8
-"""Seconds for which its last frame stays."""
-
-WIDTH, _DPI = 4.8, 100
-"""Width of the picture, in inches, and pixels of an inch."""
+SECONDS = 5.0  # how long the picture plays, whatever the time that it shows
+HOLD = 0.8  # seconds for which its last frame stays
+WIDTH, _DPI = 4.8, 100  # width of the picture, in inches, and pixels of an inch
 
 
 def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) -> Path:
-    """Write all frames of a motion as a moving picture of five seconds to `path` (.gif or .webp),
-    and return it. motion: a run's whole motion, a dataset (`fpm.motions`); by_stress: colour
-    elements by their equivalent stress, not by bar."""
+    """Write all frames of a whole motion as a moving picture of five seconds to `path` (.gif or
+    .webp), and return it. by_stress: colour elements by their equivalent stress, not by bar."""
     from PIL import Image
 
     images = [Image.fromarray(frame) for frame in frames(motion, by_stress)]
@@ -50,9 +44,8 @@ def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) ->
 
 
 def frames(motion: xarray.Dataset, by_stress: bool = False) -> Iterator[np.ndarray]:
-    """Draw the frames of a motion one after the other, as images (height, width, 3) of bytes.
-    motion: a run's whole motion, a dataset (`fpm.motions`); by_stress: colour elements by
-    equivalent stress, not by bar."""
+    """Draw the frames of a whole motion one after the other, as images (height, width, 3) of
+    bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     solid, view = solid_of_motion(motion), View()

@@ -12,8 +12,7 @@ if TYPE_CHECKING:
 BARS = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#0072B2", "#D55E00")
 """Of bars, in their order; repeated where there are more."""
 
-BLUE, RED = BARS[5:]
-"""Of lower and upper, kept and broken."""
+BLUE, RED = BARS[5:]  # of lower and upper, kept and broken
 
 BODY = "#999999"
 """Of rigid bodies, where bars have the colours of their stress."""
@@ -26,8 +25,7 @@ PIN = "#1D2327"
 SCALE = "viridis"
 """Map of colours, even to the eye and for colour-blind people; the page has it too."""
 
-CLIPPED_SHARE = 0.005
-"""Share of all values that lie beyond the end of the scale."""
+CLIPPED_SHARE = 0.005  # share of all values that lie beyond the end of the scale
 
 
 def rgb(colour: str) -> tuple[float, float, float]:

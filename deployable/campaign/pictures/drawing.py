@@ -1,6 +1,5 @@
 """A structure as it stands, with its points, joints, cables and supports."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +16,19 @@ _HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
 _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
 
 
-WIDTH = 6.0
-"""Width of the figure, in inches; the height follows from the structure."""
+WIDTH = 6.0  # width of the figure, in inches; the height follows from the structure
 
 
 def draw_structure(scene: Any) -> Any:
     """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
     a matplotlib figure, not saved yet. scene: an `fpm.Scene`, which holds the structure."""
-
     view, solid = View(), solid_of_scene(scene)
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
     supports = scene.position[scene.fixed[:, :3].all(axis=1)]
-    hinges = list(_hinge_lines(scene))
-    particles = _particles(scene)
+    is_on_beam = np.zeros(len(scene.position), bool)
+    for beams in scene.beams:
+        is_on_beam[beams.nodes.ravel()] = True
+    particles = np.flatnonzero(is_on_beam | ~scene.fixed.all(axis=1))  # the ground's has no place
     places = [solid.corners, solid.cable_points, scene.position[particles], *points.values()]
     limits = paint.limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     x_span, y_span = limits[1] - limits[0]
@@ -41,7 +40,9 @@ def draw_structure(scene: Any) -> Any:
     if len(solid.nodes):
         paint.paint_solid(ax, solid, 0, view)
     paint.paint_cables(ax, solid, 0, view)
-    for place, axis in hinges:
+    for hinge in scene.hinges:
+        first = hinge.beams[0]
+        place, axis = _place(scene, first), scene.frame[first.particle] @ hinge.axes[0]
         ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
     flat = supports @ view.page.T
@@ -65,18 +66,3 @@ def write_structure(scene: Any, path: str | Path) -> Path:
 def _place(scene: Any, beam: Any) -> np.ndarray:
     """Where a virtual beam ends."""
     return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
-
-
-def _hinge_lines(scene: Any) -> Iterable[tuple[np.ndarray, np.ndarray]]:
-    """Place and axis of each hinge."""
-    for hinge in scene.hinges:
-        first = hinge.beams[0]
-        yield _place(scene, first), scene.frame[first.particle] @ hinge.axes[0]
-
-
-def _particles(scene: Any) -> np.ndarray:
-    """Particles of the structure: the ground's has no place of its own."""
-    is_on_beam = np.zeros(len(scene.position), bool)
-    for beams in scene.beams:
-        is_on_beam[beams.nodes.ravel()] = True
-    return np.flatnonzero(is_on_beam | ~scene.fixed.all(axis=1))

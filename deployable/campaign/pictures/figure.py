@@ -5,9 +5,8 @@ from typing import Any
 
 
 def make_figure(**options: Any) -> Any:
-    """Make an empty `matplotlib.figure.Figure`, with `options` of its own. In a process of the
-    program's commands, in which nobody calls `help`, matplotlib is loaded without the texts on all
-    settings of its classes, which take 0.2 s."""
+    """Make an empty `matplotlib.figure.Figure`. In a process of the program's commands, in which
+    nobody calls `help`, matplotlib is loaded without texts on its settings, which take 0.2 s."""
     if getattr(sys.modules["__main__"], "__package__", None) == "deployable":
         from matplotlib import artist as settings
 

@@ -21,8 +21,7 @@ from deployable.campaign.pictures.solid import FACES, Solid, solid_of_motion
 if TYPE_CHECKING:
     import xarray
 
-TO_GLTF = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-"""From our axes to glTF's."""
+TO_GLTF = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # from our axes to glTF's
 
 _COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "i2": 5122}  # glTF's numbers of the types
 _VERTEX, _INDEX = 34962, 34963  # and of what a view is for
@@ -48,11 +47,8 @@ class _Buffer:
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 4)
-        accessor: dict[str, Any] = {
-            "bufferView": len(self.views) - 1,
-            "componentType": _COMPONENTS[kind],
-        }
-        accessor |= {"count": len(raw), "type": _SHAPES[raw.shape[1:]]}
+        accessor: dict[str, Any] = {"bufferView": len(self.views) - 1, "count": len(raw)}
+        accessor |= {"componentType": _COMPONENTS[kind], "type": _SHAPES[raw.shape[1:]]}
         if kind == "f4" and raw.ndim < 3:  # the format asks for them at some, and allows all
             low, high = raw.min(axis=0), raw.max(axis=0)
             accessor |= {"min": np.atleast_1d(low).tolist(), "max": np.atleast_1d(high).tolist()}
@@ -88,19 +84,16 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
         place = quantum * np.rint(place / quantum)
     turn = TO_GLTF @ motion["frame"].values @ TO_GLTF.T
     quaternion = _quaternions(turn)
-    poses = zip(place[0].tolist(), quaternion[0].tolist(), strict=True)
-    particles = [
-        {"name": f"particle {p}", "translation": x, "rotation": quaternion_now}
-        for p, (x, quaternion_now) in enumerate(poses)
-    ]
     nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
-    meshes = _mesh(motion, buffer)
-    if meshes:
+    if meshes := _mesh(motion, buffer):
         nodes.append({"name": "structure", "mesh": 0, "skin": 0})
     first = len(nodes)
-    joints = [first + p for p in range(len(particles))]
-    nodes += particles
-    nodes[0]["children"] = joints
+    poses = zip(place[0].tolist(), quaternion[0].tolist(), strict=True)
+    nodes += [
+        {"name": f"particle {p}", "translation": x, "rotation": turns}
+        for p, (x, turns) in enumerate(poses)
+    ]
+    nodes[0]["children"] = joints = [*range(first, len(nodes))]
     columns = (motion[f"point{key}"].values for key in ("", "_particle", "_arm"))
     for name, particle, arm in zip(*columns, strict=True):
         nodes[first + particle].setdefault("children", []).append(len(nodes))
@@ -114,8 +107,12 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
         "extras": _loads(motion, buffer),
         **meshes,
     }
-    if meshes:
-        bind = _bind(place[0], turn[0], buffer)
+    if meshes:  # with the inverse of each particle's transform in the first frame, by columns
+        matrices = np.zeros((len(place[0]), 4, 4))
+        matrices[:, :3, :3] = turn[0].transpose(0, 2, 1)
+        matrices[:, :3, 3] = -np.einsum("nji,nj->ni", turn[0], place[0])
+        matrices[:, 3, 3] = 1.0
+        bind = buffer.add(matrices.transpose(0, 2, 1))
         content["skins"] = [{"joints": joints, "skeleton": 0, "inverseBindMatrices": bind}]
     content |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
     return content | {"buffers": [{"byteLength": len(buffer.data)}]}
@@ -228,32 +225,19 @@ def _linear(colours: np.ndarray) -> np.ndarray:
     return np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
 
 
-def _bind(place: np.ndarray, turn: np.ndarray, buffer: _Buffer) -> int:
-    """The inverse of each particle's transform in the first frame, column by column."""
-    matrices = np.zeros((len(place), 4, 4))
-    matrices[:, :3, :3] = turn.transpose(0, 2, 1)
-    matrices[:, :3, 3] = -np.einsum("nji,nj->ni", turn, place)
-    matrices[:, 3, 3] = 1.0
-    return buffer.add(matrices.transpose(0, 2, 1))
-
-
 def _animation(
     time: np.ndarray, place: np.ndarray, quaternion: np.ndarray, joints: Sequence[int],
     buffer: _Buffer, small: bool,
 ) -> dict[str, Any]:  # fmt: skip
     """Places and turns of all particles in time; turns in 16 bits if `small`."""
-
-    def turns(values: np.ndarray) -> int:
-        if not small:
-            return buffer.add(values)
-        return buffer.add(np.rint(32767 * values), "i2", normalized=True)
-
     clock = buffer.add(time - time[0])
     samplers: list[dict] = []
     channels: list[dict] = []
+    kind: dict[str, Any] = {"kind": "i2", "normalized": True} if small else {}
+    turns = np.rint(32767 * quaternion) if small else quaternion
     for p, node in enumerate(joints):
-        outputs = {"translation": buffer.add(place[:, p]), "rotation": turns(quaternion[:, p])}
-        for path, output in outputs.items():
+        places, rotations = buffer.add(place[:, p]), buffer.add(turns[:, p], **kind)
+        for path, output in (("translation", places), ("rotation", rotations)):
             channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
             samplers.append({"input": clock, "output": output})
     return {"name": "motion", "samplers": samplers, "channels": channels}

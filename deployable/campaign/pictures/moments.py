@@ -11,10 +11,9 @@ from deployable.campaign.pictures.view import View
 
 
 def telling_moments(motion: Any, count: int) -> np.ndarray:
-    """Choose `count` frames of a motion that lie evenly along the particles' paths, from the start
-    to the first closure of a contact, or to the end; returns their indices. motion: a run's whole
-    motion, an open dataset (`fpm.motions`). Length along the paths is the sum, frame by frame, of
-    the root mean square of the particles' displacements."""
+    """Choose `count` frames of a whole motion, evenly along the particles' paths, from the start to
+    the first closure of a contact, or to the end. Length along the paths is the sum of the root
+    mean square of the particles' displacements."""
     time, position = values_in(motion, "time"), values_in(motion, "position")
     is_closing = values_in(motion, "contact_event_closing") == 1
     closures = values_in(motion, "contact_event_time")[is_closing]
@@ -35,7 +34,6 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
     count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
     width: width of the figure, in inches."""
-
     view, indices = View(), telling_moments(motion, count)
     solid = solid_of_motion(motion, indices)
     limits = limits_of(solid.places, view, margin=0.02)

@@ -13,9 +13,8 @@ _MOST = 3000  # faces; of more, pairs take too long, and faces are small
 
 
 def paint_order(flat: np.ndarray, depth: np.ndarray) -> list[int]:
-    """Sort f plane convex faces from far to near, so that painting them in order hides what lies
-    behind; returns their indices. flat (f, 4, 2): corners in the plane of the picture, going round
-    each face; depth (f, 4): distance of each corner towards the eye, larger is nearer, in the same
+    """Sort f plane convex faces from far to near; returns their indices. flat (f, 4, 2): corners in
+    the plane of the picture, going round each face; depth (f, 4): towards the eye, in the same
     unit. Up to 3000 faces are compared where two overlap, of more only their middles."""
     middle = depth.mean(axis=1)
     if not 0 < len(middle) <= _MOST:

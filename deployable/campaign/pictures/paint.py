@@ -31,8 +31,7 @@ def paint_solid(
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
-    """Paint a structure's cables into matplotlib axes (`ax`), dashed where slack; returns their
-    LineCollection. solid: the structure at some moments; moment: index of one; view: to the eye."""
+    """Paint a structure's cables at a moment into matplotlib axes, dashed where slack."""
     from matplotlib.collections import LineCollection
 
     cables = solid.cables
@@ -50,9 +49,7 @@ def visible_faces(
     solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the faces of a structure that are turned to the eye, from far to near: corners (f, 4, 2)
-    in the plane of the picture (m) and shaded colours (f, 3), 0 to 1. solid: the structure at some
-    moments; moment: index; view: direction to the eye; colours (m, 3): of elements; None: by
-    bar."""
+    in the plane of the picture (m) and shaded colours (f, 3), 0 to 1."""
     element, face = np.nonzero(solid.visible)
     corners = solid.corners[moment][element[:, None], FACES[face]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -67,9 +64,8 @@ def visible_faces(
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
-    """Draw points of a structure into matplotlib axes (`ax`), each with its name beside it, on the
-    side away from the mean of all points. places: positions (3,) by name (m); view: direction to
-    the eye; size: larger of the picture's width and height (m)."""
+    """Draw points of a structure, positions (3,) by name, into matplotlib axes, each with its name
+    on the side away from the mean of all. size: larger of the picture's width and height (m)."""
     flat = {name: view.page @ place for name, place in places.items()}
     if not flat:
         return

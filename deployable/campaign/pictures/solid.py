@@ -40,10 +40,9 @@ NO_CABLES = CablePoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
 @dataclass(frozen=True)
 class Solid:
     """The m elements of a structure with n particles at T moments, each a hexahedron between the
-    sections at its two ends. nodes (m, 2): indices of the particles at the ends; sections (m, 2, 4,
-    3): the sections' corners from the particle, in its rotating frame (m); position (T, n, 3): of
-    the particles (m); frame (T, n, 3, 3): their rotation matrices; elements (m): names;
-    cables: points of all cables, with the particles that carry them."""
+    sections at its two ends. nodes (m, 2): particles at the ends; sections (m, 2, 4, 3): the
+    sections' corners from the particle, in its rotating frame (m); position (T, n, 3); frame (T, n,
+    3, 3): the particles' rotation matrices; elements (m): names."""
 
     nodes: np.ndarray
     sections: np.ndarray
@@ -75,8 +74,7 @@ class Solid:
 
     @cached_property
     def thickness(self) -> float:
-        """Largest distance (m) of a bar's surface from its axis along a side of the section, so
-        half of the largest width; 0 without bars."""
+        """Half of the largest width of a bar (m); 0 without bars."""
         bars = self.nodes[:, 0] != self.nodes[:, 1]
         return float(np.abs(self.sections[bars]).max(initial=0.0))
 
@@ -104,15 +102,19 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """Make the `Solid` (hexahedra) of a motion's structure at some frames. motion: whole motion
-    (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`; frames: slice or indices."""
+    """Make the `Solid` of a whole motion (`fpm.motions`, `xarray` or `netCDF4`) at some frames."""
+    cables = NO_CABLES
+    if "cable_point_cable" in motion.variables:
+        keys = ("cable", "particle", "arm")
+        cable, particle, arm = (values_in(motion, f"cable_point_{key}") for key in keys)
+        cables = CablePoints(cable, particle, arm, values_in(motion, "cable_tension")[frames])
     return Solid(
         nodes=values_in(motion, "element_particle"),
         sections=values_in(motion, "section_corner"),
         position=values_in(motion, "position")[frames],
         frame=values_in(motion, "frame")[frames],
         elements=tuple(map(str, values_in(motion, "element"))),
-        cables=_cables_of_motion(motion, frames),
+        cables=cables,
     )
 
 
@@ -124,34 +126,19 @@ def values_in(motion: Any, name: str) -> np.ndarray:
 def solid_of_scene(scene: Any) -> Solid:
     """Make the `Solid` (hexahedra) of a structure, an `fpm.Scene`, where it starts: one moment."""
     from fpm.motions.motion import section_corners
-    from fpm.motions.motion_dataset import shapes_of
+    from fpm.motions.motion_dataset import shapes_of, strands_of
 
     shapes = shapes_of(scene, section_corners(scene))
+    beams = [(i, beam) for i, line in enumerate(strands_of(scene)) for beam in line.beams]
     return Solid(
         nodes=shapes.nodes,
         sections=shapes.corners,
         position=scene.position[None],
         frame=scene.frame[None],
         elements=tuple(shapes.names),
-        cables=_cables_of_scene(scene),
+        cables=CablePoints(
+            np.array([i for i, _ in beams], int),
+            np.array([beam.particle for _, beam in beams], int),
+            np.array([beam.arm for _, beam in beams]).reshape(-1, 3),
+        ),
     )
-
-
-def _cables_of_motion(motion: Any, frames: Any) -> CablePoints:
-    if "cable_point_cable" not in motion.variables:
-        return NO_CABLES
-    keys = ("cable", "particle", "arm")
-    cable, particle, arm = (values_in(motion, f"cable_point_{key}") for key in keys)
-    return CablePoints(cable, particle, arm, values_in(motion, "cable_tension")[frames])
-
-
-def _cables_of_scene(scene: Any) -> CablePoints:
-    from fpm.motions.motion_dataset import strands_of
-
-    lines = strands_of(scene)
-    beams = [beam for line in lines for beam in line.beams]
-    if not beams:
-        return NO_CABLES
-    count = [len(line.beams) for line in lines]
-    index, particle = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
-    return CablePoints(index, particle, np.array([beam.arm for beam in beams]))

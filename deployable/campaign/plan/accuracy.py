@@ -1,13 +1,10 @@
 """`accuracy`: rounds of runs until the whole error is what was asked for, or the budget is spent.
 
 Each round has a plan (`rounds/<round>/plan.json`) with a mesh, a step, and runs through which a
-spline goes; those of later rounds are sought where the bounds are decided. A round whose plan says
-so is checked: its bounds know what a finer mesh and half the step change. What comes next is
-decided by `decide`; here results become its arguments and its decision a plan.
-
-Rounds add runs for responses alone. Bounds of quantities are sought after the rounds, one run
-after the other (`answers.quantity_bounds`), with at least half of the runs that are allowed; the
-rounds only make step and mesh fine enough for them."""
+spline goes; those of later rounds are sought where the bounds are decided. What comes next is
+decided by `decide`; here results become its arguments and its decision a plan. Bounds of quantities
+are sought after the rounds (`answers.quantity_bounds`), with at least half of the runs that are
+allowed; the rounds only make step and mesh fine enough for them."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -66,16 +63,16 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
     experiment: has the `accuracy`; plan: of the finished round; samples: its open `RunSamples`;
     bounds: its `CampaignBounds`."""
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
-    widths = _quantity_widths(base, samples.table.numbers)
-    shares, free = _relative_errors(plan, bounds, widths), base.solver.step == "auto"
+    shares = _relative_errors(plan, bounds, samples.table.numbers)
+    is_free = base.solver.step == "auto"
     check_runs = bounds.attributes.get("check_runs") if plan.adaptive.check else 0
-    refinement = _refinement_state(plan, shares, free, check_runs)
+    refinement = _refinement_state(plan, shares, is_free, check_runs)
     cost, decision = refinement.cost, refinement.decide()
     whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
-    safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
+    step = base.solver.safety if is_free else base.solver.step
     new_round = Round(
         cost.runs, whole, decision.action, decision.reason,
-        shares, cost.elements, float(safety), cost.seconds, cost.nodes,
+        shares, cost.elements, float(step), cost.seconds, cost.nodes,
     )  # fmt: skip
     rounds = (*state.rounds, new_round)
     if decision.action == "stop":
@@ -87,7 +84,10 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
     finer = base
     if decision.action == "mesh":
         parameters = {**base.scene.parameters, target.mesh: 2 * cost.elements}
-        finer = _stable(replace(base, scene=replace(base.scene, parameters=parameters)))
+        finer = replace(base, scene=replace(base.scene, parameters=parameters))
+        time = choose_step(finer)
+        if time.step > time.step_limit:  # which the config gives, and is no longer stable
+            finer = replace(finer, solver=replace(finer.solver, step="auto"))
     elif decision.action == "step":
         finer = replace(base, solver=replace(base.solver, safety=_halve(base.solver, plan.time)))
     check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(base))
@@ -95,11 +95,7 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
 
 
 def _plan(
-    experiment: Experiment,
-    points: list,
-    rounds: tuple,
-    check: tuple[str, ...],
-    time: TimeStep | None = None,
+    experiment: Experiment, points: list, rounds: tuple, check: tuple, time: TimeStep | None = None
 ) -> Plan:
     """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
     places = tuple(tuple(map(float, point)) for point in points)
@@ -114,43 +110,24 @@ def _halve(solver: Solver, time: TimeStep) -> float:
     return half if half < actual else actual / 2
 
 
-def _stable(experiment: Experiment) -> Experiment:
-    """The experiment, with a stable step if the one that it gives no longer is on a finer mesh."""
-    time = choose_step(experiment)
-    if time.step <= time.step_limit:
-        return experiment
-    return replace(experiment, solver=replace(experiment.solver, step="auto"))
-
-
 def _has_mesh(experiment: Experiment) -> bool:
     """Whether a parameter sets the mesh, be it free or given."""
     return experiment.scene_type.mesh is not None
 
 
-def _quantity_widths(experiment: Experiment, numbers: np.ndarray) -> dict[str, float]:
-    """Differences of the largest and the least value of quantities in the runs, `numbers` (R, q),
-    by name; 0 where these are equal, or there is none."""
-    widths = {}
-    for name, column in zip(experiment.quantities, numbers.T, strict=True):
-        values = column[np.isfinite(column)]
-        size = np.abs(values).max(initial=0.0)
-        width = float(np.ptp(values)) if len(values) else 0.0
-        widths[name] = width if width > ROUNDING * size else 0.0
-    return widths
-
-
-def _relative_errors(
-    plan: Plan, bounds: Any, widths: Mapping[str, float]
-) -> dict[str, dict[str, float]]:
+def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, dict[str, float]]:
     """Errors by component, as fractions of widths: of responses by surrogate, step and mesh, of
-    quantities by step and mesh; these two as last checked. widths: of quantities in the runs."""
+    quantities by step and mesh; these two as last checked. numbers (R, q): quantities in runs."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
     errors = {row.name: row.error_shares for row in bounds.responses}
-    for i, (name, width) in enumerate(widths.items()):
+    for i, (name, column) in enumerate(zip(plan.experiment.quantities, numbers.T, strict=True)):
+        values = column[np.isfinite(column)]
+        width = float(np.ptp(values)) if len(values) else 0.0
+        varies = width > ROUNDING * np.abs(values).max(initial=0.0)
         sizes = {component: float(e[i]) for component, e in bounds.quantity_errors.items()}
-        errors[name] = {c: e / width if width > 0 else 0.0 for c, e in sizes.items()}
+        errors[name] = {c: e / width if varies else 0.0 for c, e in sizes.items()}
     for name, shares in errors.items():
         all_shares = {**previous.get(name, {}), **shares}
         errors[name] = {"surrogate": shares["surrogate"]} if "surrogate" in shares else {}
@@ -162,14 +139,13 @@ def _relative_errors(
 
 def _count_new_runs(plan: Plan) -> int:
     """Runs of a plan that are not those of the round before it."""
-    nodes, last = len(plan.unique_runs()), plan.adaptive.rounds[-1:]
+    nodes, last = len(plan.unique_runs), plan.adaptive.rounds[-1:]
     return nodes if not last or last[0].action in ("mesh", "step") else nodes - last[0].nodes
 
 
 def allow_check_runs(plan: Plan) -> int:
-    """Return how many runs the check of a round may make for an `accuracy` to keep its limit: what
-    the rounds so far left of it, but for what is kept for a choice, and, unless this check is of
-    step and mesh, for one that is. plan: of the round."""
+    """Return how many runs the check of a plan's round may make: what the rounds so far left of the
+    limit, but for what is kept for a choice, and for the check of step and mesh."""
     accuracy, rounds = plan.experiment.accuracy, plan.adaptive
     if rounds.met is not None:
         return accuracy.max_runs - accuracy.reserve - rounds.rounds[-1].runs
@@ -179,8 +155,7 @@ def allow_check_runs(plan: Plan) -> int:
 
 
 def affordable_runs(plan: Plan) -> int:
-    """Return how many runs the core time of an `accuracy` leaves for bounds of quantities after its
-    last round. plan: of that."""
+    """Return how many runs the core time leaves for bounds of quantities after the last round."""
     seconds = 60 * plan.experiment.accuracy.max_core_minutes - plan.adaptive.rounds[-1].seconds
     return max(0, int(seconds / run_seconds(plan.experiment, plan.time)))
 
@@ -200,7 +175,7 @@ def _refinement_state(
 ) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would; in the
     check of this round that was `check_count` runs, if known."""
-    target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
+    target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs)
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
     new, check_runs = _count_new_runs(plan), count_check_runs(plan.experiment)
@@ -228,12 +203,10 @@ def _refinement_state(
 
 
 def add_runs(nodes: int, growth: float, affordable: float, cheap: float = 0.0) -> int:
-    """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
-    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`,
-    or all of them if they take no longer than a round, and at most as many as there are, or as
-    take no longer. nodes: runs that surrogates are fitted to so far; growth: factor by which their
-    number should grow; affordable: runs that the budget allows; cheap: runs that take as long as
-    all else in a round."""
+    """Return how many runs the next round adds, a multiple of 8 (`LANES`): `growth` - 1 times
+    `nodes`, if affordable, but at least a quarter of `nodes`, or all of them if they take no longer
+    than a round, and at most as many as there are, or as take no longer. affordable: runs that the
+    budget allows; cheap: runs that take as long as all else in a round."""
     least, most = max(min(cheap, nodes), nodes / 4), max(cheap, nodes)
     quarter, need = (
         LANES * max(1, round(count / LANES))
@@ -253,19 +226,18 @@ def _infill_points(
     that are `unmet`; the rest spread."""
     runs, free = samples.table.points, experiment.box.free
     points: list[np.ndarray] = []
-
-    def take(candidates: Any, least: float) -> None:
-        for point in candidates:
-            rivals = np.array([*runs, *points])
-            if len(points) < count and np.linalg.norm(rivals - point, axis=1).min() > least:
-                points.append(np.asarray(point, dtype=float))
-
-    spacing = 2.0 * len(runs) ** (-1.0 / max(int(free.sum()), 1))
+    candidates: list[tuple[Any, float]] = []
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples.curves(slice(None), rows).astype(float)
-        seek, missing = intervals.seek_points, count - len(points)
-        next_points, _ = seek(runs, values, missing, candidates=_CANDIDATES, seed=seed)
-        take(next_points, 1e-3)
+        next_points, _ = intervals.seek_points(
+            runs, values, count, candidates=_CANDIDATES, seed=seed
+        )
+        candidates += [(point, 1e-3) for point in next_points]
+    spacing = 2.0 * len(runs) ** (-1.0 / max(int(free.sum()), 1))
     spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(runs) + count)).points
-    take(spread, 0.2 * spacing)
+    candidates += [(point, 0.2 * spacing) for point in spread]
+    for point, least in candidates:
+        rivals = np.array([*runs, *points])
+        if len(points) < count and np.linalg.norm(rivals - point, axis=1).min() > least:
+            points.append(np.asarray(point, dtype=float))
     return np.array(points).reshape(-1, len(free))

@@ -17,8 +17,7 @@ Shares = Mapping[str, Mapping[str, float]]
 _INITIAL_SHARE, _FINAL_SHARE = 0.5, 0.75
 """Share of the tolerance that step and mesh may take: with the first runs, and with more."""
 
-_HARDLY = 1.3
-"""Factor by which the error of a mesh must fall for the next one to be worth its cost."""
+_HARDLY = 1.3  # factor by which the error of a mesh must fall for the next one to be worth its cost
 
 
 _STAGNANT, _STAGNANT_RUNS = 0.9, 4.0
@@ -33,14 +32,12 @@ _LEAST, _MOST = 1.25, 4.0
 _SPARE = 0.75
 """Share that is aimed at of what is left for a surrogate's error, not to miss it by little."""
 
-COMPONENTS = ("step", "mesh")
-"""Parts of an error that a check tells."""
+COMPONENTS = ("step", "mesh")  # parts of an error that a check tells
 
 CHECKED_RUNS = 14
 """Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
 
-UNKNOWN = 1e6
-"""Share of a width: an error that is not known, or larger."""
+UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 
 ROUND, RUN_FILES = 0.5, 0.01
 """Core seconds of a round beside its runs: a check that takes less is made at once; and of a run
@@ -106,8 +103,7 @@ class Errors:
 
     @property
     def surrogate(self) -> float:
-        """Error by the surrogate, as a fraction of the width; 0 of quantities, whose bounds are
-        sought after the rounds."""
+        """Error by the surrogate; 0 of quantities, whose bounds are sought after the rounds."""
         return self.parts.get("surrogate", 0.0)
 
     @property
@@ -124,8 +120,8 @@ class Errors:
     def allowance(self) -> float:
         """Error that the surrogate may have, as a fraction of the width: the tolerance less the
         errors by mesh and step, but at least a quarter of the tolerance."""
-        mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
-        return max(self.tolerance - mesh - step, (1 - _FINAL_SHARE) * self.tolerance)
+        least = (1 - _FINAL_SHARE) * self.tolerance
+        return max(self.tolerance - self.discretization, least)
 
     def __str__(self) -> str:
         components = ", ".join(f"{part} {_percent(value)}" for part, value in self.parts.items())
@@ -134,21 +130,11 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Need:
-    """What brings a response or quantity within its tolerance: `action`, "runs", "mesh" or "step";
-    why_not: why that cannot be done, empty if it can."""
-
-    action: str
-    why_not: str = ""
-
-
-@dataclass(frozen=True)
 class RefinementState:
-    """State after a finished round of runs, from which `decide` takes the next action. accuracy:
-    tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
-    name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
-    and the errors that this one was checked for; cost: resources spent and needed; is_step_free:
-    whether the step may be halved, since the config does not give one."""
+    """State after a finished round, from which `decide` takes the next action. accuracy: of the
+    config; shares: errors by name and component, as fractions of widths; state: earlier rounds, and
+    the errors that this one was checked for; cost: spent and needed; is_step_free: whether the step
+    may be halved."""
 
     accuracy: Accuracy
     shares: Shares
@@ -160,10 +146,9 @@ class RefinementState:
     def unmet(self) -> list[Errors]:
         """Errors of responses above their tolerances, and of quantities above the share of these
         that step and mesh may take; not NaN, of constant ones."""
+        limits = [e.tolerance * (1.0 if e.surrogate else _FINAL_SHARE) for e in self._all]
         return [
-            error
-            for error in self._all
-            if error.total > error.tolerance * (1.0 if error.surrogate else _FINAL_SHARE)
+            error for error, limit in zip(self._all, limits, strict=True) if error.total > limit
         ]
 
     @property
@@ -172,15 +157,15 @@ class RefinementState:
         return [Errors(name, tolerances[name], parts) for name, parts in self.shares.items()]
 
     @cached_property
-    def needs(self) -> dict[str, Need]:
-        """What each response or quantity beyond its tolerance needs, by name: the action that would
-        bring it within, and why that cannot be done, if so."""
+    def needs(self) -> dict[str, tuple[str, str]]:
+        """What each response or quantity beyond its tolerance needs, by name: the action, "runs",
+        "mesh" or "step", that would bring it within, and why that cannot be, empty if it can."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
     def reducible(self) -> list[Errors]:
         """Errors of responses and quantities beyond tolerance whose needed action is possible."""
-        return [error for error in self.unmet if not self.needs[error.name].why_not]
+        return [error for error in self.unmet if not self.needs[error.name][1]]
 
     def decide(self) -> Decision:
         """Decide on the next action of the rounds, with the reason. A check repeats the runs that
@@ -202,16 +187,16 @@ class RefinementState:
                 closest = max(self._all, key=lambda error: error.total / error.tolerance)
                 reason = f"no error exceeds its tolerance; nearest to it is {closest}"
                 return Decision("stop", reason, met=True)
-            reason = "the surrogate's error is small enough"
-            return Decision(
-                "check", f"{reason}; step and mesh are checked where it decides", COMPONENTS
+            reason = (
+                "the surrogate's error is small enough; step and mesh are checked where it decides"
             )
+            return Decision("check", reason, COMPONENTS)
         if not self.reducible:
-            return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
-        finer = [error for error in self.reducible if self.needs[error.name].action != "runs"]
+            return self._end("; ".join(dict.fromkeys(cause for _, cause in self.needs.values())))
+        finer = [error for error in self.reducible if self.needs[error.name][0] != "runs"]
         if finer:  # comes before runs, which are all made again then
             worst = max(finer, key=lambda error: error.discretization / error.tolerance)
-            action = self.needs[worst.name].action
+            action, _ = self.needs[worst.name]
             check: tuple[str, ...] = ("mesh",) if action == "mesh" else COMPONENTS
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._exceeds_budget("runs"):
@@ -224,26 +209,23 @@ class RefinementState:
         """Return the factor (1.25 to 4) by which to increase the number of runs that surrogates are
         fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
         to three quarters of their allowance, at the rate at which they fell last."""
-        factors = [
-            (error.surrogate / (_SPARE * error.allowance)) ** (1 / self._rate(error))
-            for error in self.reducible
-        ]
-        return min(max([_LEAST, *factors]), _MOST)
+        ratios = [(e.surrogate / (_SPARE * e.allowance), self._rate(e)) for e in self.reducible]
+        return min(max([_LEAST, *(ratio ** (1 / rate) for ratio, rate in ratios)]), _MOST)
 
-    def _need(self, error: Errors) -> Need:
+    def _need(self, error: Errors) -> tuple[str, str]:
         """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves of
         responses; those for quantities come after the rounds."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         fraction = _INITIAL_SHARE if is_first else _FINAL_SHARE
         if not error.discretization > fraction * error.tolerance:
-            return Need("runs", self._stagnation(error))
+            return "runs", self._stagnation(error)
         action, cause = error.larger, self._exceeds_budget(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.is_step_free):
             cause = f"the config keeps its {action}"
         elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"
         is_needed = not cause or not error.surrogate or error.discretization >= error.tolerance
-        return Need(action, cause) if is_needed else Need("runs")
+        return (action, cause) if is_needed else ("runs", "")
 
     def _stagnation(self, error: Errors) -> str:
         """Why no more runs help: the error hardly fell with four times as many; empty if it did."""
@@ -252,13 +234,10 @@ class RefinementState:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
                 previous = record.shares.get(error.name, {}).get("surrogate", math.inf)
                 if value >= _STAGNANT * previous:
-                    shares = (
-                        f"{_percent(previous)} of the width with {record.nodes} runs, "
-                        f"{_percent(value)} with {nodes}"
-                    )
                     return (
                         f"the surrogate's error of {error.name} does not fall with more runs "
-                        f"({shares}): it jumps, or has an edge, inside the box"
+                        f"({_percent(previous)} of the width with {record.nodes} runs, "
+                        f"{_percent(value)} with {nodes}): it jumps, or has an edge, inside the box"
                     )
         return ""
 
@@ -273,10 +252,9 @@ class RefinementState:
             costs += f"{' and quantities' * bool(cost.reserve)}, {rest - reserve} left"
             return f"the budget of {budget.max_runs} runs does not allow more ({costs})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
-            costs = f"{duration_text(max(1.0, cost.seconds))} are spent"
-            return (
-                f"the budget of {budget.max_core_minutes:g} minutes does not allow more ({costs})"
-            )
+            costs = f"{budget.max_core_minutes:g} minutes does not allow more "
+            costs += f"({duration_text(max(1.0, cost.seconds))} are spent)"
+            return f"the budget of {costs}"
         return ""
 
     def _rate(self, error: Errors) -> float:
@@ -325,9 +303,8 @@ class RefinementState:
             nodes = math.ceil(nodes * min(error.surrogate / allowance, 100.0))
             texts.append(f"some {nodes} runs beside those of checks" if is_known else "more runs")
         time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
-        return (
-            f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
-        )
+        need = " and ".join(texts) or "more runs"
+        return f"{error.name} would take {need}, about {time} of a core"
 
     def _is_not_converging(self, error: Errors) -> bool:
         """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""

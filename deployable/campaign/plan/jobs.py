@@ -9,8 +9,7 @@ from deployable.campaign.plan.plan import TimeStep, choose_step
 from fpm.scenes import effort
 from fpm.solver.pack import curve_bytes
 
-LANES = 8
-"""Runs that are integrated side by side; fewer take as long."""
+LANES = 8  # runs that are integrated side by side; fewer take as long
 
 JOB_START = 5.0
 """Minutes of a job beside its runs, at most: starting, and compiling the time loop once."""
@@ -21,9 +20,8 @@ PROGRAM, PROCESS = 600.0, 150.0
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Estimate the core seconds of a run that is one of eight side by side, on the reference core
-    of `fpm.scenes.effort` instead of this one, so that the rounds of an `accuracy` are the same
-    everywhere. Runs whose curves of time differ take as long as eight. time: time step of the
-    plan."""
+    of `fpm.scenes.effort`, so that the rounds of an `accuracy` are the same everywhere. Runs whose
+    curves of time differ take as long as eight."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
     places = corners(experiment.intervals) if scene.curves else ()
     differs = any(curve_bytes(experiment.build(x)) != curve_bytes(scene) for x in places)

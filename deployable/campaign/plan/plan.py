@@ -4,10 +4,8 @@
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
     step, step_limit (s), limiting_element, output_steps, assembly_energy (J), mechanics
-    runs      [{id, role, normalized (k), values (k)}], one a line; role: node, nominal or held_out
-    packed    in the place of these, where they are many: {count, role, normalized}, the arrays
-              (count) of indices into `ROLES`, one byte each, and (count, k) of little-endian
-              doubles, in base64; the values follow from the box
+    runs      {count, role, normalized}, the arrays (count) of indices into `ROLES`, one byte each,
+              and (count, k) of little-endian doubles, in base64; the values follow from the box
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
               `met`: null unless this is the plan after the last round, which has no new runs; and
               what its bounds are to `check`
@@ -17,7 +15,6 @@ A run that serves two roles is listed twice, with the same id, and simulated onc
 import json
 import math
 from base64 import b64decode, b64encode
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -36,27 +33,22 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
-from deployable.campaign.files.contents import ROLES, RUN_ID, report_damage
+from deployable.campaign.files.contents import ROLES, report_damage
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
-from fpm.files.seals import DamagedError
 from fpm.files.trajectory import CONVENTIONS
 from fpm.scenes.timestep import find_curve_step
 
 ROUNDING = 1e-12
 """Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
 
-MAX_PLAN_ROWS = 10_000
-"""Runs that have a line each in `plan.json`; of more, programs are the only readers."""
-
 
 @dataclass(frozen=True)
 class TimeStep:
-    """Time step of all runs of a plan: `step` (s); `output_steps`, steps between recorded
-    instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`, or
-    the time between instants where nothing limits it; `assembly_energy`, largest strain energy (J)
-    of a run at its start, where parts that do not fit are forced together, else 0."""
+    """Time step of all runs of a plan: `step` (s); `output_steps`, steps between recorded instants;
+    `step_limit` (s), the largest stable step, set by `limiting_element`, or the time between
+    instants; `assembly_energy`, largest strain energy (J) of a run at its start."""
 
     step: float
     output_steps: int
@@ -100,8 +92,7 @@ class Rounds:
 @dataclass(frozen=True)
 class Plan:
     """All runs of an experiment, and their time step (`time`): the content of `plan.json`.
-    mechanics: digest of structure and code that determine runs; adaptive: state of the rounds
-    towards the config's `accuracy`, None without."""
+    mechanics: digest of structure and program; adaptive: the `Rounds` of an `accuracy`, or None."""
 
     experiment: Experiment
     mechanics: str
@@ -116,8 +107,7 @@ class Plan:
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment, the parts of the config that decide runs; of a structure's file
-        not the path counts but `mechanics`, the digest of structure and code."""
+        """Digest of the experiment; of a structure's file not the path counts but `mechanics`."""
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
@@ -130,8 +120,7 @@ class Plan:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of netCDF files that are made of this plan's runs: conventions, campaign,
-        scene, config with its hash, digest of the mechanics (code and structure)."""
+        """Attributes of netCDF files that are made of this plan's runs."""
         return {
             "Conventions": CONVENTIONS,
             "campaign": self.experiment.name,
@@ -141,12 +130,9 @@ class Plan:
             "mechanics": self.mechanics,
         }
 
-    def unique_runs(self) -> Runs:
-        """Return the plan's runs in order, without repeats of an earlier one's parameter values."""
-        return self._unique
-
     @cached_property
-    def _unique(self) -> Runs:
+    def unique_runs(self) -> Runs:
+        """The plan's runs in order, without repeats of an earlier one's parameter values."""
         return self.runs.unique()
 
     def name_values(self, run: PlannedRun) -> dict[str, float]:
@@ -175,20 +161,18 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
         groups.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.mechanics
-    normalized = np.concatenate([points for _, points in groups])
     role = np.repeat([ROLES.index(role) for role, _ in groups], [len(p) for _, p in groups])
-    role = role.astype(np.int8)
-    runs = Runs.from_points(experiment, role, normalized, time.step, mechanics)
+    normalized = np.concatenate([points for _, points in groups])
+    runs = Runs.from_points(experiment, role.astype(np.int8), normalized, time.step, mechanics)
     return Plan(experiment, mechanics, time, runs)
 
 
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
-    """Choose one time step for all runs of an experiment: the solver's safety factor times the
-    largest stable step, at most the finest feature of curves of time, or the config's step; it is
-    shortened to divide the time between recorded instants. corners: whether stability is computed
-    at every corner of the box too (of more than eight intervals, at the ends of each and where the
-    worse ends meet), or only at its centre. Raises `CampaignError` for a run of more steps than
-    `MOST_STEPS`."""
+    """Choose one time step for all runs: the safety factor times the largest stable step, at most
+    the finest feature of curves of time, or the config's step, shortened to divide the time between
+    instants. corners: whether stability is computed at every corner of the box too (of more than
+    eight intervals, at the ends of each and where the worse ends meet). Raises `CampaignError` for
+    more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, finest, element, energy = math.inf, math.inf, "", 0.0
     points, steps = [np.zeros(box.dimension), *(box.corners() if corners else ())], []
@@ -221,8 +205,7 @@ def split_evenly(items: list, index: int, count: int) -> list:
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write a plan to the file `path` as JSON (`plan.json`), a line for each run, or, of more than
-    10,000 (`MAX_PLAN_ROWS`), all runs packed as arrays."""
+    """Write a plan to the file `path` as JSON (`plan.json`)."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -232,11 +215,10 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     }
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
-    if len(plan.runs) > MAX_PLAN_ROWS:
-        text = json.dumps(head | {"packed": _pack(plan.runs)}, indent=1) + "\n"
-    else:
-        runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
-        text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
+    arrays = {"role": plan.runs.role.astype("i1"), "normalized": plan.runs.normalized}
+    columns = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
+    head["runs"] = {"count": len(plan.runs), **columns}
+    text = json.dumps(head, indent=1) + "\n"
     write_result(path, text, plan=plan.digest)
 
 
@@ -244,56 +226,12 @@ def read_plan(path: str | Path) -> Plan:
     """Read a plan from `path`; raises `fpm.files.seals.DamagedError` if it is not as written."""
     data = read_json(path)
     with report_damage(path):
-        return _plan(path, data)
-
-
-def _plan(path: str | Path, data: Mapping) -> Plan:
-    experiment, mechanics = Experiment.from_results(data["config"]), str(data["mechanics"])
-    time = _time(data)
-    if not time.step > 0 or time.output_steps < 1:
-        raise ValueError("its step is not above 0")
-    for problem in steps_problems(experiment.solver, time.step):
-        raise ValueError(problem)
-    if "packed" in data:
-        runs = Runs.from_points(experiment, *_unpack(data["packed"]), time.step, mechanics)
-    else:
-        for run in data["runs"]:
-            if not RUN_ID.fullmatch(run["id"]):
-                raise DamagedError(path, f"{run['id']!r} is no name of a run")
-        runs = Runs.from_runs([
-            PlannedRun(r["id"], r["role"], tuple(r["normalized"]), tuple(r["values"]))
-            for r in data["runs"]
-        ])  # fmt: skip
-    shape = len(runs), len(experiment.intervals)
-    if (
-        runs.normalized.shape != shape
-        or runs.values.shape != shape
-        or max(runs.role, default=0) >= len(ROLES)
-    ):
-        raise ValueError("its runs are not those of its config")
-    adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
+        experiment, mechanics = Experiment.from_results(data["config"]), str(data["mechanics"])
+        time = from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
+        columns = data["runs"]
+        role = np.frombuffer(b64decode(columns["role"]), "i1").astype(np.int8)
+        points = np.frombuffer(b64decode(columns["normalized"]), "<f8").astype(float)
+        points = points.reshape(columns["count"], -1)
+        runs = Runs.from_points(experiment, role, points, time.step, mechanics)
+        adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
     return Plan(experiment, mechanics, time, runs, adaptive)
-
-
-def read_step(path: str | Path) -> TimeStep:
-    """Read only the time step of the plan in the file `path` (`plan.json`), which is faster."""
-    data = read_json(path)
-    with report_damage(path):
-        return _time(data)
-
-
-def _time(data: Mapping) -> TimeStep:
-    return from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
-
-
-def _pack(runs: Runs) -> dict:
-    arrays = {"role": runs.role.astype("i1"), "normalized": runs.normalized.astype("<f8")}
-    columns = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
-    return {"count": len(runs), **columns}
-
-
-def _unpack(columns: Mapping) -> tuple[np.ndarray, np.ndarray]:
-    """Roles (N) and unit coordinates (N, k)."""
-    points = np.frombuffer(b64decode(columns["normalized"]), "<f8").astype(float)
-    role = np.frombuffer(b64decode(columns["role"]), "i1").astype(np.int8)
-    return role, points.reshape(columns["count"], -1)

@@ -18,8 +18,7 @@ _MAX_NAMES = 1 << 17  # names
 @dataclass(frozen=True)
 class PlannedRun:
     """One run to be made: its point in the box (`normalized` (k), -1 to 1) and `values` (k) of the
-    interval parameters, in their units. id: digest that names its file; role: "nominal", "node" (of
-    the design), "held_out" (validation) or "further" (added at bounds and limit-state surfaces)."""
+    interval parameters, in their units. id: digest that names its file; role: one of `ROLES`."""
 
     id: str
     role: str
@@ -103,8 +102,7 @@ class Runs(Sequence[PlannedRun]):
 
     @property
     def digest(self) -> str:
-        """Digest (16 hex digits) of the roles, normalized points and parameter values of all runs,
-        to the last bit: equal for equal sequences. What the runs resulted in does not change it."""
+        """Digest (16 hex digits) of roles, normalized points and values, to the last bit."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())
@@ -165,11 +163,8 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run (16 hex digits) from all that its motion depends on. experiment: of
-    it count the structure's name, duration, number of instants and energy tolerance; parameters:
-    values of all structure parameters by name, in their units, defaults among them
-    (`Experiment.parameters`); step: time step (s); mechanics: digest of the structure and of the
-    code that computes runs."""
+    """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters: all
+    of the structure's, by name, in their units; step (s), mechanics: as of `namer`."""
     return digest(
         {
             "scene": experiment.scene.name,

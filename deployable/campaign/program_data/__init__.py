@@ -8,8 +8,7 @@ _FOLDER = Path(__file__).parent
 
 WORKFLOW = (_FOLDER / "workflow").resolve()
 CONFIG = (_FOLDER / "config").resolve()
-SNAKEFILE = str(WORKFLOW / "Snakefile")
-"""The workflow, for `module:` of other workflows."""
+SNAKEFILE = str(WORKFLOW / "Snakefile")  # the workflow, for `module:` of other workflows
 RULES = str(WORKFLOW / "rules" / "campaign.smk")
 """Its rules without the one that asks for results, for `include:`."""
 

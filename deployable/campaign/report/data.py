@@ -15,20 +15,15 @@ if TYPE_CHECKING:
     from deployable.campaign.results.response_bounds import ResponseBounds
 
 
-REFINEMENT = "further"
-"""Role of the runs that were made for the ends of quantities."""
-
-MOST_LINES = 48
-"""Runs that were not fitted, drawn as thin lines."""
+REFINEMENT = "further"  # role of the runs that were made for the ends of quantities
+MOST_LINES = 48  # runs that were not fitted, drawn as thin lines
 
 
 @dataclass(frozen=True)
 class PageRun:
-    """A run on the page. id: hexadecimal; role: `nominal`, `node` (the surrogate is fitted to it),
-    `held_out` (tests the fit) or `further` (added at bounds and limit-state surfaces); values (k):
-    of the parameters, each in its own unit; curves (n, T): its n responses, None where they are not
-    drawn; events: contacts that close or open in it, in order of time, dicts as in the page's data:
-    `time` (s), `contact` (name), `closing`."""
+    """A run on the page. id: hexadecimal; role: one of `files.contents.ROLES`; values (k): of the
+    parameters; curves (n, T): its responses, None where they are not drawn; events: contacts that
+    close or open in it, in order, dicts of `time` (s), `contact` (name), `closing`."""
 
     id: str
     role: str
@@ -56,34 +51,33 @@ class RunVerdicts:
     met: np.ndarray
     numbers: np.ndarray
 
+    @property
+    def tell_apart(self) -> bool:
+        """Whether some runs fail and some meet all requirements."""
+        return 0 < self.met.sum() < len(self.met)
+
 
 @dataclass(frozen=True)
 class WhatIf:
-    """Surrogates (fitted functions) that the page's sliders evaluate: `quantities`,
-    `ScalarSurrogate` by name, and polynomials of the n responses at T instants: coefficients (n, M,
-    T) of M products of Chebyshev polynomials in the k parameters, whose degrees are indices (M, k);
-    both None where the bounds are not those of polynomials. With a choice of parameters also those
-    of the quantities over all choices, `choice_quantities`, and what its runs span,
-    `choice_intervals`, (lower, upper) by parameter, those of the box first."""
+    """What the page's sliders evaluate: `quantities`, `ScalarSurrogate` by name, and polynomials of
+    the responses: coefficients (n, M, T) of M products of Chebyshev polynomials, whose degrees are
+    indices (M, k); both None where the bounds are not those of polynomials. With a choice also the
+    quantities over all choices, and what its runs span, (lower, upper) by parameter."""
 
     quantities: Mapping[str, Any]
-    indices: Any
-    coefficients: np.ndarray | None
+    indices: Any = None
+    coefficients: np.ndarray | None = None
     choice_quantities: Mapping[str, Any] = field(default_factory=dict)
     choice_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class PageData:
-    """All data that a campaign's page shows, as `from_results` reads them. facts: content of
-    `summary.json`; time (T): s; responses: their bounds; runs: the planned ones (of a large scan
-    those that move), then of those added at bounds and limit-state surfaces the ones that move;
-    moving: runs shown moving, the nominal one first, then those at which quantities and bounds are
-    attained; omitted_runs: runs for whose motion the page has no room; work: times that tasks took,
-    dicts of `task` (what was done, in words), `clock` and `cpu` (s of wall clock and processors);
-    provenance: what computed the results, texts by name; config: text of a config that repeats the
-    campaign; verdicts: which runs meet the requirements, None without quantities; what_if:
-    functions for the sliders, None: none."""
+    """All that a campaign's page shows, as `from_results` reads it. facts: content of
+    `summary.json`; runs: the planned ones (of a large scan those that move), then further ones that
+    move; moving: the nominal one first, then those at which quantities and bounds are attained;
+    omitted_runs: for whose motion the page has no room; work: dicts of `task`, `clock` and `cpu`
+    (s); provenance: what computed the results; config: text; verdicts: None without quantities."""
 
     facts: Mapping[str, Any]
     time: np.ndarray

@@ -13,21 +13,18 @@ from deployable.intervals.scalars import Limit
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
 
-MOST_MARKS = 400
-"""Runs that are drawn, evenly chosen where there are more."""
+MOST_MARKS = 400  # runs that are drawn, evenly chosen where there are more
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A scatter plot of runs over one or two parameters, or of trials of the best choice over its
-    parameter or goals (`prices`). Coordinates are from 0 to 1, lower to upper bound of an axis.
-    x_axis, y_axis: dict of a parameter or goal (name, units, lower, upper), y None for one
-    parameter alone; marks: tuples of x, y (0.5 without y_axis), whether the run meets all
-    requirements, or the trial its limits (None: the choice itself), and whether the run's other
-    parameters lie within the feasible part (True for trials); feasible: lower corner (x, y) and
-    upper corner (x, y) of the largest box about the nominal point without failures, or of the
-    choice's range that keeps all requirements, None if there is none; runs: index of each mark's
-    run in `PageData.verdicts`, of trials the chosen parameters' values by name."""
+    """A scatter plot of runs over one or two parameters, or of trials of the best choice
+    (`prices`), in shares of each axis. x_axis, y_axis: dict of a parameter or goal (name, units,
+    lower, upper), y None for one parameter alone; marks: tuples of x, y, whether the run meets all
+    (None: the choice itself), and whether its other parameters lie within the feasible part;
+    feasible: lower and upper corner of the largest box about the nominal point without failures, or
+    of the choice's range that keeps all requirements, or None; runs: of each mark the index in
+    `PageData.verdicts`, of trials the chosen values by name."""
 
     x_axis: Mapping[str, Any]
     y_axis: Mapping[str, Any] | None
@@ -47,16 +44,11 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
     return passes
 
 
-def _tells_apart(data: PageData) -> bool:
-    """Whether some runs fail and some meet all requirements."""
-    return data.verdicts is not None and 0 < data.verdicts.met.sum() < len(data.verdicts.met)
-
-
 def panels(data: PageData) -> list[Panel]:
     """Make scatter plots of failing and other runs, one for each pair of the (at most three)
     parameters whose mean differs most between these two groups, or one plot if one parameter alone
     varies; empty where all runs fail, or none does. data: all that the page shows."""
-    if not _tells_apart(data):
+    if data.verdicts is None or not data.verdicts.tell_apart:
         return []
     coords = [_scale(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
     free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
@@ -93,10 +85,11 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     runs: its index in `PageData.verdicts`, whether it meets all requirements, and its parameters,
     scaled to 0 to 1; failing runs come last, drawn above. Empty where `panels` show all parameters
     (at most 3), or all runs fail, or none does. data: all that the page shows."""
-    if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
+    verdicts = data.verdicts
+    if len(data.parameters) <= MOST_PARAMETERS or verdicts is None or not verdicts.tell_apart:
         return []
-    columns = zip(data.parameters, data.verdicts.values.T, strict=True)
-    coords, passes = np.array([_scale(*column) for column in columns]).round(4), data.verdicts.met
+    columns = zip(data.parameters, verdicts.values.T, strict=True)
+    coords, passes = np.array([_scale(*column) for column in columns]).round(4), verdicts.met
     return [(int(r), bool(passes[r]), coords[:, r].tolist()) for r in _select_marks(passes)]
 
 
@@ -111,14 +104,11 @@ def _select_marks(passes: np.ndarray) -> np.ndarray:
 
 
 def prices(facts: Mapping[str, Any]) -> list[Panel]:
-    """Make plots of the trials of the best choice: each of its (at most two) goals over the value
-    of the one chosen parameter, with the `feasible` range of values that keep all requirements by
-    their errors; of several parameters one plot, of the second goal over the first or of the one
-    goal over the first parameter. A mark's first flag is whether its limits are met, None for the
-    choice itself, which comes last; `runs` has the chosen values of each mark, by name. Returns []
-    without a choice, or if fewer than two trials remain or a goal of one is unknown. Left out are
-    trials whose goal, the latest time of an event, is within 5 % of the end of the runs. facts: the
-    campaign's results as plain data (`facts_of`)."""
+    """Make plots of the trials of the best choice, which comes last: each of its (at most two)
+    goals over the value of the one chosen parameter; of several parameters the second goal over the
+    first, or the one goal over the first parameter. Left out are trials whose goal, the latest time
+    of an event, is within 5 % of the end of the runs. Returns [] without a choice, or if fewer than
+    two trials remain or a goal of one is unknown. facts: as of `facts_of`."""
     choice = facts.get("choice")
     if choice is None:
         return []
@@ -134,10 +124,9 @@ def prices(facts: Mapping[str, Any]) -> list[Panel]:
     if len(trials) < 2 or not np.isfinite(columns).all():
         return []
     axes = [{key: parameters[0][key] for key in ("name", "units")}]
-    axes += [
-        {"name": f"{goal['quantity']} {_ENDS[goal['end']]}", "units": goal["units"]}
-        for goal in goals[:2]
-    ]
+    for goal in goals[:2]:
+        name = f"{goal['quantity']} {_ENDS[goal['end']]}"
+        axes.append({"name": name, "units": goal["units"]})
     shares = []
     for axis, column in zip(axes, columns, strict=True):
         axis |= {"lower": float(column.min()), "upper": float(column.max())}

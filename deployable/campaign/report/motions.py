@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
     RunTable,
+    check_mechanics,
     open_samples,
     read_refinement,
 )
@@ -30,9 +30,8 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 
 @dataclass(frozen=True)
 class ShownRun:
-    """A run that the page shows moving: its id (hexadecimal), `values` (k) of the interval
-    parameters, in their units, and `label`, what it is in words. row: index in `samples.nc`; None:
-    it is in `refinement.nc`, of runs added at bounds and limit-state surfaces."""
+    """A run that the page shows moving: id, `values` (k) of the interval parameters, and `label`.
+    row: index in `samples.nc`; None: it is in `refinement.nc`."""
 
     id: str
     values: np.ndarray
@@ -56,7 +55,10 @@ def shown_runs(path: Any) -> list[ShownRun]:
         if quantities := list(samples.experiment.quantities):
             table, extra_ids, _ = read_refinement(folder)
             tables.append(table)
-            ends = [*_ends_of(quantities, RunTable.join(tables).numbers), *ends]
+            columns = dict(zip(quantities, RunTable.join(tables).numbers.T, strict=True))
+            happens = {name: x for name, x in columns.items() if np.isfinite(x).any()}
+            limits = [(n, (int(np.nanargmin(x)), int(np.nanargmax(x)))) for n, x in happens.items()]
+            ends = limits + ends
         values = RunTable.join(tables).values
         labels, count = _label_runs(ends, values, samples.nominal), len(samples)
         rows = [run for run in labels if run < count]
@@ -69,19 +71,9 @@ def shown_runs(path: Any) -> list[ShownRun]:
 
 
 def count_moving_runs(particles: int) -> int:
-    """Return how many moving runs a page has room for, 7 to 24 (`MOST_MOVING`), if each has a
-    hundred frames; particles: number of those of the structure."""
+    """Return how many moving runs of a hundred frames a page has room for, 7 to 24."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
-
-
-def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple[int, int]]]:
-    """Name of each quantity that happens, and runs of its least and largest value (R, q)."""
-    return [
-        (str(name), (int(np.nanargmin(column)), int(np.nanargmax(column))))
-        for name, column in zip(names, numbers.T, strict=True)
-        if np.isfinite(column).any()
-    ]
 
 
 def _label_runs(
@@ -103,17 +95,26 @@ def _label_runs(
 
 
 def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401) -> list:
-    """Simulate runs of a campaign again, side by side, and return their whole motions, an
-    `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails. samples: all runs;
-    runs: which; frames: of each motion, evenly spread over time, besides the instants
-    at which a contact of the first run closes or opens. A run whose curves are not in `samples.nc`
-    gets the variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index
-    into ``eventful`` (names of contacts), 1 if it closes."""
+    """Simulate runs of a campaign again and return their whole motions; raises
+    `fpm.InstabilityError` if one fails. frames: evenly spread over time, besides the instants at
+    which a contact of the first run closes or opens. A run whose curves are not in `samples.nc`
+    gets the variables `curves`, `impact` and `eventful`."""
     from fpm.motions.motion import whole_motion
 
+    def read_curves(outcome: Any) -> dict:
+        curves = np.array([response.evaluate(outcome) for response in experiment.response_list])
+        impacts = outcome.impacts()
+        return {
+            "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
+            "impact": (("impacts", "column"), impacts.events, {
+                "long_name": "time (s), index into `eventful`, 1 if it closes"}),
+            "eventful": ("named", np.array(impacts.names, dtype=object), {
+                "long_name": "contact, stop or latch"}),
+        }  # fmt: skip
+
     experiment, solver = samples.experiment, samples.experiment.solver
-    names = list(experiment.intervals)
-    scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in runs]
+    points = [zip(experiment.intervals, run.values.tolist(), strict=True) for run in runs]
+    scenes = [experiment.build(dict(point)) for point in points]
     first_row: Any = runs[0].row
     (events,) = samples.events([first_row])
     bare = {i for i, run in enumerate(runs) if run.row is None or samples.keeps_extremes}
@@ -128,21 +129,8 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
         frames=frames,
         times=events[:, 0].tolist(),
         attributes=[{"run_id": run.id, "campaign": experiment.name} for run in runs],
-        extra_variables=lambda i, outcome: _read_curves(experiment, outcome) if i in bare else {},
+        extra_variables=lambda i, outcome: read_curves(outcome) if i in bare else {},
     )
-
-
-def _read_curves(experiment: Any, outcome: Any) -> dict:
-    """Responses and events of a run, as variables of its motion."""
-    curves = np.array([response.evaluate(outcome) for response in experiment.response_list])
-    impacts = outcome.impacts()
-    return {
-        "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
-        "impact": (("impacts", "column"), impacts.events, {
-            "long_name": "time (s), index into `eventful`, 1 if it closes"}),
-        "eventful": ("named", np.array(impacts.names, dtype=object), {
-            "long_name": "contact, stop or latch"}),
-    }  # fmt: skip
 
 
 def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
@@ -156,11 +144,7 @@ def make_motions(path: str | Path, frames: int = 401) -> list[Path]:
     folder = Folder(Path(path))
     with open_samples(folder) as samples:
         experiment = samples.experiment
-        if experiment.mechanics != samples.mechanics:
-            raise CampaignError(
-                f"the structure or the mechanics have changed since {folder.path} was made, so "
-                "that no run can move on its page; run the campaign first"
-            )
+        check_mechanics(experiment, samples.mechanics, folder)
         runs = shown_runs(folder)
         values = dict(zip(experiment.intervals, runs[0].values, strict=True))
         runs = runs[: count_moving_runs(len(experiment.build(values).position))]

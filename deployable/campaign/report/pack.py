@@ -13,20 +13,20 @@ import numpy as np
 
 from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData
+from deployable.campaign.results.quantity_results import number
 from deployable.campaign.results.response_bounds import LARGE, ResponseBounds
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
 from deployable.intervals.scalars.fits import choose_fit
 
-MOST_INSTANTS = 4001
-"""Instants of a curve from which it is thinned."""
+MOST_INSTANTS = 4001  # instants of a curve from which it is thinned
 
 MOST_EVENT_RUNS = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
-MOST_COEFFICIENTS = 150_000
-"""Coefficients of polynomials over time up to which sliders move curves."""
+MOST_COEFFICIENTS = 150_000  # coefficients of polynomials over time up to which sliders move curves
 
+_PARAMETER = "name", "units", "lower", "nominal", "upper", "description"
 _LEAST_MISFIT = 0.01  # bands, below which it makes no difference
 
 PAGE = 2_450_000
@@ -86,56 +86,48 @@ def thin_curves(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.n
 
 
 def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
-    """Make the page's data as a dict for JSON, in which a dict of kind, offset (`at`, bytes) and
-    count stands for each array; the arrays themselves are appended to the bytes of `arrays`.
-    frames: number kept of each motion; None: all."""
+    """Make the page's data as a dict for JSON, in which a dict of kind, offset and count stands for
+    each array in `arrays`. frames: number kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thin_curves(bounds)
-
-    grades = {row["name"]: row["grade"] for row in data.facts["responses"]}
-
-    def has_widths(response: ResponseBounds) -> bool:
-        """Whether what parameters contribute is known well enough to be drawn."""
-        return response.widths is not None and grades.get(response.name) not in ("large", "none")
-
     return {
         "campaign": data.facts["campaign"],
         "large": LARGE,
         "time": arrays.add(data.time[keep], "f8"),
         "parameters": [
-            {"unit": pretty(p["units"])} | {
-                key: p[key]
-                for key in ("name", "units", "lower", "nominal", "upper", "description")
-            }
+            {"unit": pretty(p["units"]), **{key: p[key] for key in _PARAMETER}}
             for p in data.parameters
         ],
-        "responses": [
-            {
-                "name": r.name, "longName": r.long_name, "units": r.units,
-                "unit": pretty(r.units),
-                "widest": float(data.time[r.widest]), "along": r.abscissa,
-                **{
-                    key: None if limit is None or np.isnan(limit) else float(limit)
-                    for key, limit in (("least", r.least), ("most", r.most))
-                },
-                **{
-                    key: None if values is None else arrays.add(values[..., keep], "f8")
-                    for key, values in (
-                        ("lower", r.lower), ("upper", r.upper), ("nominal", r.nominal),
-                        ("error", r.error),
-                    )
-                },
-                "widths": [arrays.add(w[keep], "f4") for w in r.widths] if has_widths(r) else None,
-            }
-            for r in data.responses
-        ],
+        "responses": [_response(r, data, keep, arrays) for r in data.responses],
         "runs": _runs(data),
         "whatIf": _what_if(data, keep, arrays),
-        "judged": _verdicts(data, arrays),
+        "judged": {
+            key: arrays.add(getattr(data.verdicts, key), kind)
+            for key, kind in (("values", "f8"), ("numbers", "f8"), ("met", "u1"))
+        } if data.verdicts else None,
         "lines": [_line(data, run, keep, arrays) for run in data.lines],
         "moving": [_line(data, m.run, keep, arrays) | {"label": m.label} for m in data.moving],
         "motion": _motion(data.moving, frames, arrays) if data.moving else None,
     }  # fmt: skip
+
+
+def _response(
+    bounds: ResponseBounds, data: PageData, keep: np.ndarray, arrays: _Arrays
+) -> dict[str, Any]:
+    row: dict[str, Any] = {"name": bounds.name, "longName": bounds.long_name}
+    row |= {"units": bounds.units, "unit": pretty(bounds.units), "along": bounds.abscissa}
+    row["widest"] = float(data.time[bounds.widest])
+    for key in ("least", "most"):
+        row[key] = number(getattr(bounds, key))
+    for key in ("lower", "upper", "nominal", "error"):
+        values = getattr(bounds, key)
+        row[key] = None if values is None else arrays.add(values[..., keep], "f8")
+    # What parameters contribute, where that is known well enough to be drawn.
+    vague = [r["name"] for r in data.facts["responses"] if r["grade"] in ("large", "none")]
+    is_drawn = bounds.widths is not None and bounds.name not in vague
+    return row | {
+        "widths": [arrays.add(w[keep], "f4") for w in bounds.widths] if is_drawn else None
+    }
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
@@ -213,18 +205,10 @@ def _table(formula: Any, arrays: _Arrays) -> Any:
 def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     value, happens = surrogate.formulas()
     numbers = {"least": surrogate.least, "latest": surrogate.latest, "error": row["error"]}
-    is_known = {key: x is not None and np.isfinite(x) for key, x in numbers.items()}
-    numbers = {key: x if is_known[key] else None for key, x in numbers.items()}
+    numbers = {k: None if x is None else number(x) for k, x in numbers.items()}
     words = {"name": row["name"], "unit": pretty(row["units"])}
     words |= {"words": row.get("words", row["long_name"])}
     return words | numbers | {"value": _table(value, arrays), "there": _table(happens, arrays)}
-
-
-def _verdicts(data: PageData, arrays: _Arrays) -> dict[str, Any] | None:
-    if data.verdicts is None:
-        return None
-    kinds = {"values": "f8", "numbers": "f8", "met": "u1"}
-    return {key: arrays.add(getattr(data.verdicts, key), kind) for key, kind in kinds.items()}
 
 
 def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any]:

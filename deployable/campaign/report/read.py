@@ -21,7 +21,7 @@ from deployable.campaign.report.data import (
 from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
-from deployable.campaign.results.response_bounds import CampaignBounds, ResponseBounds, read_bounds
+from deployable.campaign.results.response_bounds import CampaignBounds, read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
     RunTable,
@@ -47,7 +47,12 @@ def from_results(path: str | Path) -> PageData:
         data = PageData(
             facts=facts,
             time=bounds.time,
-            responses=tuple(map(_show_significant, bounds.responses)),
+            responses=tuple(  # without widths below the error of the fit, which are none
+                r
+                if r.widths is None
+                else replace(r, widths=np.where(r.widths > r.width_error, r.widths, np.nan))
+                for r in bounds.responses
+            ),
             runs=runs,
             moving=moving,
             omitted_runs=tuple(run for run in movers if moving and run.id not in moving_ids),
@@ -65,16 +70,7 @@ def from_results(path: str | Path) -> PageData:
     return replace(data, runs=tuple(with_curves))
 
 
-def _show_significant(bounds: ResponseBounds) -> ResponseBounds:
-    """The bounds without widths below the error of the fit, which are none."""
-    if bounds.widths is None:
-        return bounds
-    widths = np.where(bounds.widths > bounds.width_error, bounds.widths, np.nan)
-    return replace(bounds, widths=widths)
-
-
-MOST_RUNS = 10_000
-"""Runs that a page has, with their parameters; of more, it has those that move."""
+MOST_RUNS = 10_000  # runs that a page has, with their parameters; of more, it has those that move
 
 
 def _rows(samples: RunSamples, movers: Iterable[ShownRun]) -> Any:
@@ -128,30 +124,22 @@ def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdi
 
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
     """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
-    model = WhatIf({}, None, None)
+    limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:
-        names = samples.experiment.quantities
-        return dict(zip(names, runs.surrogates(limits), strict=True))
+        return dict(zip(samples.experiment.quantities, runs.surrogates(limits), strict=True))
 
-    limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
-    if limits:
-        model = replace(model, quantities=surrogates(FittedRuns.read(folder)))
+    fits: dict[str, Any] = {"quantities": surrogates(FittedRuns.read(folder)) if limits else {}}
     if "choice" in summary:
         record = read_json(folder.choice)["fitted"]
         keys = ("points", "numbers", "margins")
-        points, values, margins = (np.array(record[key], dtype=float) for key in keys)
-        runs = FittedRuns(points, values, margins)
-        model = replace(
-            model,
-            choice_quantities=surrogates(runs),
-            choice_intervals={name: tuple(ends) for name, ends in record["intervals"].items()},
-        )
-    if "polynomial" not in summary["bounds"]:
-        return model
-    with open_netcdf(folder.surrogate) as file:
-        indices, coefficients = file["multi_index"][:], file["coefficient"][:]
-    return replace(model, indices=indices, coefficients=coefficients)
+        points, numbers, margins = (np.array(record[key], dtype=float) for key in keys)
+        fits["choice_quantities"] = surrogates(FittedRuns(points, numbers, margins))
+        fits["choice_intervals"] = {n: tuple(ends) for n, ends in record["intervals"].items()}
+    if "polynomial" in summary["bounds"]:
+        with open_netcdf(folder.surrogate) as file:
+            fits |= {"indices": file["multi_index"][:], "coefficients": file["coefficient"][:]}
+    return WhatIf(**fits)
 
 
 def _work(folder: Folder, run_counts: Mapping[str, int]) -> list[dict]:

@@ -1,9 +1,6 @@
-"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
-
-The files are described at `intervals.bounds_dataset`, `intervals.surrogate_dataset` and
-`intervals.sensitivity_dataset`; all have coordinates `response`, `response_units`,
-`response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
-Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
+"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package, which says
+what the files hold. Surrogate and sensitivities are the polynomial's, also where the bounds are a
+spline's."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -23,11 +20,9 @@ def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
     """Fit the runs of a campaign, and write `surrogate.nc`, `design_bounds.nc` and
-    `sensitivities.nc` into `folder`, that of its results with `samples.nc`. choice: section
-    `bounds` of the config, with the model (polynomial or spline) whose bounds these are; the other
-    two files are of the polynomial; with_errors: function of the dataset of bounds that returns it
-    with further estimates of their errors; None: it is written as it is. A scan's samples are read
-    in pieces, so they may be larger than memory."""
+    `sensitivities.nc`. choice: section `bounds` of the config, whose model the bounds are of; the
+    other two are of the polynomial; with_errors: function of the dataset of bounds that returns it
+    with further errors. A scan's samples are read in pieces, so they may be larger than memory."""
     import xarray as xr
 
     with open_dataset(folder.samples) as samples:
@@ -54,10 +49,8 @@ def analyse(
 
 
 def include_runs(folder: Folder, runs: Any) -> None:
-    """Write `bounds.nc` into `folder`: the bounds by the planned runs and by further ones.
-
-    runs: the further runs (`answers.evaluations.FurtherRuns`). Models that are chosen by left-out
-    runs are fitted to them as well; other bounds are widened to them."""
+    """Write `bounds.nc`: the bounds by the planned runs and by further ones, `runs`. Models that
+    are chosen by left-out runs are fitted to them as well; other bounds are widened to them."""
     if not runs.values:
         with result_file(folder.bounds) as temporary:
             temporary.write_bytes(unseal(folder.design_bounds))

@@ -2,18 +2,18 @@
 `summary.schema.json` describes its keys (`$defs.cases`)."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from operator import itemgetter
 from typing import Any
 
 from deployable.campaign.config.cases import folder_name
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
+from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import doubts, sentence
 from deployable.campaign.text.numbers import place, quantity, spread
 
-GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}
-"""Which verdicts decide before others."""
+GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}  # which verdicts decide before others
 
 
 def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
@@ -62,10 +62,8 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
 
 def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """The clearest next test of each case, where runs that measured curves leave differ most."""
-    return [
-        {**facts["measured"]["next"][0], "case": name} for name, facts in summaries.items()
-        if facts.get("measured", {}).get("next")
-    ]  # fmt: skip
+    tests = {name: facts.get("measured", {}).get("next") for name, facts in summaries.items()}
+    return [{**rows[0], "case": name} for name, rows in tests.items() if rows]
 
 
 def combine_met(verdicts: Iterable[str]) -> str:
@@ -117,7 +115,10 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
     """One limit in the cases that it is of, and the case that is worst."""
     worst = min(limits.values(), key=_severity)
-    close = [case for case, row in limits.items() if row is not worst and _is_close(row, worst)]
+    peers = {
+        case: row for case, row in limits.items() if GROUPS[row["met"]] == GROUPS[worst["met"]]
+    }
+    close = [c for c, row in peers.items() if row is not worst and _is_same(row, worst, _margin)]
     keys = ("quantity", "units", "words", "event", "kind", "level")
     return {
         **{key: worst[key] for key in keys if key in worst},
@@ -139,20 +140,14 @@ def _severity(limit: Mapping) -> tuple:
     return GROUPS[limit["met"]], _margin(limit) / size, limit["share"], limit["case"]
 
 
-def _is_close(limit: Mapping, worst: Mapping) -> bool:
-    """Whether a limit is as bad as the worst within both errors; not where one is unknown."""
-    if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
-        return False
-    first, last = ({"margin": _margin(row), "error": row["error"]} for row in (limit, worst))
-    return _is_same(first, last, "margin")
-
-
-def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
-    """Whether two numbers differ by no more than the errors of both, or are infinite alike."""
-    errors = [math.inf if entry["error"] is None else entry["error"] for entry in (row, reference)]
-    if math.inf in (abs(row[key]), abs(reference[key])):
-        return row[key] == reference[key]
-    return abs(row[key] - reference[key]) <= sum(errors)
+def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float]) -> bool:
+    """Whether the numbers of two rows differ by no more than both errors, or are infinite alike."""
+    first, last = read(row), read(reference)
+    if math.inf in (abs(first), abs(last)):
+        return first == last
+    return None in (row["error"], reference["error"]) or (
+        abs(first - last) <= row["error"] + reference["error"]
+    )
 
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
@@ -163,12 +158,14 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
         first = next(iter(by_case.values()))
         ends: dict[str, Any] = {}
         for row in by_case.values():
-            row["error"] = row.get("errors", {}).get("whole", row["error"])
+            row["error"] = whole_error(row)
         for end, choose in (("lower", min), ("upper", max)):
             values = {c: row for c, row in by_case.items() if row[end] is not None}
             last = choose(values.values(), key=itemgetter(end), default={end: None})
             ends[end], ends[f"{end}_error"] = last[end], last.get("error")
-            ends[f"{end}_cases"] = [c for c, row in values.items() if _is_same(row, last, end)]
+            ends[f"{end}_cases"] = [
+                c for c, row in values.items() if _is_same(row, last, itemgetter(end))
+            ]
         rows.append({
             "name": name, "units": first["units"], "long_name": first["long_name"], **ends,
             "censored_cases": [case for case, row in by_case.items() if row["censored_at"]],

@@ -4,7 +4,6 @@ which the templates in this folder make the summary and the page."""
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,12 @@ import numpy as np
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import ROUNDING, Plan, read_plan
-from deployable.campaign.results.quantity_results import QuantityResults, add_total_error, number
+from deployable.campaign.results.quantity_results import (
+    QuantityResults,
+    add_total_error,
+    number,
+    whole_error,
+)
 from deployable.campaign.results.response_bounds import (
     COMPONENTS,
     LARGE,
@@ -33,11 +37,8 @@ from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch, RigidLatch
 from fpm.errors import SceneError
 
-SMALL = 0.05
-"""Share of the largest difference below which an error is small."""
-
-SOFT = 0.05
-"""Overlap (rad) from which faces that touch are said to pass through each other."""
+SMALL = 0.05  # share of the largest difference below which an error is small
+SOFT = 0.05  # overlap (rad) from which faces that touch are said to pass through each other
 
 _SIZES = {"rad": 1.0, "m": 1e-3}
 """Least sizes by unit, beside which a width is rounding: of directions 1, of structures 1 mm."""
@@ -49,10 +50,9 @@ def facts_of(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = ()
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
-    keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
-    files, which are read; published: largest width (upper less lower bound) that somebody has
-    published, by name of response, in its unit; answers: which results in JSON the campaign has,
-    "requirements", "choice" (of parameters) or "measured" (what explains measured curves)."""
+    keys `summary.schema.json` describes. Other functions call it the facts. published: largest
+    width that somebody has published, by response; answers: which results in JSON the campaign has,
+    "requirements", "choice" or "measured"."""
     plan = read_plan(folder.plan)
     experiment, bounds = plan.experiment, read_bounds(folder)
     with open_samples(folder) as samples:
@@ -75,9 +75,10 @@ def facts_of(
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
     least = {quantity.name: quantity.least for quantity in experiment.quantity_list}
+    by_name = {row["name"]: row for row in facts["quantities"]}
     for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
-        row = next(row for row in facts["quantities"] if row["name"] == limit["quantity"])
-        if reason := why_idle(limit, row, least[row["name"]]):
+        name = limit["quantity"]
+        if reason := why_idle(limit, by_name[name], least[name]):
             limit["idle"] = reason
     if choice := facts.get("choice"):
         runs["choice"] = choice["runs"]
@@ -118,12 +119,11 @@ def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:
 
 
 def mark_constant(facts: dict) -> None:
-    """Mark the responses and quantities that do not vary over the box of parameters. In their dicts
-    `constant` becomes True, `shares` is removed, `grade` "none", the `share` of each influence 0,
-    that of the errors None; facts: the campaign's results as plain data (`facts_of`), changed in
-    place. They are those whose upper and lower bound differ by rounding alone: by at most
-    `ROUNDING` (1e-12) times the largest value that any of them with that unit has, at least 1 rad,
-    1 mm, the duration (s), or 1 rad or 1 mm per duration (of rates); other units have no least."""
+    """Mark the responses and quantities of the facts that do not vary over the box: `constant`
+    becomes True, `shares` is removed, `grade` "none", the `share` of each influence 0, that of the
+    errors None. Their bounds differ by rounding alone: by at most `ROUNDING` times the largest
+    value that any of them with that unit has, at least 1 rad, 1 mm, the duration (s), or 1 rad or 1
+    mm per duration."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
@@ -158,9 +158,7 @@ def varies(row: Mapping) -> bool:
 def bounds_facts(
     bounds: CampaignBounds, samples: RunSamples, published: Mapping[str, float]
 ) -> dict[str, Any]:
-    """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
-    parameters, design, contacts that close in the nominal run, and bounds by response. published:
-    largest difference in the literature by response."""
+    """Collect what `bounds.nc` and `samples.nc` tell, a part of `summary.json`."""
     time, attributes = bounds.time, bounds.attributes
     nominal: Any = samples.nominal
     (events,) = samples.events([nominal])
@@ -196,12 +194,10 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     definitions = experiment.scene_type.parameters
     for parameter in parameters:
         parameter["description"] = definitions[parameter["name"]].description
-    settings = experiment.scene.parameters
-    values = {name: settings.get(name, x.default) for name, x in definitions.items()}
     fixed = [
         {"name": name, "value": value, "units": definitions[name].unit or "1",
          "description": definitions[name].description}
-        for name, value in values.items()
+        for name, value in experiment.parameters({}).items()
         if name not in experiment.intervals and value is not None
     ]  # fmt: skip
     description = experiment.scene_type.description.strip().rstrip(".")
@@ -228,10 +224,8 @@ def _response(
     bounds: ResponseBounds, campaign: CampaignBounds, published: float | None
 ) -> dict[str, Any]:
     time, width, instant = bounds.time, bounds.width, bounds.widest
-    row: dict[str, Any] = {
-        "name": bounds.name,
-        "long_name": bounds.long_name,
-        "units": bounds.units,
+    row: dict[str, Any] = {key: getattr(bounds, key) for key in ("name", "long_name", "units")}
+    row |= {
         "largest_difference": float(width[instant]),
         "time_of_largest_difference": float(time[instant]),
         "lower": float(bounds.lower[instant]),
@@ -262,9 +256,8 @@ def _response(
     if bounds.growth is not None:
         row["largest_growth_quarter"] = float(bounds.growth.max())
     if COMPONENTS[0] in bounds.errors:
-        errors = {
-            name: _mean(bounds.errors[name], time) for name in COMPONENTS if name in bounds.errors
-        }
+        parts = [name for name in COMPONENTS if name in bounds.errors]
+        errors = {name: _mean(bounds.errors[name], time) for name in parts}
         row["errors"] = add_total_error(errors, _mean(width, time))
     row["impossible_by"], row["time_of_impossible"] = bounds.impossible
     if bounds.shares is not None:
@@ -289,11 +282,8 @@ def _mean(curve: np.ndarray, time: np.ndarray) -> float:
 def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
     """The largest difference between the bounds of a response where these are drawn, with the
     error of either and the time; None where there are no errors, or none is small enough."""
-    if bounds.error is None:
-        return None
     width, error = bounds.width, bounds.error
-    is_sure = error < LARGE * width.max()
-    if not is_sure.any():
+    if error is None or not (is_sure := error < LARGE * width.max()).any():
         return None
     instant = int(np.where(is_sure, width, -np.inf).argmax())
     values = width[instant], error[instant], bounds.time[instant]
@@ -310,9 +300,8 @@ def grade(error: float | None, width: float) -> str:
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
-    """Whether an accuracy is `met`, by the last `errors` of responses and quantities (rows, with
-    `name` and what is `asked`), which are `unmet`; why rounds and searches ended, as sentences;
-    mesh, runs, core seconds."""
+    """Whether an accuracy is `met`, by the last errors of responses and quantities (rows), which
+    are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [
@@ -320,10 +309,10 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         if row.get("lower", 0.0) is not None
         and not ("constant" in row and row.get("runs_with", 2) > 1)
     ]  # fmt: skip
-    unmet = [row for row in intervals if not _is_met(row["errors"])]
+    unmet = [row["name"] for row in intervals if not _is_met(**row["errors"])]
     texts = [] if plan.adaptive.met else [f"The rounds ended as {last.reason}"]
     texts += [f"The search for the bounds of {row['name']} ended as {row['search_end']}"
-              for row in unmet if row.get("search_end")]  # fmt: skip
+              for row in intervals if row["name"] in unmet and row.get("search_end")]  # fmt: skip
     texts = texts or ["Finer steps and meshes change bounds too much"]
     reason = ". ".join(text.removesuffix(".") for text in texts)
     if not unmet and intervals:
@@ -332,7 +321,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
         reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
     return {
         "met": not unmet,
-        "unmet": [row["name"] for row in unmet],
+        "unmet": unmet,
         "others": len(intervals) - len(unmet),
         "reason": reason,
         "rounds": len(plan.adaptive.rounds),
@@ -342,9 +331,9 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     }
 
 
-def _is_met(errors: Mapping[str, Any]) -> bool:
+def _is_met(share: float | None, target: float, **_: Any) -> bool:
     """As it is printed: with three digits."""
-    return errors["share"] is not None and float(f"{errors['share']:.3g}") <= errors["target"]
+    return share is not None and float(f"{share:.3g}") <= target
 
 
 def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:
@@ -391,8 +380,7 @@ def largest(shares: Mapping[str, float | None]) -> list[str]:
 
 def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
     """Return whether a parameter that is known exactly (`key` "fixed"), or half as wide ("halved"),
-    narrows a quantity's interval by more than the error of these widths. influence: what is said of
-    the parameter in `row`, the quantity's dict (`QuantityResults`)."""
+    narrows a quantity's interval by more than the error of these widths."""
     numbers = influence[key], influence["width_error"], row["surrogate_upper"]
     if "constant" in row or None in numbers:
         return False
@@ -409,9 +397,7 @@ def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
     """Name the parameters whose halved interval raises most the share of the box that meets all
     requirements, as far as the errors tell; [] if none does. halved: of `together`."""
     effective = {name: half for name, half in halved.items() if gains(half)}
-    least = max(
-        (half["gain"] - half["gain_uncertainty"] for half in effective.values()), default=0.0
-    )
+    least = max((x["gain"] - x["gain_uncertainty"] for x in effective.values()), default=0.0)
     return [name for name, x in effective.items() if x["gain"] + x["gain_uncertainty"] >= least]
 
 
@@ -423,18 +409,17 @@ def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
-    """Name the quantity of a requirement that fails in part of the box only because the quantity
-    (an event's time, say) does not occur there: where it occurs, its bounds keep all limits by
-    their error. None for any other requirement. row: the requirement's dict in the results as plain
-    data (`facts_of`); quantities: dicts of all quantities there."""
+    """Name the quantity of a requirement (`row`) that fails in part of the box only because the
+    quantity does not occur there: where it occurs, its bounds keep all limits by their error. None
+    for any other requirement."""
     rows = {quantity["name"]: quantity for quantity in quantities}
     limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
     names = {limit["quantity"] for limit in limits}
     if row["met"] != "some" or not row["share"] < 1 or len(names) != 1:
         return None
     quantity = rows[names.pop()]
-    is_kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
-    return quantity["name"] if is_kept else None
+    is_kept = all(keeps(quantity, limit["kind"], limit["level"]) for limit in limits)
+    return quantity["name"] if is_kept and quantity["happens"] == row["share"] else None
 
 
 def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:
@@ -446,20 +431,18 @@ def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> M
         return limit
     quantity = next(quantity for quantity in quantities if quantity["name"] == name)
     end, place = ("upper", "argmax") if limit["kind"] == "at_most" else ("lower", "argmin")
-    error = quantity.get("errors", {}).get("whole", quantity["error"])
     margin = abs(limit["level"] - quantity[end])  # is kept by the error
-    worst = {"margin": margin, "error": error, "at": quantity[place], "ran": True}
+    worst = {"margin": margin, "error": whole_error(quantity), "at": quantity[place], "ran": True}
     return {**limit, **worst, "simulated": quantity[f"simulated_{end}"], "is_partial": True}
 
 
-def _keeps(quantity: Mapping, limit: Mapping) -> bool:
-    """Whether a quantity's bounds keep a limit by their error."""
-    error = quantity.get("errors", {}).get("whole", quantity["error"])
-    if quantity["lower"] is None or error is None:
+def keeps(row: Mapping, kind: str, level: float) -> bool:
+    """Return whether the bounds of a quantity (its dict, `row`) keep a limit by their error. kind:
+    of the limit, "at_most" or "at_least"; level: its number."""
+    error = whole_error(row)
+    if row["lower"] is None or error is None or (kind == "at_most" and row.get("censored_at")):
         return False
-    if limit["kind"] == "at_most":
-        return quantity["censored_at"] is None and quantity["upper"] + error <= limit["level"]
-    return quantity["lower"] - error >= limit["level"]
+    return bool((row["lower"] - level if kind == "at_least" else level - row["upper"]) >= error)
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:

@@ -3,7 +3,7 @@
 Bounds differ by dash as well as by colour, so that a grey print can be read."""
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nomina
 RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
 DOUBT = f"do not rely on these bounds: error\nfrom {100 * LARGE:.0f} % of the largest difference"
 FAINT = {"linestyle": (0, (1, 1)), "linewidth": 1.0, "alpha": 0.6, "label": DOUBT}
+SHADE: Any = {"facecolor": "#F0E442", "edgecolor": "0.6", "hatch": "///", "alpha": 0.25}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
 STYLE: Any = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
@@ -44,7 +45,6 @@ def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float 
     shade_above: error, as a share of the largest difference of the bounds, above which instants are
         hatched.
     width: of the figure (inches)."""
-
     is_single, columns, narrow = len(bounds) == 1, 1 if len(bounds) <= 3 else 2, width < 5.0
     heights = [1.0] * -(-len(bounds) // columns)
     if is_single and (bounds[0].width > 0).any():
@@ -64,16 +64,9 @@ def envelope(bounds: Sequence[ResponseBounds], shade_above: float, width: float 
     keys = [pair for ax in axes for pair in zip(*ax.get_legend_handles_labels(), strict=True)]
     keys.sort(key=lambda pair: pair[1].startswith("("))  # the numbers of panels last
     handles = {label: handle for handle, label in keys}
-    figure.legend(
-        handles.values(),
-        handles.keys(),
-        loc="outside lower center",
-        ncols=2 if narrow else 3,
-        columnspacing=1.2,
-        handlelength=1.8,
-        fontsize=6 if narrow else 7,
-        frameon=False,
-    )
+    style: Any = {"ncols": 2, "fontsize": 6} if narrow else {"ncols": 3, "fontsize": 7}
+    style |= {"columnspacing": 1.2, "handlelength": 1.8, "frameon": False}
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", **style)
     return figure
 
 
@@ -99,10 +92,8 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, shade_above: float, letter
     if error is not None:
         bands = [(ax, np.fmax(lower - error, bounds.least), lower),
                  (ax, upper, np.fmin(upper + error, bounds.most))]  # fmt: skip
-        bands += [
-            (axis, np.maximum(difference - error, 0), difference + error)
-            for axis in difference_axes
-        ]
+        band = np.maximum(difference - error, 0), difference + error
+        bands += [(axis, *band) for axis in difference_axes]
         label = f"error above {100 * shade_above:.3g} % of\nthe largest difference"
         for axis, low, high in bands:
             axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
@@ -133,7 +124,6 @@ def shares(bounds: CampaignBounds, width: float = 7.0) -> Any:
     range is over time when one parameter varies alone, the right one these widths integrated over
     time, in per cent of their sum over all parameters. Widths that are not above the error of the
     fit are grey, and count as 0."""
-
     responses = bounds.responses
     parameters = [parameter["name"] for parameter in bounds.parameters]
     labels = [_abscissa(response)[1] for response in responses]
@@ -180,17 +170,8 @@ def _shade(ax: Any, time: np.ndarray, mask: np.ndarray, label: str) -> None:
     """Hatch the spans of time in which `mask` holds."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     for count, (start, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
-        ax.axvspan(
-            time[start],
-            time[min(stop, len(time) - 1)],
-            facecolor="#F0E442",
-            edgecolor="0.6",
-            hatch="///",
-            alpha=0.25,
-            linewidth=0,
-            zorder=0,
-            label=label if count == 0 else None,
-        )
+        ends = time[start], time[min(stop, len(time) - 1)]
+        ax.axvspan(*ends, label=label if count == 0 else None, linewidth=0, zorder=0, **SHADE)
 
 
 def _mark_largest(
@@ -237,18 +218,25 @@ def small_fonts() -> Iterator[None]:
         subset.load_font = usual
 
 
-def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save a matplotlib figure as PNG and PDF with seals (checksum, origin) and without dates, so
-    that equal data give equal files. path: without suffix; options: for `savefig`."""
+def save(
+    figure: Any,
+    path: Path,
+    kinds: Iterable[str] = PICTURES,
+    dpi: int = 200,
+    file: Any = result_file,
+) -> None:
+    """Save a matplotlib figure in some `kinds` of `DATELESS`, without dates, so that equal data
+    give equal files. path: without suffix; file: context manager that gives a temporary path for
+    each; by default it seals them."""
     from matplotlib import rc_context
 
     without_formulas(figure)
-    for kind in PICTURES:
+    for kind in kinds:
         with (
-            result_file(path.with_name(f"{path.name}.{kind}")) as temporary,
+            file(path.with_name(f"{path.name}.{kind}")) as temporary,
             rc_context(STYLE),
             small_fonts(),
         ):
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
-            figure.savefig(temporary, dpi=200, metadata=DATELESS[kind], **fast, **options)
+            figure.savefig(temporary, dpi=dpi, metadata=DATELESS[kind], **fast)
         figure.set_layout_engine(None)  # found by now, and the same for the next kind

@@ -18,14 +18,12 @@ from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
 from fpm.travel import Path, classes_of_kinds, component_classes, springs_of
 
-OPENING_TOLERANCE = 1e-6
-"""Difference of openings (share of the travel) that is none."""
+OPENING_TOLERANCE = 1e-6  # difference of openings (share of the travel) that is none
 
 
 def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Collect what a review sheet needs beside the facts (`facts_of`): `margins`, torque margins by
-    quantity (dicts of `margin_of`); `latches`, their names; and `motion`, the energies of
-    `motion_of`. folder: of the results; quantities: their dicts in the facts."""
+    """Collect what a review sheet needs beside the facts: `margins`, torque margins by quantity
+    (dicts of `margin_of`); `latches`, their names; and `motion`, the energies of `motion_of`."""
     plan = read_plan(folder.plan)
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
@@ -63,12 +61,10 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
 def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
-    """Collect the facts of a torque margin (driving over required torque, less 1) for its review
-    sheet: a dict of standard, factors, travel, and the budget of torques where the margin is least.
-    experiment: of the campaign's plan; scenes: the nominal structure, then those at corners of the
-    box of parameters; response: the margin, as a `Response`; row: dict of its least value in the
-    facts (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns
-    curves of the work of all springs, motors and other components along the travel."""
+    """Collect the facts of a torque margin (a `Response`) for its review sheet. scenes: the nominal
+    structure, then those at corners of the box; row: dict of its least value in the facts; sweep:
+    function of parameter values (k) and the margin that returns curves of the work of all
+    components along the travel."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
@@ -154,12 +150,11 @@ def evidence_of(margin: Any) -> str:
 def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, is_stowed: bool
 ) -> list[float] | None:
-    """First and last opening (angle of a hinge, rad, or position of a slide, m) of the whole travel
-    of the joint that a margin follows; None where no latch and no stop ends it. It reaches from the
-    start to the farthest latch, or without one to the nearest stop, and covers all scenes. scenes:
-    structures; openings: names of the joints that move together, first the one followed; positions:
-    the margin's, with `first` and `last` opening; is_stowed: whether it begins at `first`, not at
-    the openings at which the scenes start."""
+    """First and last opening (rad, or m of a slide) of the whole travel of the joint that a margin
+    follows; None where no latch and no stop ends it. It reaches from the start to the farthest
+    latch, or without one to the nearest stop, and covers all scenes. openings: joints that move
+    together, first the one followed; positions: the margin's; is_stowed: whether it begins at
+    `first`."""
     sign = 1.0 if positions.last > positions.first else -1.0
     side = "above" if sign > 0 else "below"
     starts, ends = [], []
@@ -196,8 +191,7 @@ def list_deviations(scene: Any, definition: Mapping[str, Any], response: Any) ->
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
     """List the components that the structure's file puts into a class with weaker factors than
-    their kind has in a standard, a text each: component, its class, that of its kind. scene:
-    `fpm.Scene`; response: a torque margin (`Response`), whose standard is meant."""
+    their kind has in the standard of a margin, a text each."""
     standard, parts = STANDARDS[standard_of(response)], component_classes(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [

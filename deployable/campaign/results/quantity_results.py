@@ -14,8 +14,7 @@ from deployable.campaign.results.response_bounds import COMPONENTS, read_paramet
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
 from deployable.intervals.scalars import fit_scalar, share_borders
 
-MAX_FIT_RUNS = 10_000
-"""Runs up to which surrogates of quantities are fitted to all of them."""
+MAX_FIT_RUNS = 10_000  # runs up to which surrogates of quantities are fitted to all of them
 
 _MAX_FITTED_RUNS = 4_000  # of more runs
 _NUMBERS = ("lower", "upper", "simulated_lower", "simulated_upper", "surrogate_lower",
@@ -87,6 +86,12 @@ def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float
     return row
 
 
+def whole_error(row: Mapping[str, Any]) -> float | None:
+    """Return the error of a quantity's interval, with those of mesh and step where these are known.
+    row: its dict (`QuantityResults`)."""
+    return row.get("errors", {}).get("whole", row["error"])
+
+
 def add_total_error(
     parts: Mapping[str, float | None], width: float | None
 ) -> dict[str, float | None]:
@@ -108,10 +113,9 @@ def number(value: float) -> float | None:
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
-    q): quantities of all runs, NaN for one that does not occur. Of up to 10,000 runs
-    (`MAX_FIT_RUNS`) all are chosen; of more the first 4000, which fill the box of parameters, and
-    for each quantity the runs with its least and largest value and the first without it."""
+    """Choose the runs that surrogates of quantities are fitted to, of all runs' `numbers` (R, q):
+    all of up to `MAX_FIT_RUNS`; of more the first 4000, which fill the box, and for each quantity
+    the runs with its least and largest value and the first without it."""
     if len(numbers) <= MAX_FIT_RUNS:
         return np.arange(len(numbers))
     rows = set(range(_MAX_FITTED_RUNS))

@@ -18,8 +18,7 @@ _GREY = "0.75"
 
 def ranges(results: QuantityResults, runs: FittedRuns, surrogates: Sequence[Any]) -> Any:
     """Make a matplotlib figure with one plot for each quantity: its value over one or two
-    parameters, or where there are more the width of its interval by parameter. runs: the fitted
-    ones; surrogates: of the quantities, in order (`FittedRuns.surrogates`)."""
+    parameters, or where there are more the width of its interval by parameter."""
     parameters, count = results.parameters, len(results.rows)
     free = [j for j, p in enumerate(parameters) if p["upper"] > p["lower"]]
     columns = 1 if len(free) > 2 or count == 1 else 2
@@ -96,10 +95,10 @@ class _Plot(NamedTuple):
             ax.fill_between([], [], color="0.9", label="does not happen")
             ax.legend(fontsize=7, frameon=False)
         mask = np.isfinite(self.values)
-        for kind, mark, colour in ((mask, "o", "white"), (~mask, "x", RED)):
+        marks = (mask, "o", "white", "black"), (~mask, "x", RED, RED)
+        for kind, mark, colour, edge in marks:
             places = [self.scale(c, self.points[kind, c]) for c in (i, j)]
-            ax.plot(*places, mark, color=colour, mec="black" if mark == "o" else colour, ms=3.5,
-                    clip_on=False)  # fmt: skip
+            ax.plot(*places, mark, color=colour, mec=edge, ms=3.5, clip_on=False)
         for bound, mark in (("argmin", "v"), ("argmax", "^")):
             place = [row[bound][self.parameters[c]["name"]] for c in (i, j)]
             if None not in place:

@@ -11,11 +11,8 @@ import numpy as np
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 
-COMPONENTS = ("surrogate", "step", "mesh")
-"""Components of an error."""
-
-LARGE = 0.25
-"""Share of the largest difference of bounds from which their error is large."""
+COMPONENTS = ("surrogate", "step", "mesh")  # components of an error
+LARGE = 0.25  # share of the largest difference of bounds from which their error is large
 
 
 @dataclass(frozen=True)
@@ -95,9 +92,8 @@ class CampaignBounds:
 
 
 def read_bounds(folder: Folder, of_design: bool = False) -> CampaignBounds:
-    """Read the bounds of a campaign's responses, with what parameters contribute where there is a
-    `sensitivities.nc`. folder: of the results; of_design: whether to read those by the planned runs
-    alone. Raises `DamagedError` for a damaged file."""
+    """Read the bounds of a campaign's responses, with what parameters contribute where that is
+    known. of_design: those by the planned runs alone. Raises `DamagedError`."""
     columns: dict[str, Any] = {}
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as file:

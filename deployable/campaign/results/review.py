@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
-from deployable.campaign.results.facts import decisive
+from deployable.campaign.results.facts import decisive, keeps
+from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text import numbers
 from fpm.reading.margins import MOST
@@ -73,23 +74,18 @@ MIN_EXCHANGE = 20.0
 
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
-    """Make all rows of the review sheet of a standard: dicts of texts with the keys `HEADS`
-    (clause, what it asks, how it was analysed, value, verdict, ...), `state` (the verdict as one of
-    the words in `STATES`, such as `met`) and `of` (the quantity). facts: the campaign's results as
-    plain data (`facts_of`), with `mechanism` (`mechanism_of`); experiment: the campaign's config
-    (Experiment), as in its plan; standard: a key of `CLAUSES`."""
+    """Make all rows of the review sheet of a standard: dicts of texts with the keys `HEADS`,
+    `state` (the verdict as one of `STATES`) and `of` (the quantity). facts: with `mechanism`."""
     sheet = _Sheet(facts, experiment, standard)
-    return [
-        row for clause in CLAUSES[standard] for row in sheet.rows(clause)
-    ] + sheet.list_other_rows()
+    rows = [row for clause in CLAUSES[standard] for row in sheet.rows(clause)]
+    return rows + sheet.list_other_rows()
 
 
 def head_of(
     facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
 ) -> list[str]:
     """Write the paragraphs above a review sheet: how many rows have which verdict, the box of
-    parameters, and how to read the numbers. facts: the campaign's results as plain data
-    (`facts_of`); rows: the sheet's dicts (`rows_of`); standard: a key of `CLAUSES`."""
+    parameters, and how to read the numbers."""
     arguments = facts, rows, STATES, edition_of(standard)
     return sentence("sheet_head", *arguments, escapes=False).strip().split("\n\n")
 
@@ -100,9 +96,8 @@ def edition_of(standard: str) -> str:
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """Write a review sheet as CSV text, headings first, the same for all standards. rows: the
-    sheet's dicts (`rows_of`); standard: a key of `CLAUSES`, whose title and edition stand in the
-    first column of each row."""
+    """Write a review sheet as CSV text, headings first, the same for all standards, with the
+    edition in the first column."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     sheet_rows = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *sheet_rows))
@@ -112,9 +107,8 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Make a table for each torque margin of what drives and what resists at the position where it
-    is least: dicts of `title`, `heads` and `rows` (six texts each) and `sum`, a sentence. facts:
-    the campaign's results as plain data (`facts_of`), with `mechanism` (`mechanism_of`)."""
+    """Make a table for each torque margin of what drives and what resists where it is least: dicts
+    of `title`, `heads`, `rows` (six texts each) and `sum`, a sentence."""
     budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]
@@ -143,20 +137,6 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
                       f"T/Tmin − 1 is {MOST:g} or more, and counts as {MOST:g}."),
         })  # fmt: skip
     return budgets
-
-
-def _error(row: Mapping[str, Any]) -> float | None:
-    """The error of a quantity's interval, of mesh and step too where it is known."""
-    return row["errors"]["whole"] if row.get("errors") else row["error"]
-
-
-def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
-    """Whether the interval of a quantity, as it is printed, keeps a limit with its error."""
-    if row["lower"] is None or row["runs_without"]:
-        return False
-    error = _error(row)
-    margin = row["lower"] - level if kind == "at_least" else level - row["upper"]
-    return error is not None and margin >= error
 
 
 class _Sheet:
@@ -200,10 +180,8 @@ class _Sheet:
             if name in self._row_names:
                 continue
             if (margin := self._margins.get(name)) is not None:
-                names = {
-                    "clause": STANDARDS[margin["standard"]].title,
-                    "asks": "a margin of at least 0 over the full range of travel",
-                }
+                asks = "a margin of at least 0 over the full range of travel"
+                names = {"clause": STANDARDS[margin["standard"]].title, "asks": asks}
                 rows += [names | x for x in self._quantity_rows(row, "margin")]
             else:
                 rows += self._list_requirements(row, self._limits.get(name, []))
@@ -268,7 +246,7 @@ class _Sheet:
     ) -> dict[str, str]:
         """A quantity with its interval and a verdict; limit: by which it is judged."""
         name, units, parameters = row["name"], row["units"], self.facts["parameters"]
-        value = f"{numbers.interval(row)} ± {numbers.quantity(_error(row), units, 2)}"
+        value = f"{numbers.interval(row)} ± {numbers.quantity(whole_error(row), units, 2)}"
         if row["lower"] is None:
             value = "happens in no run"
         analysed, nearest = f"{name}: {row['long_name']}", ""
@@ -279,14 +257,10 @@ class _Sheet:
                 nearest = f"{numbers.place(row['argmin'], parameters)}: {least}, computed there"
         if limit is not None:
             analysed += f"; {_describe_limit(limit, units)}"
-            happens = limit["kind"] == "happens"
-            if not (happens and limit["met"] in ("all", "undecided")):
+            if limit["kind"] != "happens" or limit["met"] not in ("all", "undecided"):
+                least = numbers.quantity(limit["simulated"], units, 4, missing="")
                 nearest = numbers.place(limit["at"], parameters)
-                if limit["simulated"] is not None:
-                    least = numbers.quantity(limit["simulated"], units, 4)
-                    nearest += f": {least}, computed there"
-                else:
-                    nearest += ", by the surrogate"
+                nearest += f": {least}, computed there" if least else ", by the surrogate"
         if margin:
             opening = numbers.quantity(margin["budget"]["opening"], margin["unit"], 4)
             nearest += f", at an opening of {opening}"
@@ -315,7 +289,9 @@ class _Sheet:
         if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
             return _because(OPEN, f"{runs}, which proves nothing of the rest")
-        if limit["kind"] != "happens" and not _keeps(row, limit["kind"], limit["level"]):
+        if limit["kind"] != "happens" and (
+            row["runs_without"] or not keeps(row, limit["kind"], limit["level"])
+        ):
             return _because(OPEN, "the limit is within the error")
         if row.get("doubt"):
             return _because(OPEN, f"{row['doubt']}")
@@ -328,17 +304,14 @@ class _Sheet:
         sides = {self._side(q, bound) for q in self._numbers for _, bound in self._limits.get(q, ())
                  if self._numbers[q].response == self._numbers[row["name"]].response}  # fmt: skip
         if not self._side(row["name"], limit):
-            limit_text = _describe_limit(limit, row["units"])
-            text = f"{limit_text}, of this quantity, is no allowable of the largest load"
-            return _because(NOT_ANALYSED, text)
-        verdict = self._judge(row, limit)
-        is_signed = self._numbers[row["name"]].response.least is None
-        if verdict.state == MET and is_signed and not {1, -1} <= sides:
+            text = f"{_describe_limit(limit, row['units'])}, of this quantity, is no allowable"
+            return _because(NOT_ANALYSED, f"{text} of the largest load")
+        if (verdict := self._judge(row, limit)).state != MET:
+            return verdict
+        if self._numbers[row["name"]].response.least is None and not {1, -1} <= sides:
             text = "met for loads of one sign; state a limit of the other as well"
             return _because(PARTIAL, text)
-        if verdict.state == MET:
-            return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
-        return verdict
+        return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
 
     def _side(self, name: str, limit: Mapping[str, Any]) -> int:
         """On which side (1 above, -1 below) a limit of a quantity bounds a response; 0: neither."""
@@ -365,7 +338,7 @@ class _Sheet:
             return ALL_FAIL
         if row["lower"] is None or row["lower"] < 0:
             return SOME_FAIL
-        if _keeps(row, "at_least", 0.0):
+        if not row["runs_without"] and keeps(row, "at_least", 0.0):
             return self._met
         return _because(OPEN, "the least margin is within its error")
 
@@ -384,9 +357,8 @@ class _Sheet:
         for requirement, limit in self._limits.get(row["name"], ()):
             stricter = self._judge(row, limit)
             if limit["kind"] == "at_least" and limit["level"] > 0 and stricter.state != MET:
-                limit_text = _describe_limit(limit, row["units"])
-                text = f"own requirement {requirement}, {limit_text}; the limit 0 is kept"
-                return Verdict(stricter.state, f"{stricter.state}: {text}")
+                text = f"own requirement {requirement}, {_describe_limit(limit, row['units'])}"
+                return _because(stricter.state, f"{text}; the limit 0 is kept")
         if reasons := self._open_travel(margin):
             analysed = _stretch((margin["first"], margin["last"]), margin["unit"])
             return _because(PARTIAL, f"met from {analysed}; {'; '.join(reasons)}")
@@ -470,7 +442,7 @@ class _Sheet:
         """Whether the least clearance is three times its tolerance, the width of its interval."""
         if self._numbers[row["name"]].kind != "smallest":
             return _because(NOT_ANALYSED, "of a clearance the `smallest` is asked")
-        error = _error(row)
+        error = whole_error(row)
         if row["lower"] is None or error is None or not row["upper"] > row["lower"]:
             return _because(NOT_ANALYSED, "no tolerance changes it")
         tolerance = row["upper"] - row["lower"] + 2 * error
@@ -517,10 +489,8 @@ class _Sheet:
         if "together" not in self.facts:
             return None
         rows, whole = self.facts["requirements"], self.facts["together"]
-        analysed = (
-            f"all requirements together, over the box of {', '.join(self._free)}; "
-            f"{self.facts['runs']['all']} runs, the worst places among them"
-        )
+        analysed = f"all requirements together, over the box of {', '.join(self._free)}; "
+        analysed += f"{self.facts['runs']['all']} runs, the worst places among them"
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
         failures: dict[str, None] = {}
         for row in (row for row in rows if row["met"] in ("some", "none")):
@@ -548,10 +518,8 @@ class _Sheet:
         """Row on the runs' energy balance: met if energies change by much more than its error."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
-        analysed = (
-            f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of the "
-            "largest energy"
-        )
+        analysed = f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of "
+        analysed += "the largest energy"
         if motion is None:
             text = "how far energies change was not kept (jobs.keep)"
             return _row(analysed, _because(PARTIAL, text))
@@ -568,16 +536,16 @@ class _Sheet:
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
+        if not self._free:
+            return _row("", NO_VERDICT)
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
             f"{numbers.quantity(p['value'], p['units'], 4)})"
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
-        if not self._free:
-            return _row("", NO_VERDICT)
-        verdict = REPORT_ONLY
-        if fixed:
-            verdict = _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}")
+        verdict = (
+            _because(PARTIAL, f"these do not vary: {'; '.join(fixed)}") if fixed else REPORT_ONLY
+        )
         return _row("parameters that are intervals", verdict, ", ".join(self._free))
 
     def tests(self) -> dict[str, str]:
@@ -598,9 +566,8 @@ class _Sheet:
                 text = f"the model comes no nearer than {least} bands to the tests. "
                 text = (text + sentence("differing", self.facts, escapes=False)).strip()
             return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
-        value = "; ".join(
-            f"{p['name']} {_stretch(p['after'], p['units'])}" for p in measured["parameters"]
-        )
+        stretches = [(p["name"], _stretch(p["after"], p["units"])) for p in measured["parameters"]]
+        value = "; ".join(f"{name} {text}" for name, text in stretches)
         verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
             verdict = _because(OPEN, "no run explains the tests, and none is excluded")

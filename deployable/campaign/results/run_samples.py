@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.files.contents import EVENT_VARIABLES, FAILURE_VARIABLES, ROLES
 from deployable.campaign.folder import Folder
@@ -78,12 +79,11 @@ def open_samples(folder: Folder) -> "Iterator[RunSamples]":
 
 
 class RunSamples:
-    """Runs of a campaign, of its open `samples.nc`. `experiment`: that they are of; `time_step`,
-    `finest_step` (s): the latter of runs that failed with the former and were repeated;
-    `mechanics`: digest of structure and code; `contacts`: names of contacts, stops and latches;
-    `overlap`: largest one of the faces of a contact (rad); `assembly_energy`: strain energy at the
-    start (J); `keeps_extremes`: whether there are only the least and largest values of the
-    responses (`jobs.keep: extremes`). What may be large is read when it is first asked for."""
+    """Runs of a campaign, of its open `samples.nc`; what may be large is read when it is first
+    asked for. `finest_step` (s): of runs that failed with `time_step` and were repeated;
+    `mechanics`: digest of structure and program; `contacts`: names of contacts, stops and latches;
+    `overlap`: largest one of the faces of a contact (rad); `assembly_energy` (J): at the start;
+    `keeps_extremes`: whether there are only the least and largest values of the responses."""
 
     def __init__(self, file: Any):
         self._file, self.experiment = file, Experiment.read(file.config)
@@ -163,6 +163,16 @@ class RunSamples:
         low, high, low_run, high_run = (self._file[n][:, response, instant] for n in names)
         rows = np.flatnonzero(low_run >= 0)  # of quarters that have runs
         return int(low_run[rows[low[rows].argmin()]]), int(high_run[rows[high[rows].argmax()]])
+
+
+def check_mechanics(experiment: Experiment, mechanics: str, folder: Folder) -> None:
+    """Raise `CampaignError` if structure or program are no longer those by which runs were made.
+    mechanics: digest of these; folder: of the results."""
+    if experiment.mechanics != mechanics:
+        raise CampaignError(
+            f"the structure or the mechanics have changed since {folder.path} was made, so that "
+            "its runs cannot be made again; run the campaign first"
+        )
 
 
 def describe_events(events: np.ndarray, contacts: Sequence[str]) -> list[dict[str, Any]]:

@@ -16,10 +16,9 @@ def summarise(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = (),
     review: str | None = None,
 ) -> str:  # fmt: skip
-    """Write a campaign's results as `summary.json` (facts, for programs) and `summary.md` (text,
-    for people) into its folder; returns that text. folder: the results, read and written to;
-    published, answers: as of `facts_of`; review: key of the standard, in `review.CLAUSES`, by whose
-    clauses `review.csv` and `review.md` are written; None: neither."""
+    """Write a campaign's results as `summary.json` and `summary.md` into its folder; returns that
+    text. published, answers: as of `facts_of`; review: key of the standard by whose clauses
+    `review.csv` and `review.md` are written; None: neither."""
     facts = facts_of(folder, published, answers)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])

@@ -16,17 +16,13 @@ _FOLDERS = [Path(__file__).parents[1] / room for room in ("results", "report", "
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
-    """Make a jinja2 environment that renders the templates of this folder, of `report/` and `cli/`,
-    with this program's filters. units: spellings such as `m/s` that stay on one line with their
-    number, in HTML; html: whether texts are escaped for HTML."""
+    """Make a jinja2 environment of the templates of this folder, `report/` and `cli/`. units:
+    spellings such as `m/s` that stay on one line with their number, in HTML; html: whether texts
+    are escaped for HTML."""
     import jinja2
 
     class CompiledTemplates(jinja2.FileSystemBytecodeCache):
-        """Templates as code on disk: to make it takes longer than to render them. Filters of
-        constants are part of it, and so the program's digest of its checksum."""
-
-        def get_source_checksum(self, source: str) -> str:
-            return super().get_source_checksum(source + program_digest())
+        """Templates as code on disk: to make it takes longer than to render them."""
 
         def dump_bytecode(self, bucket: Any) -> None:
             with suppress(OSError):  # of a full disk, say
@@ -36,7 +32,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     def tie_units(_: Any, value: Any) -> Any:
         return numbers.tie_units(value, units) if type(value) is str else value
 
-    units, folder = list(units), user_cache() / "templates"
+    # Filters of constants are part of what is compiled, and so all of the program.
+    units, folder = list(units), user_cache() / "templates" / program_digest()
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
     env = jinja2.Environment(
@@ -47,7 +44,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     )  # fmt: skip
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "with_error", "earliest", "capitalise"),
+                  "position", "with_error", "earliest"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest", "largest",
                 "gains", "best_halvings", "worst_case"),
     }  # fmt: skip
@@ -55,6 +52,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         env.filters |= {name: getattr(module, name) for name in names}
     env.filters |= {
         "met_text": met_text, "doubts": doubts,
+        "capitalise": lambda text: text[:1].upper() + text[1:],
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.to_html, units=units),
     }  # fmt: skip
@@ -67,9 +65,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template over the facts, by default the summary as Markdown, as text. facts: the
-    campaign's results as plain data (`facts_of`), whose texts are escaped, but for backticks in a
-    `doubt`; template: name of a file in this folder."""
+    """Render a template over the facts, whose texts are escaped, but for backticks in a `doubt`."""
     text = environment().get_template(template).render(facts=_escape(facts))
     return text.rstrip() + "\n"
 
@@ -87,9 +83,8 @@ def _escape(facts: Any, code: str = "") -> Any:
 
 
 def met_text(row: Mapping[str, Any]) -> str:
-    """Write in which part of the box of parameters a requirement is met: `All`, `None`, a
-    percentage, or, where no share is known, that no run or every run fails. row: dict of a
-    requirement, or of one of its limits, in the results as plain data (`facts_of`)."""
+    """Write in which part of the box a requirement, or one of its limits (`row`), is met: `All`,
+    `None`, a percentage, or, where no share is known, that no run or every run fails."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     if row["met"] == "some" and not row["share"] and row["share_uncertainty"] >= 1:
@@ -101,9 +96,7 @@ def met_text(row: Mapping[str, Any]) -> str:
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:
     """Write sentences that name the responses and quantities whose values do not follow from the
-    structural model, one for each reason; [] if all do. Reasons are peaks of shocks, which depend
-    on mesh and step, and statically indeterminate forces (`Experiment.doubts`). facts: results as
-    plain data (`facts_of`), with the reason as `doubt` of a response or quantity."""
+    model, one for each reason (`Experiment.doubts`)."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 

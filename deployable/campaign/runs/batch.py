@@ -1,10 +1,4 @@
-"""Simulate one batch of a plan's runs, skipping those that are there already.
-
-A batch is one process, or several that share its groups. A process takes its runs in groups,
-integrates a group side by side, and hands it to the store while the next is integrated, so that
-memory stays bounded and a killed job loses one group of each process at most, and what of the next
-was integrated while it was written. A run that fails does not harm the others: they are written,
-and the store notes which run failed, when and why."""
+"""Run a batch of a plan: groups of runs in processes and threads, written as they come."""
 
 import json
 import multiprocessing
@@ -29,7 +23,13 @@ from deployable.campaign.files.contents import ROLES
 from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.progress import MessagePrinter, Notify, Progress, report_step, warm_up
+from deployable.campaign.runs.progress import (
+    MessagePrinter,
+    Notify,
+    progress_of,
+    report_step,
+    warm_up,
+)
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.seals import remove_temporary
@@ -57,19 +57,16 @@ def run_batch(
     threads: int = 1,
     processes: int = 1,
 ) -> None:
-    """Simulate a batch of a plan's runs into a store, then write the batch's manifest. The number
-    of processes and threads changes no result. Runs that the store has are skipped.
-
-    plan: the runs, and their time step; batch, batches: number of the batch, from 0, and of all
-    batches; jobs: section of the config, what is kept, and how many runs are integrated together;
-    folder: of the store; manifest: path of the JSON file to be written, with numbers of runs and
-    seconds; notify: called with each message; threads, processes: threads that share a group of
-    runs, and processes that share the groups. Raises `CampaignError` with the runs that failed if
-    these are too many, after all others were written; then there is no manifest."""
+    """Simulate a batch of a plan's runs into a store, but for those that it has, then write the
+    batch's manifest. The number of processes and threads changes no result. batch: its number, from
+    0, of `batches`; jobs: section of the config; folder: of the store; manifest: path of the JSON
+    file with numbers of runs and seconds; threads share a group of runs, processes the groups.
+    Raises `CampaignError` if too many runs fail, after all others were written; then there is no
+    manifest."""
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
-    groups = store.groups(plan.unique_runs(), jobs.group)
+    groups = store.groups(plan.unique_runs, jobs.group)
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
@@ -79,16 +76,16 @@ def run_batch(
         check_structure(plan)
         scene = plan.experiment.build(plan.name_values(work[0][1][0]))
         warm_up(scene, notify, plan.experiment.record)
-        progress = Progress(plan.experiment.name, total, store.counter(groups))
+        describe = progress_of(plan.experiment.name, total, store.counter(groups))
         loop_start = clocks()
         lots = [work] if processes == 1 else [[item] for item in work]
         simulate_lot = partial(_simulate_groups, simulation, store)
-        with report_step(progress.describe, notify, processes == 1):
+        with report_step(describe, notify, processes == 1):
             for totals in spread(simulate_lot, [(lot,) for lot in lots], processes):
                 simulation.take(totals)
                 if processes > 1 and isinstance(notify, MessagePrinter):
-                    notify.move(progress.describe((clocks() - loop_start)[0]))
-        notify(progress.describe((clocks() - loop_start)[0]))
+                    notify.move(describe((clocks() - loop_start)[0]))
+        notify(describe((clocks() - loop_start)[0]))
         if simulation.count and jobs.minutes:
             seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
             notify(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
@@ -155,9 +152,8 @@ def check_structure(plan: Plan) -> None:
 
 
 def notify_reruns(store: Any, notify: Notify) -> None:
-    """Report why runs of a store are made again, and clear its notes of it (after `missing`): by
-    one call of `notify` with a text for each file found damaged, and one for all runs whose files
-    lack variables that responses now need."""
+    """Report why runs of a store are made again (after `missing`): a text for each damaged file,
+    and one for all runs whose files lack what responses need; then clear its notes of it."""
     for error in store.damage.values():
         notify(f"{error}; its runs are made again")
     store.damage.clear()
@@ -169,10 +165,8 @@ def notify_reruns(store: Any, notify: Notify) -> None:
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
-    """Simulate the runs of a group that a store lacks, and write them into it. group: runs of the
-    plan that the store keeps together; size: how many runs are integrated together; notify: called
-    with each message. Raises `CampaignError` if structure or code changed since the plan was
-    made."""
+    """Simulate the runs of a group that a store lacks, `size` of them together, and write them into
+    it. Raises `CampaignError` if structure or code changed since the plan was made."""
     missing = store.missing(group)
     notify_reruns(store, notify)
     if not len(missing):
@@ -291,9 +285,8 @@ def simulate(
 
 
 def check_failures(plan: Plan, failures: Sequence[FailedRun], total: int) -> None:
-    """Raise `CampaignError` if more of the runs failed than the config allows, or the nominal one
-    did. It names at most 100 runs, with parameter values and reasons. failures: all that failed of
-    `total` runs with the plan's parameters."""
+    """Raise `CampaignError` if more of the `total` runs failed than the config allows, or the
+    nominal one did. It names at most 100 runs, with parameter values and reasons."""
     allowed = plan.experiment.solver.failures
     nominal = [failure for failure in failures if failure.run.role == ROLES[0]]
     if not nominal and len(failures) <= allowed * total:
@@ -309,6 +302,5 @@ def check_failures(plan: Plan, failures: Sequence[FailedRun], total: int) -> Non
 
 
 def clocks(cpu: Callable[[], float] = time.process_time) -> np.ndarray:
-    """Read the clocks: seconds (2) of wall-clock and processor time since some fixed moment, to be
-    subtracted from a later reading. cpu: function that reads the processor clock."""
+    """Read the clocks: seconds (2) of wall-clock and processor time, by the function `cpu`."""
     return np.array([time.perf_counter(), cpu()])

@@ -2,18 +2,9 @@
 
 A chunk of the scan has one netCDF file, `<digest of its runs>.<runs in it>.nc`, which grows while
 its runs are made. There are as many chunks as the scan's size asks for, whatever the jobs, and the
-quarters of the scan consist of whole chunks. In the file:
-
-    dims   run, response, time, quantity, event, contact
-    done(run)                               1 where a run is among those below
-    lower, upper (response, time)           least and largest value of those runs
-    lower_run, upper_run (response, time)   which run that is, counted in the chunk
-    first(response, time)                   the curves of the first run of the chunk
-    quantities(run, pair, quantity)         their values, NaN where what is asked for does not
-                                            happen, and their event margins, NaN if not known
-    event_time, event_contact, event_closing (run, event)   impacts, the times in single precision,
-                                            padded with NaN, -1, -1
-    overlap                                 largest overlap of the faces of a contact, rad"""
+quarters of the scan consist of whole chunks. In the file, of the runs that are `done`: extremes,
+with the runs (counted in the chunk) that have them; curves of the `first` one; quantities with
+event margins, and impacts, padded with NaN, -1, -1; the largest overlap of contacts (rad)."""
 
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -28,16 +19,10 @@ from deployable.campaign.files.contents import report_damage
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import RunBounds
-from fpm.files.seals import DamagedError
 
-FEWEST, MOST = 4, 128
-"""Chunks of a scan; quarters consist of whole ones."""
-
-LARGE = 512
-"""Runs of a chunk from which there are more chunks, as long as there are not `MOST`."""
-
-PAUSE = 2.0
-"""Seconds, at least, from one time that a chunk is written to the next, but for its end."""
+FEWEST, MOST = 4, 128  # chunks of a scan; quarters consist of whole ones
+LARGE = 512  # runs of a chunk from which there are more chunks, as long as there are not `MOST`
+PAUSE = 2.0  # seconds, at least, from one time that a chunk is written to the next, but for its end
 
 _LOT = 32  # runs that are taken in side by side
 
@@ -50,10 +35,9 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 class ScanChunk:
     """What is kept of `count` runs, a chunk of a scan. `mask` (count): which runs are included yet;
-    `bounds`: extremes of the responses over these at each instant (`RunBounds`); `numbers`
-    (count, 2, q): quantities and event margins; `events`: tables (count, events) of contacts that
-    close or open by name; `first` (n, T): responses of the first run; `time` (T): s; `overlap`:
-    largest of contacts (rad). responses, quantities: by which results are evaluated."""
+    `bounds`: their extremes (`RunBounds`); `numbers` (count, 2, q): quantities and event margins;
+    `events`: tables (count, events) of contacts by name; `first` (n, T): responses of the first
+    run; `time` (T): s; `overlap`: largest of contacts (rad)."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
@@ -77,19 +61,14 @@ class ScanChunk:
             self.first = values[0]
         for row, outcome in zip(rows, outcomes, strict=True):
             events, self.contacts = outcome.impacts()
-            self._note(row, events)
+            padding = (0, 0), (0, max(0, len(events) - self.events["event_time"].shape[1]))
+            for column, (name, (_, fill)) in enumerate(EVENTS.items()):
+                self.events[name] = np.pad(self.events[name], padding, constant_values=fill)
+                self.events[name][row, : len(events)] = events[:, column]
             overlap = common.largest_overlap(outcome.openings, self.contacts)
             self.overlap = max(self.overlap, overlap)
             self.numbers[row] = common.numbers_of(self.quantities, outcome)
             self.mask[row] = True
-
-    def _note(self, row: int, events: np.ndarray) -> None:
-        """Note the impacts (e, 3) of a run."""
-        short = max(0, len(events) - self.events["event_time"].shape[1])
-        for column, (name, (_, fill)) in enumerate(EVENTS.items()):
-            padding = ((0, 0), (0, short))
-            self.events[name] = np.pad(self.events[name], padding, constant_values=fill)
-            self.events[name][row, : len(events)] = events[:, column]
 
     def write(self, path: Path) -> None:
         """Write the chunk to the netCDF file `path`, without a seal (checksum)."""
@@ -131,10 +110,8 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of the runs of a scan for `jobs.keep: extremes`, in at most 128 chunks, a file each. A
-    file (`ScanChunk`) holds the least and the largest value of each response at each instant over
-    the runs of its chunk, with which run has them, and of every run its quantities and impacts.
-    folder: of the files; experiment: its responses and quantities are kept."""
+    """Store of the runs of a scan for `jobs.keep: extremes`, in at most 128 chunks (`ScanChunk`), a
+    file each."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide the runs of a scan, in order, into 4 to 128 chunks, a file each; size: unused."""
@@ -179,27 +156,21 @@ class ScanExtremes(common.Store):
 
     def read(self, group: Runs) -> "ScanChunk | None":
         """Read what is stored of a chunk (`group`), from its undamaged file with most runs; None
-        without one. Raises `DamagedError` for a file of other runs, responses or instants."""
-        paths = sorted(self._files(group), key=_runs_in, reverse=True)
+        without one."""
+        files = self.folder.glob(f"{self.file_of(group)}.*.nc")
+        paths = sorted(files, key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         if path is None:
             return None
-        chunk = ScanChunk.read(path, self.responses, self.quantities)
-        shape = len(group), len(self.responses), self.experiment.solver.instants
-        if chunk and (len(chunk.mask), *chunk.first.shape) != shape:
-            raise DamagedError(path, "it has other runs, responses or instants than the campaign")
-        return chunk
-
-    def _files(self, group: Runs) -> list[Path]:
-        return list(self.folder.glob(f"{self.file_of(group)}.*.nc"))
+        return ScanChunk.read(path, self.responses, self.quantities)
 
     def _save(self, group: Runs, chunk: "ScanChunk") -> None:
-        path = self.folder / f"{self.file_of(group)}.{chunk.mask.sum()}.nc"
+        name = self.file_of(group)
+        path = self.folder / f"{name}.{chunk.mask.sum()}.nc"
         with whole_file(path, {"name": common.title(path)}) as temporary:
             chunk.write(temporary)
-        for stale_path in self._files(group):
-            if stale_path != path:
-                stale_path.unlink(missing_ok=True)
+        for stale_path in {*self.folder.glob(f"{name}.*.nc")} - {path}:
+            stale_path.unlink(missing_ok=True)
 
 
 def _runs_in(path: Path) -> int:

@@ -16,16 +16,14 @@ FIRST, PAUSE = 5.0, 20.0
 """Seconds of one step after which a log has a line on it, and the least from then to the next one;
 each pause is at least a tenth of the time since the step began."""
 
-TICK = 1.0
-"""Seconds between two looks at a step."""
+TICK = 1.0  # seconds between two looks at a step
 
 Notify = Callable[[str], None]
 
 
 class MessagePrinter:
-    """Prints each message it is called with to text files, flushed at once; `move` rewrites one
-    line on terminals, and on other files adds a line to the log now and then. files: text files, or
-    functions that are called with each text."""
+    """Prints each message to text files, flushed at once, or calls functions in their place; `move`
+    rewrites one line on terminals, and adds a line to logs now and then."""
 
     def __init__(self, *files: TextIO | Notify):
         self.files = files
@@ -43,21 +41,20 @@ class MessagePrinter:
             self.is_open, self.message_time = False, time.monotonic()
             self.log_time = self.message_time + FIRST
 
-    def move(self, text: str, last: bool = False) -> None:
-        """Replace the line that the last call wrote by `text`, on terminals, cut to their width;
-        other files get a changed text as a line of its own, five seconds after the last message at
-        the earliest, and then after pauses (`PAUSE`). last: whether to end the line, in any file;
-        an empty text clears it on terminals."""
+    def move(self, text: str) -> None:
+        """Replace the line that the last call wrote by `text`, on terminals, where an empty one
+        clears it; other files get a changed text as a line of its own, five seconds after the last
+        message at the earliest, and then after pauses (`PAUSE`)."""
         with self.lock:
             clock_time = time.monotonic()
-            is_due = last or clock_time >= self.log_time
+            is_due = clock_time >= self.log_time
             for file in self.files:
                 if is_terminal(file):
                     width = shutil.get_terminal_size().columns - 1
-                    self._print(f"\r\x1b[2K{text[:width]}" + "\n" * last, file)
+                    self._print(f"\r\x1b[2K{text[:width]}", file)
                 elif text and is_due and text != self.shown_text:
                     self._print(f"{text}\n", file)
-            self.is_open = bool(text) and not last
+            self.is_open = bool(text)
             if text and is_due:
                 self.shown_text = text
                 self.log_time = clock_time + max(PAUSE, (clock_time - self.message_time) / 10)
@@ -81,11 +78,10 @@ def is_terminal(file: TextIO | Notify) -> bool:
 def report_step(
     find_text: Callable[[float], str], notify: Notify, is_alone: bool = True
 ) -> Iterator[None]:
-    """Report, while the block runs, what goes on: once a second, which a terminal shows as one line
-    that moves, and a log now and then (`MessagePrinter.move`). Of steps within steps the innermost
-    is reported. find_text: function of the seconds so far that returns the text; notify: called
-    with each message; is_alone: False where processes are forked meanwhile, beside which no thread
-    may run: the text is then only for what Ctrl-C says."""
+    """Report, while the block runs, what goes on: once a second, as one line that moves on a
+    terminal, and in a log now and then. Of steps within steps the innermost is reported. find_text:
+    function of the seconds so far; is_alone: False where processes are forked meanwhile, beside
+    which no thread may run: the text is then only for what Ctrl-C says."""
     printer = notify if isinstance(notify, MessagePrinter) else MessagePrinter(notify)
     start, end = time.monotonic(), threading.Event()
 
@@ -113,36 +109,30 @@ def report_step(
 
 
 def report_seconds(text: str, notify: Notify) -> AbstractContextManager[None]:
-    """Report, while the block runs, that a step goes on, with the seconds so far, as `report_step`
-    does. text: what is done, such as "mast: bounds of quantities"; notify: called with each
-    message."""
+    """Report, while the block runs, that a step goes on, with the seconds so far; text: what is
+    done."""
     return report_step(lambda seconds: f"{text}, {duration_text(seconds)}", notify)
 
 
-class Progress:
-    """Tells how many runs of a campaign are done, and the time left, estimated from those that all
-    jobs finished since this object was made. campaign: its name; total: number of runs; count:
-    function that returns how many are done."""
+def progress_of(campaign: str, total: int, count: Callable[[], int]) -> Callable[[float], str]:
+    """Return a function of the seconds from now that writes how many of a campaign's runs are done,
+    and the time left by those that all jobs finished since. count: how many runs are done."""
+    start_count = count()
 
-    def __init__(self, campaign: str, total: int, count: Callable[[], int]):
-        self.campaign, self.total, self.count = campaign, total, count
-        self.start_count = count()
-
-    def describe(self, seconds: float) -> str:
-        """Write how many runs are done and the time left. seconds: since this object was made."""
-        count = self.count()
-        new_count = count - self.start_count
-        text = f"{self.campaign}: {count} of {self.total} runs done"
-        if count < self.total and new_count > 0:
-            rest = seconds / new_count * (self.total - count)
+    def describe(seconds: float) -> str:
+        run_count = count()
+        text = f"{campaign}: {run_count} of {total} runs done"
+        if start_count < run_count < total:
+            rest = seconds / (run_count - start_count) * (total - run_count)
             text += f", about {duration_text(rest)} left"
         return text
 
+    return describe
+
 
 def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
-    """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
-    `notify` is called with a message after five seconds, as by `report_step`. record: (name, label)
-    pairs as for `fpm.simulate`."""
+    """Compile the kernels that a scene needs, or load them from the cache, before runs are timed,
+    and report it where it takes long. record: (name, label) pairs as for `fpm.simulate`."""
     total = compile_seconds(fpm.list_kinds_to_compile(scene, record))
 
     def describe(seconds: float) -> str:

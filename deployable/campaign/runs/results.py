@@ -48,12 +48,11 @@ class Result:
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What `samples.nc` holds of one run. time (T): instants (s); values (n, T): responses; events
-    (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
-    numbers (q): quantities, NaN if absent; margins (q): by how much each exists, above 0 if it
-    does, NaN if not known; overlap: largest overlap of the faces of a contact at the instants
-    (rad), below 0 where all stay apart, 0 without contacts; step: time step (s), below that of the
-    plan where the run failed with it and was repeated."""
+    """What `samples.nc` holds of one run. time (T): s; values (n, T): responses; events (e, 3):
+    time (s), index into `contacts`, 1 if it closes and 0 if it opens; numbers (q): quantities, NaN
+    if absent; margins (q): above 0 if it exists, NaN if not known; overlap: largest one of the
+    faces of a contact (rad), 0 without contacts; step (s): below that of the plan where the run
+    failed with it."""
 
     time: np.ndarray
     values: np.ndarray
@@ -66,13 +65,11 @@ class RunRecord:
 
 
 class Store:
-    """Base of the stores: a folder of run results in files named by a digest of their content, so
-    that a restarted campaign finds finished runs again. experiment: its responses are kept, and
-    `quantities`, those that are no expressions of others: these are computed when runs are read. A
-    file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
-    path); `absences`, by run id, the columns (variable, label) that its file lacks. A subclass can
-    tell which runs of a group are `missing`, `write` results and `read` records. Each run that
-    failed has a note, `<run id>.failed.json`, and is never missing."""
+    """Base of the stores: a folder of results of runs in files named by a digest of their content,
+    so that a restarted campaign finds them again. experiment: its responses are kept, and
+    `quantities`, but for expressions of others. A file that is damaged counts as absent, and is
+    noted in `damage` (errors by path); `absences`: by run id, the columns (variable, label) that
+    its file lacks. A run that failed has a note, `<run id>.failed.json`, and is never missing."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -139,21 +136,6 @@ class Store:
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
-    def check_record(self, record: RunRecord) -> RunRecord:
-        """Check a record that was read from a file, and return it unchanged; raises ValueError
-        unless it has the instants, responses and quantities of the experiment, finite responses
-        (quantities may be NaN: absent), and events of its own contacts only."""
-        shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
-        count, instants = len(self.responses), self.experiment.solver.instants
-        if shapes != [(instants,), (count, instants), (len(self.experiment.quantities),)]:
-            raise ValueError("it has other instants, responses or quantities than the campaign")
-        indices = record.events[:, 1]
-        if not (np.isfinite(record.values).all() and np.isfinite(record.overlap)):
-            raise ValueError("it has values that are no numbers")
-        if not ((indices >= 0) & (indices < len(record.contacts))).all():
-            raise ValueError("it has events of no contact")
-        return record
-
     def is_whole(self, path: Path) -> bool:
         """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
@@ -168,8 +150,7 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name in the seal (checksum) of a group's file `path`: `runs `, then its stem, as
-    `runs 3f2a`."""
+    """Return the name in the seal (checksum) of a group's file `path`, such as `runs 3f2a`."""
     return f"runs {path.stem}"
 
 
@@ -190,9 +171,8 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
     """Evaluate q quantities of one run as an array (2, q): their values, NaN for one that does not
-    occur, and their event margins, NaN where not known. quantities: `fpm.reading.quantities`'
-    Quantity; curves: the run's `fpm.files.trajectory.Curves` or `fpm.Outcome`. Raises
-    `CampaignError` if one cannot be evaluated."""
+    occur, and their event margins, NaN where not known. curves: the run's `Curves` or
+    `fpm.Outcome`. Raises `CampaignError` if one cannot be evaluated."""
     try:
         pairs = [(quantity.evaluate(curves), quantity.margin(curves)) for quantity in quantities]
         return np.array(pairs, dtype=float).reshape(-1, 2).T
@@ -219,8 +199,7 @@ def complete_numbers(experiment: Experiment, numbers: np.ndarray) -> np.ndarray:
 
 def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Stack the event tables (e, 3) of r runs into one array (r, most, 3), filled up with NaN;
-    most: largest number of events of a run, or `least`. Columns: time (s), contact, 1 if
-    closing."""
+    most: of a run's events, or `least`."""
     most = max(least, *map(len, events))
     tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(tables, events, strict=True):
@@ -236,9 +215,8 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 
 
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
-    """Write dimensions that have names, and variables, to a new netCDF file `path`. names:
-    coordinate names by dimension; variables: by name a tuple of netCDF type, dimensions, values,
-    and options of netCDF4's `createVariable`."""
+    """Write a new netCDF file. names: of coordinates, by dimension; variables: by name a tuple of
+    netCDF type, dimensions, values, and options of `createVariable`."""
     import netCDF4
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:

@@ -1,14 +1,4 @@
-"""The stores of runs, one for each `jobs.keep`, and runs as one file between jobs.
-
-`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded: found again by any
-                later design. What is recorded on request (`fpm.reading.variables`) may be lacking:
-                then the run is noted in `absences` and counts as absent, and what it had is
-                recorded again as well;
-`Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
-                responses, contact events and quantities only. Other groups have other files:
-                another design, size of group or response simulates its runs again;
-`ScanExtremes`  one netCDF file per chunk of a scan, with the least and largest values over time
-                (`campaign.runs.extremes`)."""
+"""The stores of runs, one for each `jobs.keep`, and runs as one file between jobs."""
 
 from __future__ import annotations
 
@@ -54,8 +44,7 @@ class Trajectories(Store):
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) recorded in the files of these runs, which lack
-        columns that responses need, so that a new simulation can record them again."""
+        """Return the columns (variable, label) that the files of these runs have."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
@@ -77,14 +66,13 @@ class Trajectories(Store):
             if (curves := self._curves(run)) is None:
                 continue
             with report_damage(self.path(run)):
-                values = np.stack([r.evaluate(curves) for r in self.responses])
+                values = common.values_of(self.responses, [curves])[0]
                 numbers = common.numbers_of(self.quantities, curves)
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
                 fields = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
-                record = RunRecord(*fields)
-                records[run.id] = self.check_record(record)
+                records[run.id] = RunRecord(*fields)
         return records
 
     def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
@@ -107,15 +95,14 @@ class Trajectories(Store):
 
 class Responses(Store):
     """Store of runs for `jobs.keep: responses`: one netCDF file for each group of runs, with their
-    responses (single precision), events and quantities."""
+    responses (single precision), events and quantities. Other groups have other files."""
 
     def path(self, group: Runs) -> Path:
         """Return the path of a group's file, named by runs, responses and quantities."""
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: none if all are stored, or known to fail,
-        else all that are not known to fail."""
+        """Return the runs of a group to be simulated: none, or all that are not known to fail."""
         import netCDF4
 
         path, group = self.path(group), self.sound(group)
@@ -174,8 +161,7 @@ class Responses(Store):
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
                 last = *numbers[row], float(overlaps[row]), float(steps[row])
-                record = RunRecord(time, values[row], run_events, contacts, *last)
-                records[run.id] = self.check_record(record)
+                records[run.id] = RunRecord(time, values[row], run_events, contacts, *last)
         return records
 
 
@@ -183,8 +169,7 @@ STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Scan
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
-    """Return the store of runs in a folder that `keep` (config: `jobs.keep`) asks for:
-    "trajectories", "responses" or "extremes". experiment: its responses and quantities are kept."""
+    """Return the store of an experiment's runs in a folder for `jobs.keep` of the config."""
     return STORES[keep](Path(folder), experiment)
 
 

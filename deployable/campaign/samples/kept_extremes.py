@@ -1,10 +1,7 @@
-"""Gather what `keep: extremes` left of all runs of a plan into one file, `samples.nc`.
-
-What it holds says `files/variables.json` (`extremes`): in the place of every run's curves the least
-and largest values in each quarter of the runs, with the first run that has each, -1 in a quarter
-without runs. Events are padded with NaN, -1, -1, their times in single precision. There is no role
-and no name of a run: the first is the nominal one, the others are nodes, and the name follows from
-the values (`campaign.plan.runs.run_id`)."""
+"""Gather what `keep: extremes` left of all runs into `samples.nc`: in the place of curves the
+extremes in each quarter of the runs, with the first run that has each, -1 in a quarter without
+runs. There is no role and no name of a run: the first is the nominal one, and the name follows from
+the values (`campaign.plan.runs.run_id`). `files/variables.json` says more (`extremes`)."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +12,6 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import result_file
 from deployable.campaign.files.variables import create
 from deployable.campaign.plan.plan import Plan
-from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import check_failures, make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Notify
@@ -31,14 +27,12 @@ _FILE = "extremes"
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
-    """Write `samples.nc` to `path` from the stored chunks (parts) of a scan with `jobs.keep:
-    extremes`: least and largest responses over quarters of its runs, and quantities of each run.
-    plan: the runs; jobs: section of the config; folder: of the store; notify: called with each
-    message. One chunk at a time is in memory. Missing or damaged ones are simulated again; runs
-    that failed are listed apart. Raises `CampaignError` if too many did."""
+    """Write `samples.nc` to `path` from the stored chunks of a scan. One chunk at a time is in
+    memory. Missing or damaged ones are simulated again; runs that failed are listed apart. Raises
+    `CampaignError` if too many did."""
     import netCDF4
 
-    store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs()
+    store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs
     failures = store.list_failures(unique)
     check_failures(plan, failures, len(unique))
     runs = store.sound(unique)
@@ -53,7 +47,10 @@ def gather(
         file.createDimension("run", len(runs))
         samples.write_points(file, runs, **_compression(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(unique, jobs.group):
-            chunk = _chunk(plan, store, group, jobs.group, notify)
+            chunk = store.read(group)
+            if len(store.sound(group)) > (0 if chunk is None else chunk.mask.sum()):
+                make_again(plan, store, group, jobs.group, notify)
+                chunk = store.read(group)
             quarter = next(i for i in range(4) if place < ends[i + 1])
             place += len(group)
             if chunk is None:  # all of its runs failed
@@ -70,14 +67,6 @@ def gather(
         _write_quarters(file, quarters)
     if len(store.list_failures(unique)) > len(failures):  # of runs that were made again
         gather(plan, jobs, folder, path, notify)
-
-
-def _chunk(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> ScanChunk | None:
-    chunk = store.read(group)
-    if len(store.sound(group)) > (0 if chunk is None else chunk.mask.sum()):
-        make_again(plan, store, group, size, notify)
-        chunk = store.read(group)
-    return chunk
 
 
 def _compression(runs: int, columns: int) -> dict:

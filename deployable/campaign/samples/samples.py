@@ -1,10 +1,6 @@
-"""Gather the responses of all runs of a plan into one file, `samples.nc`.
-
-What it holds says `files/variables.json`: values of the responses and quantities of each run, its
-parameters, role and events, padded with NaN; with `keep: extremes` (`campaign.samples.
-kept_extremes`) no values, and tables of runs as small as can be. Variables are named after
-parameters (`parameter_<name>`), none after a response, so that a response may have any name. This
-file is all that the interval side needs."""
+"""Gather the responses of all runs of a plan into `samples.nc`, all that the interval side needs.
+`files/variables.json` says what it holds. Variables are named after parameters
+(`parameter_<name>`), none after a response, so that a response may have any name."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -31,13 +27,12 @@ _FILE = "samples.nc"
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
-    """Write the responses and quantities of all runs of a plan, from their store, to `path`
-    (`samples.nc`). jobs: section of the config; folder: of the store; notify: called with each
-    message. One group of runs at a time is in memory. Missing or damaged runs are simulated again;
-    those that failed are listed apart. Raises `CampaignError` if too many did."""
+    """Write the responses and quantities of all runs of a plan, from their store, to `path`. One
+    group of runs at a time is in memory. Missing or damaged runs are simulated again; those that
+    failed are listed apart. Raises `CampaignError` if too many did."""
     import netCDF4
 
-    store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs()
+    store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs
     groups, failures = store.groups(unique, jobs.group), store.list_failures(unique)
     check_failures(plan, failures, len(unique))
     runs = store.sound(plan.runs)
@@ -98,22 +93,20 @@ def write_failures(file: Any, failures: Sequence[FailedRun]) -> None:
 
 
 def write_points(file: Any, runs: Runs, **compression: Any) -> None:
-    """Write the points of runs in the box, as variables `normalized` and `value`, into an open
-    `netCDF4.Dataset`, whose dimensions exist. compression: options of `createVariable`."""
+    """Write the points of runs, as `normalized` and `value`; compression: of `createVariable`."""
     create(file, _FILE, "normalized", runs.normalized, **compression)
     create(file, _FILE, "value", runs.values, **compression)
 
 
 def write_box(file: Any, plan: Plan) -> None:
-    """Write the parameter box of a plan, and the attributes of a samples file, into an open
-    `netCDF4.Dataset`."""
+    """Write the parameter box of a plan, and the attributes of a samples file."""
     for name, values in box_columns(plan.experiment).items():
         create(file, _FILE, name, values)
     file.setncatts({
         **plan.attributes,
         "title": f"Responses of all runs of the campaign {plan.experiment.name}",
         "source": "finite particle method",
-        "history": f"deployable gather: {len(plan.unique_runs())} runs of fpm",
+        "history": f"deployable gather: {len(plan.unique_runs)} runs of fpm",
         "time_step": plan.time.step,
         "time_step_limit": plan.time.step_limit,
         "limiting_element": plan.time.limiting_element,
@@ -136,16 +129,14 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
 
 
 def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
-    """Write the instants (T) (s), and the names of contacts, stops and latches, as coordinates
-    `time` and `contact` into an open `netCDF4.Dataset`."""
+    """Write the instants (T) (s), and the names of contacts, stops and latches, as coordinates."""
     create(file, _FILE, "time", instants).setncatts({"standard_name": "time", "axis": "T"})
     create(file, _FILE, "contact", contacts)
 
 
 def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
-    """Write names, units and long names of responses or quantities into an open `netCDF4.Dataset`;
-    of responses their axes and physical lower bounds, too. dimension: "response" or "quantity";
-    items: `Response` or `Quantity` objects."""
+    """Write names, units and long names of responses or quantities (`dimension`); of responses
+    their axes and physical lower bounds, too."""
     columns = {dimension: [item.name for item in items]}
     columns[f"{dimension}_units"] = [item.unit for item in items]
     columns[f"{dimension}_long_name"] = [item.long_name for item in items]

@@ -22,8 +22,7 @@ DESIGN_BOUNDS, SENSITIVITIES = "design_bounds.nc", "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", DESIGN_BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "refinement.nc"
 
-FRAMES = 401
-"""Frames of the runs that move on a page, unless others are asked for."""
+FRAMES = 401  # frames of the runs that move on a page, unless others are asked for
 
 OPTIONS = {
     "batch": {"type": int, "default": 0, "help": "number of the batch, from 0"},
@@ -40,14 +39,12 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a campaign: `name` (of its command and module), `text` (what it does, a sentence),
-    and the files that it reads and writes. The function `work` of its module is imported when the
-    stage runs: a process loads what it needs.
-
-    sections: names of the config sections that it depends on; takes: names of result files that it
-    reads; leaves: function of a campaign that names those it writes, `{batch}` for the number of a
-    batch; options: of its command, keys of `OPTIONS`; is_adaptive: True if only campaigns with an
-    `accuracy` have it, False if only others, None if all; draws: whether it only shows results."""
+    """A stage of a campaign: `name` (of its command and module, whose function `work` is imported
+    when it runs) and `text` (a sentence). sections: names of the config sections that it depends
+    on; takes: names of result files that it reads; leaves: function of a campaign that names those
+    it writes, `{batch}` for the number of a batch; options: keys of `OPTIONS`; is_adaptive: True if
+    only campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it
+    only shows results."""
 
     name: str
     text: str
@@ -59,9 +56,8 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
-        """Do the work of the stage, and write its files, whose seals (checksums) do not say what
-        they are made of unless `run` calls this. folder: of the campaign's results; notify: called
-        with each message; arguments: its sections and options by name."""
+        """Do the work of the stage; seals of its files say what they are made of only if `run`
+        calls this."""
         import_module(f"{__name__}.{self.name}").work(folder, notify, **arguments)
 
     def run(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
@@ -91,8 +87,7 @@ class Stage:
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def inputs(self, campaign: Campaign) -> list[str]:
-        """List the names of all result files that the stage may read; if it only shows results,
-        with plan, samples, bounds, summary and those of quantities, requirements and choice."""
+        """List the names of all result files that the stage may read."""
         shown_files = [PLAN, *BOUNDS_FILES, *_list_answers(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
@@ -124,9 +119,7 @@ class Stage:
 
 
 def drawings(experiment: Experiment) -> list[str]:
-    """List the names of the figures of a whole campaign that the stage `figures` draws:
-    `responses`, with several that fit on a page, `sensitivities`, with several intervals and a
-    polynomial, and `ranges`, with quantities."""
+    """List the names of the figures of a whole campaign that the stage `figures` draws."""
     has_panels = 1 < len(experiment.responses) <= MOST_PANELS
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
     names = ["responses"] * has_panels + ["sensitivities"] * has_contributions

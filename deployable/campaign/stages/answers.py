@@ -19,9 +19,8 @@ def work(
     verify: Any, jobs: Any, measured: Any, threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
-    choice, with the runs that this takes, and write the results, the bounds of responses with
-    these runs, and the summary into `folder`. notify: called with each message; threads: how many
-    simulate; others: config sections."""
+    choice, with the runs that this takes, and write the results, the bounds of responses with these
+    runs, and the summary. Arguments are sections of the config, and `threads` that simulate."""
     experiment = read_plan(folder.plan).experiment
 
     def step(text: str) -> AbstractContextManager[None]:

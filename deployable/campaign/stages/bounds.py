@@ -17,12 +17,10 @@ def work(
     folder: Folder, notify: Notify, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
     bundles: Any = (),
 ) -> None:  # fmt: skip
-    """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate, and
-    write its bounds. Into `folder` go `samples.nc` (responses), `surrogate.nc`,
-    `design_bounds.nc`, with errors by mesh and step if `verify` or the plan asks, and
-    `sensitivities.nc` (influence of each parameter). notify: called with each message; bundles: tar
-    files of runs to be extracted first; threads: how many simulate; bounds, verify, jobs: config
-    sections. Raises `CampaignError` for a bundle that is no tar file, and if runs fail."""
+    """Do the work of the stage `bounds`: write `samples.nc`, `surrogate.nc`, `design_bounds.nc`,
+    with errors by mesh and step if `verify` or the plan asks, and `sensitivities.nc`. bundles: tar
+    files of runs to be extracted first. Raises `CampaignError` for a bundle that is none, and if
+    runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, notify, bounds, verify, jobs, threads)
 
@@ -30,9 +28,8 @@ def work(
 def bound(
     folder: Folder, notify: Notify, bounds: Any, verify: Any, jobs: Any, threads: int
 ) -> None:
-    """Gather the runs of the plan in `folder`, fit the surrogate, and write its bounds with errors
-    there. bounds, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate. Raises `CampaignError` if runs fail."""
+    """Gather the runs of the plan in `folder`, fit the surrogate, and write its bounds with
+    errors."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
     name = plan.experiment.name

@@ -14,11 +14,9 @@ from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 
 def work(folder: Folder, notify: Notify, error: Any) -> None:
-    """Do the work of the stage `figures`: draw into `folder` each response with its bounds, all of
-    them in panels, the influence of each parameter, and the range of each quantity. notify: called
-    with each message for users; error: section `error` of the config; instants are hatched where
-    the estimated error of the bounds is above its `shade_above`, a share of their largest
-    difference."""
+    """Do the work of the stage `figures`: draw each response with its bounds, all of them in
+    panels, the influence of each parameter, and the range of each quantity. error: section of the
+    config, whose `shade_above` says from which error on instants are hatched."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:

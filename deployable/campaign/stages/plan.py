@@ -8,15 +8,14 @@ from deployable.campaign.runs.progress import Notify, report_seconds
 
 
 def work(folder: Folder, notify: Notify, experiment: Any) -> None:
-    """Do the work of the stage `plan`: choose a campaign's runs and their time step, and write
-    `plan.json` into `folder`. notify: called with each message; experiment: decides the runs."""
+    """Do the work of the stage `plan`: choose a campaign's runs and their time step."""
     warn(notify, experiment)
     with report_seconds(f"{experiment.name}: choosing the runs and their time step", notify):
         plan = make_plan(experiment)
     write_plan(plan, folder.plan)
     step, limit = plan.time.step, plan.time.step_limit
     notify(
-        f"{experiment.name}: {len(plan.unique_runs())} runs, step {step:.4g} s "
+        f"{experiment.name}: {len(plan.unique_runs)} runs, step {step:.4g} s "
         f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
 

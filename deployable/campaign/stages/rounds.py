@@ -20,8 +20,7 @@ def work(
     threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `rounds`: simulate in rounds until an accuracy is met or its budget
-    is spent, and leave plan, samples and bounds of the last round in `folder`. notify: called with
-    each message; experiment, bounds, verify, jobs: config sections; threads: how many simulate."""
+    is spent, and leave plan, samples and bounds of the last round in `folder`."""
     number = 0
     while not _plan_round(place := folder.round(number), notify, experiment):
         with results_of(check_results(place, (PLAN,))):
@@ -46,5 +45,5 @@ def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
         plan = start_plan(experiment)
     write_plan(plan, folder.plan)
     if not plan.is_finished:
-        notify(f"{experiment.name}: {len(plan.unique_runs())} runs")
+        notify(f"{experiment.name}: {len(plan.unique_runs)} runs")
     return plan.is_finished

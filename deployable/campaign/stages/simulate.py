@@ -14,9 +14,8 @@ def work(
     processes: int = 1, bundle: Any = None,
 ) -> None:  # fmt: skip
     """Do the work of the stage `simulate`: simulate one batch of the planned runs, except those
-    stored in `folder` already. notify: called with each message; jobs: section of the config;
-    batch: its number, from 0, of `batches`; processes: that divide the batch; threads: that divide
-    each group of runs; bundle: path of a tar file to write with the runs, None for none."""
+    that are stored already. batch: its number, from 0, of `batches`; processes divide the batch,
+    threads each group of runs; bundle: path of a tar file to write with the runs."""
     plan = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
     run_batch(plan, batch, batches, jobs, store, manifest, notify, threads, processes)

@@ -17,7 +17,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
-from deployable.campaign.plan.plan import read_plan, read_step
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.runs.batch import spread
 from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
@@ -65,7 +65,7 @@ class Workflow:
         """Return the minutes of wall-clock time to ask a queue for, for a job of one of `batches`
         equal parts of the runs. plan_path: path of their `plan.json`, None before there is one."""
         runs = -(-count_runs(self.campaign.experiment) // batches)
-        return job_minutes(self.campaign, runs, read_step(plan_path) if plan_path else None)
+        return job_minutes(self.campaign, runs, read_plan(plan_path).time if plan_path else None)
 
     @cache  # noqa: B019
     def megabytes(self) -> int:
@@ -77,17 +77,23 @@ class Workflow:
         from another config, program or plan; damage is noted in `damage`, too. Seals tell this
         wherever files were made, while Snakemake knows only what it made here itself."""
         folder, plan = self.folder, None
-        reasons: dict[str, Any] = {}
-        self._damaged_motions(folder, reasons)
+        reasons: dict[str, str] = {}
+
+        def read_seal(path: Path, result: Path) -> dict[str, str] | None:
+            try:
+                return check(path, path.name)
+            except DamagedError as error:
+                self.damage[str(path)] = error
+                reasons[str(result)] = str(error)
+                return None
+
+        for path in sorted(folder.motions.glob("*.nc")):  # which the page makes again
+            read_seal(path, folder.report)
         for stage in stages_of(self.campaign):
             paths = [path for path in self.files_of(stage) if path.exists()]
-            basis = paths and stage.basis(stage.sections_of(self.campaign))
+            basis = stage.basis(stage.sections_of(self.campaign)) if paths else ""
             for path in paths:
-                try:
-                    facts = check(path, path.name)
-                except DamagedError as error:
-                    self.damage[str(path)] = error
-                    reasons[str(path)] = str(error)
+                if (facts := read_seal(path, path)) is None:
                     continue
                 plan = plan or facts.get("plan")
                 if (facts.get("basis"), facts.get("plan")) != (basis, plan):
@@ -122,20 +128,10 @@ class Workflow:
         return [f"{{stage}}/{name}" for name in STAGES[stage].inputs(self.campaign)]
 
     def outputs(self, stage: str, *kinds: str) -> list[str]:
-        """List patterns `{stage}/<name>` of the files that a stage, by name, writes, for its
-        Snakemake rule, where the wildcard `{stage}` stands for the folder of results. kinds:
-        endings of wanted names; without any, all."""
+        """List patterns of the files that a stage writes, for its rule with the wildcard `{stage}`,
+        a folder. kinds: endings of wanted names; without any, all."""
         names = STAGES[stage].leaves(self.campaign)
         return [f"{{stage}}/{name}" for name in names if name.endswith(kinds or "")]
-
-    def _damaged_motions(self, folder: Folder, reasons: dict[str, str]) -> None:
-        """Have the page made again, and with it motions that are damaged."""
-        for path in sorted(folder.motions.glob("*.nc")):
-            try:
-                check(path, path.name)
-            except DamagedError as error:
-                self.damage[str(path)] = error
-                reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
         """Return paths of the files to read: summary, figures and page; with cases also theirs."""
@@ -145,19 +141,6 @@ class Workflow:
         last = [stage for stage in stages_of(self.campaign) if stage.draws]
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
-
-    def write_other_report(self, results: Path = Path("results")) -> str:
-        """Write a message that another campaign than this one was the last to be run, by the times
-        of `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a
-        report. For `snakemake --report` without `--configfile`."""
-        reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
-        last = max(reports, key=reports.__getitem__, default=self.name)
-        if last == self.name:
-            return ""
-        return (
-            f"--report without --configfile is about the campaign {self.name}, but {last} was the "
-            f"last one that was run; add --configfile with the config of the one that is meant"
-        )
 
     def answer(self) -> list[str]:
         """Return the campaign's answer, which is `summary.md` up to its first section, and, where
@@ -210,7 +193,7 @@ def run(
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(limits=1, user_api="blas"):
-        campaign = _campaign(config)
+        campaign = config if isinstance(config, Campaign) else check_config(config)
         complete(campaign, results, figures, notify)
     workflow = Workflow(campaign, results)
     bounds = {name: _load(case.folder.bounds) for name, case in workflow.cases.items()}
@@ -223,10 +206,7 @@ def _load(path: Path) -> Any:
 
 
 def complete(
-    campaign: Campaign,
-    results: str | Path = "results",
-    figures: bool = True,
-    notify: Notify | None = None,
+    campaign: Campaign, results: str | Path, figures: bool = True, notify: Notify | None = None
 ) -> None:
     """Make the results of a campaign that are missing or not of its config, as `run` does, which
     has the same arguments and errors, in a process whose linear algebra has one thread."""
@@ -268,8 +248,7 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
     ]  # fmt: skip
     # Side by side, but where messages would be lost in other processes, or threads run, which these
     # would not have.
-    prints = isinstance(notify, MessagePrinter) and not any(map(callable, notify.files))
-    is_alone = prints and threading.active_count() == 1
+    is_alone = isinstance(notify, MessagePrinter) and threading.active_count() == 1
     list(spread(_stage, last, (os.cpu_count() or 1) if is_alone else 1))
     for text in workflow.answer():
         notify(text)
@@ -281,12 +260,6 @@ def _simulate(campaign: Campaign, folder: Folder, notify: Notify) -> bool:
     for batch in range(batches):
         _stage(STAGES["simulate"], campaign, folder, notify, batch=batch, batches=batches)
     return any(read_json(folder.batch(batch))["simulated"] for batch in range(batches))
-
-
-def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
-    if isinstance(config, Campaign):
-        return config
-    return check_config(config)
 
 
 def _stage(

@@ -24,12 +24,11 @@ def pretty(units: str) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """Write a number as text: `0.0618`, `−2.5`, `1.2 × 10⁹`; digits: most significant digits."""
-    text = f"{value + 0.0:.{digits}g}"  # no -0
-    if "e" not in text:
-        return text.replace("-", "−")
-    mantissa, exponent = text.split("e")
-    head = "" if mantissa == "1" else f"{mantissa} × "
-    return f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}".replace("-", "−")
+    mantissa, is_power, exponent = f"{value + 0.0:.{digits}g}".partition("e")  # no -0
+    if is_power:
+        head = "" if mantissa == "1" else f"{mantissa} × "
+        mantissa = f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return mantissa.replace("-", "−")
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
@@ -67,10 +66,9 @@ def percent(share: float) -> str:
 
 def share(share: float, open_: float = 0.0) -> str:
     """Write a share of the box's volume in per cent with its uncertainty, never rounded to all or
-    nothing: `81 ± 2 %`, `at least 98 %`, `at most 2 %`, `an unknown share`. share: from 0 to 1;
-    open_: half-width of its uncertainty, from 0 to 1, too, rounded up to one digit, above 10 per
-    cent to a whole number; left out below 0.05 per cent and a tenth of what is missing to all or
-    nothing: `81.25 %`, `less than 0.01 %`."""
+    nothing: `81 ± 2 %`, `at least 98 %`, `an unknown share`. open_: half-width of its uncertainty,
+    rounded up to one digit, above 10 per cent to a whole number; left out below 0.05 per cent and a
+    tenth of what is missing to all or nothing: `81.25 %`."""
     percent, half_width = 100 * share, 100 * open_
     if half_width < min(OPEN, max(min(percent, 100 - percent), 0.01) / 10):
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -88,20 +86,16 @@ def share(share: float, open_: float = 0.0) -> str:
     return f"{percent:.{places}f} ± {half_width:.{places}f} %"
 
 
-VOLUME = "by volume, no probability"
-"""What stands once beside shares of the box."""
-
-OPEN = 0.05
-"""Per cent of the box from which it is said how large the error of a share may be."""
+VOLUME = "by volume, no probability"  # what stands once beside shares of the box
+OPEN = 0.05  # per cent of the box from which it is said how large the error of a share may be
 
 
 def interval(row: Mapping[str, Any]) -> str:
-    """Write a quantity's interval with its unit, `0.31 to 0.34 s`; "" where there is none. row: the
-    quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, and censored_at:
-    None, or, of a time that some runs do not reach, their duration (s): then the text is `0.31 to
-    more than 2 s (the end of the runs)`. Both bounds are rounded to the place of the first digit of
-    their error, or of a tenth of their difference if that is less; never more than two places
-    beyond the first digit of their difference."""
+    """Write a quantity's interval (its dict) with its unit, `0.31 to 0.34 s`; "" where there is
+    none, and `0.31 to more than 2 s (the end of the runs)` of a time that some runs do not reach.
+    Both bounds are rounded to the place of the first digit of their error, or of a tenth of their
+    difference if that is less; never more than two places beyond the first digit of their
+    difference."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)
@@ -124,28 +118,21 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
     return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
 
 
-def capitalise(text: str) -> str:
-    """Make the first letter of a sentence a capital, the rest as it is."""
-    return text[:1].upper() + text[1:]
-
-
 def _power(value: float) -> int:
     """The power of ten of a number's first digit."""
     return int(np.floor(np.log10(value)))
 
 
 def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
-    """Write parameter values, such as `k = 2.5 N/m, L = 1 m`; values: by name, None is left out;
-    parameters: dicts with `name` and `units`, as in `summary.json` (`facts_of`)."""
+    """Write parameter values by name, such as `k = 2.5 N/m, L = 1 m`; None is left out."""
     units = {parameter["name"]: parameter["units"] for parameter in parameters}
     values = {name: value for name, value in values.items() if value is not None}
     return ", ".join(f"{name} = {quantity(values[name], units[name], 4)}" for name in values)
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
-    """Write the interval of a parameter: `± 1 %` of its nominal value (of angles `± 2°`) if that is
-    the middle, else both bounds, `1 to 2 m`. parameter: dict with lower, nominal, upper and units,
-    as in `summary.json` (`facts_of`)."""
+    """Write the interval of a parameter (its dict): `± 1 %` of its nominal value (of angles `± 2°`)
+    if that is the middle, else both bounds, `1 to 2 m`."""
     nominal, units = parameter["nominal"], parameter["units"]
     below_nominal, above_nominal = nominal - parameter["lower"], parameter["upper"] - nominal
     if abs(above_nominal - below_nominal) < 1e-6 * abs(nominal):
@@ -164,8 +151,7 @@ def escape_text(text: str, code: str = "") -> str:
 
 def tie_units(text: str, units: Iterable[str]) -> str:
     """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
-    ten or names (`k = 2`), and hyphens before numbers by minus signs. units: spellings such as
-    `m/s`, besides those of seconds, radians, per cent."""
+    ten or names (`k = 2`), and hyphens before numbers by minus signs. units: besides s, rad, %."""
     units = sorted(units, key=len, reverse=True)  # `N m s/rad` before `N m`
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)

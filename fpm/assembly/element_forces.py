@@ -45,13 +45,14 @@ class ElementForces:
 
     def __init__(self, scene, elements: list, stiff: Sequence[int] = ()):
         from fpm.kernels.compiled_loop import prepare_call
+        from fpm.kernels.lanes import width
 
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         # As at the start: kernels take means of curves over a step.
         part_scene.curves = [curve.constant_at(0.0) for curve in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
-        rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
+        rest = energies_of(kinds), width(np.dtype(np.float64)), np.float64, 1, 1
         batch = Batch([part_scene], kinds, *rest)
         self.parts, self._history = batch.parts(), batch.filled_blocks()
         self.world = batch.world()
@@ -192,13 +193,6 @@ def displacement(first: ParticlePoses, last: ParticlePoses) -> np.ndarray:
 
     turn = Rotation.from_matrix(last.frame @ first.frame.transpose(0, 2, 1)).as_rotvec()
     return np.stack([last.position - first.position, turn], axis=1).ravel()
-
-
-def lanes_of_register() -> int:
-    """Return how many double-precision values kernels compute at once (lanes), 8."""
-    from fpm.kernels.lanes import width
-
-    return width(np.dtype(np.float64))
 
 
 def acts(kind: type[Any]) -> bool:

@@ -7,7 +7,7 @@ latches have not caught. The search: search.py."""
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def balance(scene, hold: Mapping[str, float]) -> None:
 def _forces_at_start(scene) -> BalanceForces:
     """What enters the static equilibrium at the start of a scene: bars, and all elements that store
     energy or load it, but friction and latches; pins with play neither rub nor damp."""
-    elements = {
+    elements: dict[type[Any], Any] = {
         kind: kind.sweep_elements(scene)
         for kind in kinds_of([scene])
         if acts(kind) and (kind.stores or kind.gives) and kind.resists_as not in ("", "FR")
@@ -79,7 +79,7 @@ def _forces_at_start(scene) -> BalanceForces:
     return BalanceForces(scene, sources)
 
 
-def _springs_at_start(scene) -> dict[type, list]:
+def _springs_at_start(scene) -> dict[type[Any], list]:
     """By type, springs for motors and releases that give, which are nothing else at the start; with
     backlash two stops."""
     springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
@@ -94,6 +94,6 @@ def _springs_at_start(scene) -> dict[type, list]:
     return {TorsionSpring: springs, Stop: stops}
 
 
-def _turns(elements) -> np.ndarray:
+def _turns(elements) -> Any:
     """Degrees of freedom of turns that change what elements at the ends of arms give."""
     return (6 * np.array([element.particle for element in elements])[:, None] + (3, 4, 5)).ravel()

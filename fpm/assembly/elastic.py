@@ -61,20 +61,19 @@ class Elastic(NamedTuple):
         bend = np.abs(np.column_stack([shape.sines, shape.twist]))
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
-    def derivatives(self, poses: ParticlePoses, form: Form = sparse):
+    def derivatives(self, poses: ParticlePoses, form: Form = sparse, convex: bool = False):
         """Return the gradient (6n,), N and N m, and the Hessian (6n, 6n) of the strain energy, by
-        motions (m, rad) of all n particles at poses. form: of the Hessian (`sparse`, `full`)."""
+        motions (m, rad) of all n particles at poses. form: of the Hessian (`sparse`, `full`);
+        convex: True: without negative eigenvalues of any element (projected Newton method)."""
         count, ends = len(poses.position), self._ends(poses)
         gradient, blocks = np.zeros(6 * count), np.zeros((0, 12, 12))
         if len(self.nodes):
             np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
             blocks = slopes(self._gradient, *ends)
+        if convex and np.isfinite(blocks).all():
+            values, vectors = np.linalg.eigh((blocks + blocks.swapaxes(1, 2)) / 2)
+            blocks = vectors * np.maximum(values, 0.0)[:, None] @ vectors.swapaxes(1, 2)
         return gradient, pair_matrix(blocks, self.nodes, count, form)
-
-    @property
-    def unstressed(self) -> "UnstressedBeams":
-        """The same elements, with a Hessian that leaves out stress: no negative eigenvalue."""
-        return UnstressedBeams(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
         return poses.select(self.nodes[:, 0]), poses.select(self.nodes[:, 1])
@@ -95,19 +94,6 @@ class Elastic(NamedTuple):
         twist = 0.5 * (np.sum(b2 * a3, axis=-1) - np.sum(b3 * a2, axis=-1))
         return Shape(chord, length, axes, np.einsum("...ei,...eki->...ek", chord, axes), twist)
 
-    def _modes(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-        """Deformations (e, 6) of each element, scaled so that half of their squares is its energy:
-        stretch, twist, and sum and difference of its ends' angles in both planes."""
-        _, length, _, sines, twist = self._shape(first, second)
-        rest, axial, *bending, torsion = self.stiffness.T
-        turns = sines * (1 + sines**2 / 6)
-        modes = [np.sqrt(axial) * (length - rest), np.sqrt(torsion) * twist]
-        for plane, stiff in enumerate(bending):
-            angle1, angle2 = turns[..., plane], turns[..., 2 + plane]
-            total, change = angle1 + angle2, angle1 - angle2
-            modes += [np.sqrt(1.5 * stiff) * total, np.sqrt(0.5 * stiff) * change]
-        return np.stack(modes, axis=-1)
-
     def _gradient(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
         """Derivatives (..., e, 12) of each element's energy by the motions (m, rad) of its ends."""
         n, length, axes, sines, t = self._shape(first, second)
@@ -123,22 +109,6 @@ class Elastic(NamedTuple):
         twist = (0.5 * torsion * t)[..., None] * (cross(a3, b2) - cross(a2, b3))
         ends = [-force, twist - cross(n, ga), force, -twist - cross(n, gb)]
         return np.concatenate(ends, axis=-1)
-
-
-class UnstressedBeams(NamedTuple):
-    """Beam elements with the Gauss-Newton Hessian: no negative eigenvalue. bars: the elements."""
-
-    bars: Elastic
-
-    def derivatives(self, poses: ParticlePoses, form: Form = sparse):
-        """Return the gradient (6n,), N and N m, and the Gauss-Newton Hessian (6n, 6n) of the strain
-        energy by motions (m, rad) of all n particles at poses: without stress terms. form: of the
-        Hessian (`sparse`, `full`)."""
-        ends = self.bars._ends(poses)
-        gradient, _ = self.bars.derivatives(poses)
-        rows = slopes(self.bars._modes, *ends)
-        blocks = rows.swapaxes(1, 2) @ rows
-        return gradient, pair_matrix(blocks, self.bars.nodes, len(poses.position), form)
 
 
 def elastic_of(scene) -> Elastic:

@@ -23,6 +23,14 @@ TIME_AFTER_START = 5e-324
 POSE = slice(layout.X, layout.D3 + 3)
 """Fields of a particle's state by which forces are found: its position, and two of its axes."""
 
+PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3) * np.array([[0.5], [0.5]]) + np.array(
+    [[0.5], [0.0]]
+)
+"""Places between 0 and 1, and weights, of three points that integrate polynomials of degree 5."""
+
+PANEL = 0.3
+"""Largest motion (m, rad) over which forces are integrated so."""
+
 NUDGE = 1e-6
 """Shift (of the size) and turn (rad) by which forces are differentiated, on either side."""
 
@@ -37,13 +45,14 @@ class ElementForces:
 
     def __init__(self, scene, elements: list, stiff: Sequence[int] = ()):
         from fpm.kernels.compiled_loop import prepare_call
+        from fpm.kernels.lanes import width
 
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         # As at the start: kernels take means of curves over a step.
         part_scene.curves = [curve.constant_at(0.0) for curve in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
-        rest = energies_of(kinds), lanes_of_register(), np.float64, 1, 1
+        rest = energies_of(kinds), width(np.dtype(np.float64)), np.float64, 1, 1
         batch = Batch([part_scene], kinds, *rest)
         self.parts, self._history = batch.parts(), batch.filled_blocks()
         self.world = batch.world()
@@ -126,10 +135,10 @@ class BalanceForces:
     def __init__(self, scene, sources: Sequence[ElementForces]):
         self.bars, self.sources = elastic_of(scene), sources
 
-    def derivatives(self, poses: ParticlePoses, form: Form = sparse):
+    def derivatives(self, poses: ParticlePoses, form: Form = sparse, convex: bool = False):
         """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of all
-        particles, and the stiffness (6n, 6n), its derivatives. form: of that (`sparse`, `full`)."""
-        gradient, stiffness = self.bars.derivatives(poses, form)
+        particles, and the stiffness (6n, 6n), its derivatives. form, convex: as of Elastic."""
+        gradient, stiffness = self.bars.derivatives(poses, form, convex)
         for source in self.sources:
             forces, slopes = source.linearise(poses, form)
             gradient, stiffness = gradient - forces, stiffness + slopes
@@ -149,12 +158,41 @@ class BalanceForces:
         for source in self.sources:
             source.forces(poses)
 
+    def change(self, first: ParticlePoses, last: ParticlePoses) -> float:
+        """Return by how much (J) the potential energy is more at the last poses than at the first:
+        the strain energy of bars, less the work of elements on the straight way there."""
+        change, motion = (
+            self.bars.energy(last) - self.bars.energy(first),
+            displacement(first, last),
+        )
+        largest = float(np.abs(motion).max(initial=0.0))
+        if not np.isfinite(largest):
+            return np.inf
+        panels, memory = max(1, int(np.ceil(largest / PANEL))), self.memory()
+        for panel in range(panels if self.sources else 0):
+            for place, weight in zip(PLACES, WEIGHTS, strict=True):
+                poses = first.displace((panel + place) / panels * motion)
+                forces = sum(source.forces(poses) for source in self.sources)
+                change -= weight / panels * float(forces @ motion)
+        self.restore(memory)
+        return change
 
-def lanes_of_register() -> int:
-    """Return how many double-precision values kernels compute at once (lanes), 8."""
-    from fpm.kernels.lanes import width
+    def memory(self) -> list:
+        """Return what elements remember of their motion, for `restore`."""
+        return [source.copy_history() for source in self.sources]
 
-    return width(np.dtype(np.float64))
+    def restore(self, memory: list) -> None:
+        """Set elements back to what `memory` returned, as after a trial motion."""
+        for source, history in zip(self.sources, memory, strict=True):
+            source.restore(history)
+
+
+def displacement(first: ParticlePoses, last: ParticlePoses) -> np.ndarray:
+    """Return the motion (6n,), m and rad, by which `first.displace` gives `last`."""
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_matrix(last.frame @ first.frame.transpose(0, 2, 1)).as_rotvec()
+    return np.stack([last.position - first.position, turn], axis=1).ravel()
 
 
 def acts(kind: type[Any]) -> bool:

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
+from numba.extending import intrinsic
 
-from fpm.kernels.inlining import intrinsic
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
 from fpm.kernels.references import calls_of, local_copy
@@ -86,16 +86,20 @@ number of the call among those of the hook, and what it does."""
 def _call_each(stub: Callable, body: str = "") -> Callable:
     """Make a hook of an empty function of (parts, ...): it calls the kernels of all types. body:
     what is compiled for a kernel, "": its call with the same arguments."""
-    _, *arguments = inspect.signature(stub).parameters
+    signature = inspect.signature(stub)
+    _, *arguments = signature.parameters
     body = body or f"kernel(part, {', '.join(arguments)})"
     ENTRIES[stub.__name__] = [*arguments, "number"], body
     codegen = calls_of(len(NAMES))
     NAMES.append(stub.__name__)
 
-    @functools.wraps(stub)
     def definition(typingctx, *kinds):
         return types.void(*kinds), codegen
 
+    functools.update_wrapper(definition, stub)
+    first = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_ONLY)
+    parameters = [p.replace(kind=first.kind) for p in signature.parameters.values()]
+    vars(definition)["__signature__"] = signature.replace(parameters=[first, *parameters])
     return intrinsic(definition)
 
 

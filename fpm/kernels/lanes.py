@@ -18,9 +18,9 @@ import operator
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import lower_builtin, models, register_model
+from numba.extending import intrinsic, lower_builtin, models, register_model
 
-from fpm.kernels.inlining import intrinsic, type_operator
+from fpm.kernels.inlining import type_operator
 
 WIDTH = 8
 """Samples that share one register in double precision."""

@@ -9,9 +9,8 @@ from collections.abc import Callable
 from llvmlite import ir
 from numba import types
 from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 
-from fpm.kernels.inlining import intrinsic
 from fpm.kernels.lanes import WORD
 
 

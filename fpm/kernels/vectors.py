@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from llvmlite import ir
 from numba import config, types
-from numba.extending import lower_builtin, make_attribute_wrapper, models, register_model
+from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
-from fpm.kernels.inlining import InlinedKernel, KernelCompiler, intrinsic, type_operator
+from fpm.kernels.inlining import InlinedKernel, KernelCompiler, type_operator
 from fpm.kernels.lanes import ALL_LANES, Lane, lane_of, load, read, store, where_negative, write
 
 INLINE = {
@@ -144,7 +144,7 @@ def put3(typingctx, a, i, k, v):
     def codegen(context, builder, sig, args):
         return write(context, builder, sig, args, _components(builder, args[3]))
 
-    return v == Vector(lane_of(a, i)) and (types.void(a, i, k, v), codegen)
+    return (types.void(a, i, k, v), codegen) if v == Vector(lane_of(a, i)) else None
 
 
 @kernel

@@ -55,8 +55,9 @@ class Statement:
     """A kind of thing that a group of a structure file may hold, as "revolute" in `joints`. group:
     the file's key; type: the entry's `type`, "" in groups of one kind; keys: Keys that it takes, by
     name; build(builder, args): adds one to the Builder's scene and returns what entries that refer
-    to it get; args: its full `name` and the values of all keys in SI units; SceneError for what
-    cannot be; text: what it is, as docs/structures.md says."""
+    to it get; args: its full `name` and the values of all keys in SI units (None: left out; of a
+    joint the index of its first hinge, of other entries what was built); SceneError for what cannot
+    be; text: what it is, as docs/structures.md says."""
 
     group: str
     type: str

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.assembly import mass_blocks
+from fpm.assembly.newton import mass_blocks
 from fpm.elements import Contact, Friction, Latch, RigidLatch, Stop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hinged import hinged
 
-from fpm.assembly import linearise
 from fpm.assembly.conditions import ParticlePoses, conditions_of
 from fpm.assembly.matrices import full, saddle_solver, scale_matrix, sparse
+from fpm.assembly.newton import linearise
 from fpm.elements import Gravity
 from fpm.elements.bars.beam import Material, Section
 from fpm.travel.balance import balance_of

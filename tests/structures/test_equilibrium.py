@@ -231,7 +231,7 @@ def test_a_pin_with_play_hangs_at_the_lowest_place_of_its_bearing(place, loss):
 
 
 def test_what_is_still_on_its_way_is_not_told_to_have_no_balance(monkeypatch):
-    monkeypatch.setattr("fpm.assembly.equilibrium.POSITIONS", 10)
+    monkeypatch.setattr("fpm.assembly.search.POSITIONS", 10)
     pin = "type: pin with play, clearance: 1 mm, load: 100 N, depth: 1 um"
     with pytest.raises(fpm.SceneError, match=r"nearer to the balance, .* 10 steps"):
         loads(changed(ARM, ("type: revolute", pin))).build()

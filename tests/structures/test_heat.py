@@ -177,9 +177,8 @@ def test_slender_bars_bow_on_any_mesh(elements, height, kappa):
 
 
 def test_what_does_not_come_to_rest_is_not_told_as_an_open_joint(monkeypatch):
-    monkeypatch.setattr("fpm.assembly.ROUNDS", 2)
-    monkeypatch.setattr("fpm.assembly.SOFT_ROUNDS", 2)
-    refused(BOW, "kappa: {value: 0.01", "kappa: {value: 1", "assembly: 'moving by ")
+    monkeypatch.setattr("fpm.assembly.search.POSITIONS", 8)
+    refused(BOW, "kappa: {value: 0.01", "kappa: {value: 1", "assembly: 'bar bar ")
 
 
 PINNED = changed(

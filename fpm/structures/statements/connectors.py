@@ -49,11 +49,7 @@ SPRING = {
     **SPRING,
 )
 def torsion_spring(build, args):
-    """Turns a joint towards an opening.
-
-    Adds a TorsionSpring to the scene. build: Builder of the sample, with its scene; args: values of
-    an entry: joint (index of a hinge), stiffness (N m/rad; N/m on a slide), rest (joint coordinate
-    without moment, rad; m), preload (moment at the start, N m; N) or None."""
+    """Turns a joint towards an opening."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -84,11 +80,7 @@ whole(elements.Damper)
     ),
 )
 def friction(build, args):
-    """Dry (Coulomb) friction in a joint.
-
-    Adds a Friction to the scene, or a RigidFriction if it sticks "exactly". build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), sticks ("bristle" or
-    "exactly"), bristle_deflection (rad; m on a slide) or None, and the other fields of Friction."""
+    """Dry (Coulomb) friction in a joint."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
@@ -123,11 +115,7 @@ BEARING_LOAD = (
     bristle_deflection=replace(DEFLECTION_KEY, text="left out: as that of friction"),
 )
 def bearing(build, args):
-    """Friction by the force that a joint itself bears; a couple that it bears is not counted.
-
-    Adds a Friction to the scene or, where load is None, to `scene.bearings`. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), mu (coefficient of
-    friction), radius (m), load (N) and bristle_deflection (rad; m on a slide), each or None."""
+    """Friction by the force that a joint itself bears; a couple that it bears is not counted."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
@@ -152,11 +140,7 @@ def bearing(build, args):
     upper=NumberKey(None, "opening above which it acts", unit="rad"),
 )
 def stop(build, args):
-    """Keeps the opening of a joint from going further; never pulls.
-
-    Adds a Stop to the scene for each limit. build: Builder of the sample, with its scene; args:
-    values of an entry: joint (index of a hinge), lower and upper (limits of its coordinate, rad; m
-    on a slide; None: no limit), stiffness and others: the fields of Stop."""
+    """Keeps the opening of a joint from going further; never pulls."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -176,12 +160,7 @@ def stop(build, args):
     ),
 )
 def latch(build, args):
-    """Catches a joint at an opening and holds it from then on.
-
-    Adds a Latch to the scene, or a RigidLatch where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), angle (joint
-    coordinate, rad; m on a slide), holds ("both ways", "one way": only against going back),
-    stiffness and others: the fields of Latch."""
+    """Catches a joint at an opening and holds it from then on."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
     kind = elements.RigidLatch if rigid else elements.Latch
@@ -209,12 +188,7 @@ MOMENTS = ListKey(
     **CLASS,
 )
 def tabulated_spring(build, args):
-    """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
-
-    Adds a TableSpring of the mean of moments and back, and a Friction for their difference. build:
-    Builder of the sample, with its scene; args: values of an entry: joint (index of a hinge),
-    angles (joint coordinates, rad; m on a slide), moments and back (at them on the way there and
-    back, N m; N; back may be None), bristle_deflection (rad; m) or None."""
+    """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -236,11 +210,7 @@ def tabulated_spring(build, args):
     joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
-    """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
-
-    Adds a SyncLoop to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: joints (indices of two hinges), rest (joint coordinates without moment, rad, or None:
-    those at the start), and the fields of SyncLoop."""
+    """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(elements.SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -255,12 +225,7 @@ def loop(build, args):
     curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
 )
 def motor(build, args):
-    """Prescribes the opening of a joint, exactly or through an elastic drive train.
-
-    Adds a Motor to the scene, or a RigidMotor where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), start (joint
-    coordinate, rad; m on a slide; None: that at the start), turn (change of it, rad; m) or rate
-    (rad/s; m/s), which the curve (index) scales, stiffness, damping, backlash (rad; m; or None)."""
+    """Prescribes the opening of a joint, exactly or through an elastic drive train."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
@@ -285,13 +250,7 @@ whole(elements.TorqueMotor)
     level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, args):
-    """Holds a joint until a time, or another has opened so far or a latch caught; the first counts.
-
-    Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness (N m/rad;
-    N/m on a slide), damping (N m s/rad; N s/m; 0: none) and, each or None, hold (joint coordinate,
-    rad; m; None: as at the start), time (s), watch (index of another hinge, or name of a latch),
-    level (coordinate there, rad; m)."""
+    """Holds a joint until the first of a time, the opening of another and the catch of a latch."""
     latch = args.watch if isinstance(args.watch, str) else ""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint or latch to `watch`")

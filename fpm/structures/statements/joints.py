@@ -99,12 +99,7 @@ def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[i
     held=LettersKey("", "axes along which the point is held, as by a slider"),
 )
 def revolute(build, args):
-    """A hinge: parts share a point and an axis, and turn freely about it.
-
-    Adds hinges of the first part with each other one; returns the index of that with the second.
-    build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies), at
-    (Point, or Points by part), axis ((3,), or by part), opening (joint coordinate at the start,
-    rad), references ((3,) by part, or None), held (axes along which the point is held, as "xz")."""
+    """A hinge: parts share a point and an axis, and turn freely about it."""
     particles, points = _meet(build, args)
     axes, refs, scene = _axes(build, args), args.references, build.scene
     if refs is not None:
@@ -141,19 +136,13 @@ def _join(build, args, type: str) -> None:
 
 @statement("joints", "spherical", parts=PARTS, at=POINT)
 def spherical(build, args):
-    """A ball and socket: parts share a point.
-
-    Joins the others to the first in the scene. build: Builder of the sample, with its scene; args:
-    values of an entry: parts (Bodies), at (Point, or Points by part)."""
+    """A ball and socket: parts share a point."""
     _join(build, args, "spherical")
 
 
 @statement("joints", "fixed", parts=PARTS, at=POINT)
 def fixed(build, args):
-    """Parts that neither move nor turn against each other there.
-
-    Joins the other parts to the first, in the scene. build: Builder of the sample, with its scene;
-    args: values of an entry: parts (Bodies), at (Point, or Points by part)."""
+    """Parts that neither move nor turn against each other there."""
     _join(build, args, "fixed")
 
 
@@ -172,12 +161,7 @@ def fixed(build, args):
     ),
 )  # fmt: skip
 def universal(build, args):
-    """Cardan's joint: parts share a point, and a cross about two axes that stay normal.
-
-    Adds its two hinges to the scene; returns the index of the first (about axis; the next is about
-    other). build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies),
-    at (Point, or Points by part), axis and other ((3,), global at the start, on the first and
-    second part), openings (joint coordinates of the two, rad, or None: 0)."""
+    """Cardan's joint: parts share a point, and a cross about two axes that stay normal."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")
@@ -199,12 +183,7 @@ def universal(build, args):
     ),
 )
 def prismatic(build, args):
-    """A slider: the second part moves along an axis of the first, and does not turn on it.
-
-    Adds a slide to the scene; returns its index among the hinges. build: Builder of the sample,
-    with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by part),
-    axis (unit vector (3,), in global axes at the start, in which the second part slides as the
-    opening grows), opening (position at the start, m)."""
+    """A slider: the second part moves along an axis of the first, and does not turn on it."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
@@ -256,11 +235,7 @@ def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
 
 @_slider("cylindrical", f"{AXIS.text}, and along which it slides")
 def cylindrical(build, args):
-    """A sleeve on a round shaft: the second part slides along an axis of the first, and turns.
-
-    Adds both openings to the scene; returns the index of the first. build: Builder of the sample,
-    with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by part),
-    axis ((3,), global at the start), opening_turn (rad) and opening_slide (m) at the start."""
+    """A sleeve on a round shaft: the second part slides along an axis of the first, and turns."""
     return _add_slider(build, args, "cylindrical")
 
 
@@ -270,12 +245,7 @@ def cylindrical(build, args):
     x=DirectionKey(text="first direction in the plane, fixed to the first part, normal to `axis`"),
 )
 def planar(build, args):
-    """A plate on a table: the second part slides in a plane of the first, and turns in it.
-
-    Adds all three openings to the scene; returns the index of the first. build: Builder of the
-    sample, with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by
-    part), axis and x ((3,), global at the start, normal to each other), opening_turn (rad),
-    opening_x and opening_y (m) at the start."""
+    """A plate on a table: the second part slides in a plane of the first, and turns in it."""
     return _add_slider(build, args, "planar")
 
 
@@ -286,22 +256,13 @@ def planar(build, args):
     x=DirectionKey(text="along the slot, fixed to the first part, normal to `axis`"),
 )
 def pin_in_slot(build, args):
-    """A pin of the second part slides along a straight slot of the first, and turns in it.
-
-    Adds both openings to the scene; returns the index of the first. build: Builder of the sample,
-    with its scene; args: values of an entry: parts (two Bodies: slot, pin), at (Point, or Points by
-    part), axis and x ((3,), global at the start, normal to each other), opening_turn (rad) and
-    opening_slide (m) at the start."""
+    """A pin of the second part slides along a straight slot of the first, and turns in it."""
     return _add_slider(build, args, "pin in slot")
 
 
 @_slider("screw", f"{AXIS.text}, and along which it goes", pitch=PITCH)
 def screw(build, args):
-    """A nut on a thread: as the second part turns about an axis of the first, it goes along it.
-
-    Adds its opening, the turn, to the scene; returns its index. build: Builder of the sample, with
-    its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by part), axis
-    ((3,), global at the start), pitch (m per turn, below 0: left-handed) and opening (rad)."""
+    """A nut on a thread: as the second part turns about an axis of the first, it goes along it."""
     if not args.pitch:
         build.refuse("pitch", args.pitch, "a length that is not 0; without a thread: cylindrical")
     return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
@@ -318,13 +279,7 @@ del _JOURNAL["hinge"]
     x=DirectionKey(None, "normal to `axis`, fixed to the first part; left out: any"),
 )
 def pin_with_play(build, args):
-    """A pin of the second part turns in a bearing of the first with clearance, and rubs on it.
-
-    Adds its three openings and a Journal to the scene; returns the index of the first, the turn.
-    build: Builder of the sample, with its scene; args: values of an entry: parts (two Bodies:
-    bearing, pin), at (Point, or Points by part), axis and x ((3,), global at the start, normal to
-    each other; x may be None), opening_turn (rad), opening_x and opening_y (place of the pin's axis
-    from the bearing's, m) at the start, and the fields of Journal."""
+    """A pin of the second part turns in a bearing of the first with clearance, and rubs on it."""
     hinge = _add_slider(build, args, PIN)
     build.scene.add(element(Journal, args, hinge=hinge))
     return hinge
@@ -338,11 +293,7 @@ def pin_with_play(build, args):
     rotations=LettersKey("xyz", "axes about which it is held"),
 )
 def support(build, args):
-    """Holds a point of a part along and about global axes.
-
-    Fixes the part's particle in the scene, or adds a joint if the point is off it. build: Builder
-    of the sample, with its scene; args: values of an entry: part (Body), at (Point), translations
-    and rotations (axes held, as "xz")."""
+    """Holds a point of a part along and about global axes."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     scene.supports[args.name] = scene.arm_to(particle, args.at.position)
     distance = np.linalg.norm(args.at.position - scene.position[particle])

@@ -47,10 +47,7 @@ def _size(text: str, unit: str = "m") -> NumberKey:
     ),
 )  # fmt: skip
 def material(build, args):
-    """A linear elastic material.
-
-    Returns a Material. build: Builder of the sample; args: values of an entry: E (Young's modulus,
-    Pa), nu (Poisson's ratio), rho (kg/m³), stiffness_damping (s)."""
+    """A linear elastic material."""
     return Material(args.E, args.nu, args.rho, args.stiffness_damping)
 
 
@@ -116,14 +113,7 @@ for _type, _text, _sizes, _build in SECTIONS:
     ),
 )  # fmt: skip
 def bar(build, args):
-    """An elastic bar through points, each stretch between two of them straight.
-
-    Adds its beam elements, which bend, twist and stretch, to the scene; returns its Body (the
-    particles of its points). build: Builder of the sample, with its scene; args: values of an
-    entry: through (Points), section (Section), material (Material), elements (number in each
-    stretch), up ((3,), of the section's height, or None), carries (by name of a point off the axis,
-    the Point that holds it), inertia_scale (factor on the section's rotational inertia), and strain
-    and curvature (1/m, or None) of the bar when it is free of stress."""
+    """An elastic bar through points, each stretch between two of them straight."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")
@@ -259,12 +249,7 @@ POINTS = ListKey((), "points rigidly held at it", kind=POINT, units=True)
     up=DirectionKey(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
 )  # fmt: skip
 def body(build, args):
-    """A rigid body, without `type`, free until something joins or holds it.
-
-    Adds a particle to the scene; returns a Body. build: Builder of the sample, with its scene;
-    args: values of an entry: mass (kg), centre (Point), box (edges (3,) m) or inertia ((3,) kg m²,
-    about the centre or the Point about), points (Points held at it), x and up (unit vectors of the
-    axes of box or inertia, (3,))."""
+    """A rigid body, without `type`, free until something joins or holds it."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
         build.refuse("box", pair, "either `box` or `inertia`")
@@ -359,12 +344,7 @@ def _cylinder(build, args, section: Section | None) -> Body:
     points=POINTS,
 )
 def rod(build, args):
-    """A straight rigid rod between two points, its mass evenly along it.
-
-    Adds a particle at its middle to the scene; returns a Body. build: Builder of the sample, with
-    its scene; args: values of an entry: from and to (Points of it), mass (kg) or density (kg/m³),
-    the other None, diameter (m, or None: its inertia about its axis is 1e-6 of that across),
-    points (further Points held at it)."""
+    """A straight rigid rod between two points, its mass evenly along it."""
     return _cylinder(build, args, args.diameter and Section.circle(args.diameter / 2))
 
 
@@ -377,11 +357,7 @@ def rod(build, args):
     points=POINTS,
 )
 def tube(build, args):
-    """A straight round rigid tube between two points, without lids.
-
-    Adds a particle at its middle to the scene; returns a Body. build: Builder of the sample, with
-    its scene; args: values of an entry: from and to (Points of it), mass (kg) or density (kg/m³),
-    the other None, diameter and thickness (m), points (further Points held at it)."""
+    """A straight round rigid tube between two points, without lids."""
     return _cylinder(build, args, _tube(build, args))
 
 
@@ -397,11 +373,7 @@ def tube(build, args):
     points=POINTS,
 )  # fmt: skip
 def plate(build, args):
-    """A flat rigid plate between its corners, its mass evenly in it.
-
-    Adds a particle at its centre of mass to the scene; returns a Body. build: Builder of the
-    sample, with its scene; args: values of an entry: corners (Points of it), mass (kg) or density
-    (kg/m³), the other None, thickness (m), points (further Points held at it)."""
+    """A flat rigid plate between its corners, its mass evenly in it."""
     places = np.array([corner.position for corner in args.corners])
     arms = places[1:] - places[0]
     first, second = arms[:-1], arms[1:]  # sides of triangles that begin at the first corner
@@ -432,11 +404,7 @@ def plate(build, args):
     inertia=NumberKey(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )
 def mass(build, args):
-    """A mass at a point of a part, with its centre there.
-
-    Adds to mass and inertia of the part's particle in the scene, and moves that of a rigid body to
-    the centre of both. build: Builder of the sample; args: values of an entry: part (Body), at
-    (Point), mass (kg), inertia (every axis, kg m²)."""
+    """A mass at a point of a part, with its centre there."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:

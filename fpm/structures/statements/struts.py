@@ -44,11 +44,7 @@ def _length(build, args) -> float:
     **CLASS,
 )
 def spring(build, args):
-    """Pushes or pulls two points towards a distance.
-
-    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: between (two (Body, Point)), stiffness (N/m), rest (m) or preload (N), the other None,
-    acts ("both ways", "push" or "pull"), damping (N s/m)."""
+    """Pushes or pulls two points towards a distance."""
     if (args.rest is None) == (args.preload is None):
         pair = None if args.rest is None else [args.rest, args.preload]
         build.refuse("rest", pair, "either `rest` or `preload`")
@@ -77,10 +73,7 @@ def spring(build, args):
     **CLASS,
 )
 def tabulated_spring(build, args):
-    """Pushes or pulls two points by a table over their distance, constant beyond its ends.
-
-    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: between (two (Body, Point)), lengths (m), forces (N), damping (N s/m)."""
+    """Pushes or pulls two points by a table over their distance, constant beyond its ends."""
     _add(build, args, args.lengths, args.forces)
     if not vars(args)["class"]:
         build.scene.classes[Strut, len(Strut.find(build.scene)) - 1] = "HA"  # as tables on joints
@@ -99,11 +92,7 @@ def tabulated_spring(build, args):
     **CLASS,
 )
 def gas_spring(build, args):
-    """Pushes two points apart by a gas in a closed volume; its force is constant beyond its stroke.
-
-    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: between (two (Body, Point)), force (N), length and stroke (m), ratio, exponent, damping
-    (N s/m)."""
+    """Pushes two points apart by an enclosed gas; its force is constant beyond its stroke."""
     if not args.stroke < args.length:
         build.refuse("stroke", args.stroke, f"below the length, {args.length:g} m")
     table = gas_table(args.force, args.length, args.stroke, args.ratio, args.exponent)
@@ -123,17 +112,11 @@ def gas_spring(build, args):
     **CLASS,
 )
 def constant_force(build, args):
-    """Pushes or pulls two points with the same force at any distance.
-
-    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: between (two (Body, Point)), force (N), damping (N s/m)."""
+    """Pushes or pulls two points with the same force at any distance."""
     _add(build, args, [_length(build, args)], [args.force])
 
 
 @statement("struts", "damper", between=ENDS, damping=replace(DAMPING, default=NO_VALUE))
 def damper(build, args):
-    """Resists changes of the distance of two points.
-
-    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: between (two (Body, Point)), damping (N s/m)."""
+    """Resists changes of the distance of two points."""
     _add(build, args, [_length(build, args)], [0.0])

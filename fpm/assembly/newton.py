@@ -1,0 +1,85 @@
+"""Newton's method for static balance with closed joints: its linear equations, and masses.
+
+Of the strain energy U and what else is in balance, with the conditions g of the joints, G = dg,
+
+    (H + ε M) d + G'λ' = -(dU + G'λ),   G d - δ λ' = -g,   H = d(dU + G'λ)
+
+λ' being the change of the impulses λ. What strains nothing, as a mechanism's own motion, is decided
+by the masses, ε M. δ lets conditions be redundant, as in loops of rigid bodies; where they
+contradict each other, nothing converges. (Proximal method of multipliers: Rockafellar, Math. Oper.
+Res. 1 (1976) 97.)"""
+
+import numpy as np
+
+from fpm.assembly.conditions import ParticlePoses
+from fpm.assembly.matrices import Form, largest_entry, saddle_solver, scale_matrix, sparse
+
+EASE = 1e-13
+"""δ, where the largest entries of H, M and G are one."""
+
+
+def linearise(
+    scene,
+    poses,
+    conditions,
+    balance,
+    impulses,
+    scales,
+    free,
+    weight,
+    ease,
+    mass=None,
+    form=sparse,
+    convex=False,
+):
+    """Set up linear equations of a Newton step to static balance; returns a function solve(forces,
+    gap_changes) and the gradient (6n,) of strain energy plus conditions times impulses.
+
+    solve: takes forces (6n,), N and N m, and gap_changes (c,), by how much the conditions, times
+    `weight`, shall change; returns the motion (6n,), shifts as fractions of the size, turns (rad),
+    and the change (c,) of impulses, NaN where the matrix is singular. scene: for masses; poses: of
+    all n particles; conditions: the c that close joints (Conditions); balance: Elastic or
+    BalanceForces; impulses (c,): Lagrange multipliers of the conditions (N m); scales (6n,): size
+    (m) for shifts, 1 for turns; free: indices of degrees of freedom not held; weight (c,): factors
+    that make conditions dimensionless; ease: stiffness (N m) by which the largest mass, others in
+    proportion, holds back motions that strain nothing; mass: matrix (6n, 6n) of masses by scaled
+    motions, None: the scene's; form: of all matrices, `sparse` or, several times as fast for few
+    particles, `full`; convex: True: without what makes bars' energy concave."""
+    count = len(scales)
+    gradient, stiffness = balance.derivatives(poses, form, convex)
+    rows, curvature = conditions.derivatives(poses, weight * impulses, form)
+    stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
+    stiffness = scale_matrix(stiffness, scales, scales)
+    if mass is None:
+        mass = scale_matrix(masses(scene, poses, form), scales, scales)
+    unit = max(largest_entry(stiffness), ease)
+    inner = (stiffness / unit + mass * (ease / unit / mass.max()))[free][:, free]
+    solve_system = saddle_solver(inner, scale_matrix(rows, weight, scales)[:, free], EASE)
+
+    def solve(forces, gap_changes):
+        solution = solve_system(np.concatenate([(scales * forces)[free] / unit, gap_changes]))
+        step = np.zeros(count)
+        step[free] = solution[: len(free)]
+        return step, unit * solution[len(free) :]
+
+    return solve, gradient
+
+
+def masses(scene, poses: ParticlePoses, form: Form = sparse):
+    """Return a mass matrix (6n, 6n) of all n particles of a scene at `poses`, in global axes: 3 by
+    3 blocks of mass (kg), then inertia (kg m²), of one particle after the other. form: of the
+    matrix (`sparse`, `full`)."""
+    blocks = mass_blocks(scene, poses)
+    dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
+    rows, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
+    places = np.nonzero(blocks)
+    return form(blocks[places], rows[places], columns[places], (dofs.size, dofs.size))
+
+
+def mass_blocks(scene, poses: ParticlePoses) -> np.ndarray:
+    """Return the blocks (n, 2, 3, 3) of the mass matrix of all n particles of a scene at `poses`,
+    in global axes: that of the mass (kg), then that of the inertia (kg m²)."""
+    blocks = np.zeros((len(scene.mass), 2, 3, 3))
+    blocks[:, 0] = scene.mass[:, None, None] * np.eye(3)
+    blocks[:, 1] = poses.frame * scene.inertia[:, None] @ poses.frame.transpose(0, 2, 1)
+    return blocks

@@ -1,0 +1,406 @@
+"""Search of a stable static balance of a scene, the joints closed, downhill in energy.
+
+First open joints are closed by Newton's method, without what makes the energy concave. Then, from
+position to position,
+
+    dU(x) + G'λ + ε M (x - x₀) = 0,   g(x) = 0
+
+is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
+energy U against a drag M in proportion to the masses (pseudo-transient continuation: Kelley and
+Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Turns, as rotation vectors, are dragged as shifts by the
+size are, about all axes alike: with their inertias, a slender body that spins about its own axis,
+at next to no cost, has U + ε M (x - x₀)²/2 without a minimum unless ε is large. ε falls while that
+succeeds, so that the steps become Newton's own; it grows where Newton's method does not converge,
+moves too far, or comes to what is no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes
+by is the strain energy of bars, less the work of all other forces on the way, which need no
+potential.
+
+Where U falls from the position that was come to, along a motion that keeps the joints closed, this
+snaps: both sides are followed downhill, and the lower end is taken if they differ."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import replace
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from fpm.assembly.conditions import ParticlePoses, conditions_of, tilts
+from fpm.assembly.element_forces import BalanceForces, displacement
+from fpm.assembly.matrices import largest_entry, scale_matrix
+from fpm.assembly.newton import linearise
+from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.batch import GAP_TOL
+from fpm.elements.openings.opening import opening_at
+from fpm.errors import SceneError
+
+STEP_TOL, FARTHEST = 1e-10, 0.1
+"""Largest motion of the last round, and of one that closes joints, as a share of the size, or turn
+(rad)."""
+
+OPEN = 1e-6
+"""Gap (m) or angle (rad) from which a joint is said to be open where nothing was found."""
+
+MASS_SHARE, SOFT_SHARE = 1e-8, 1e-13
+"""ε, as a share of the bars' stiffness, of rounds that close joints; and its least."""
+
+FALLS, INSTABILITY, SAME_TOL = 4, 1e-12, 1e-6
+"""Most times that an unstable position is left; the curvature from which it is unstable, as a share
+of the largest entry of H; and the share by which two positions and their energies are the same."""
+
+LANCZOS, HALVINGS, CLOSINGS = 60, 12, 60
+"""Most vectors that look for such a curvature, halvings of a motion downhill, rounds that close."""
+
+POSITIONS, FIRM_POSITIONS, ROUNDS, DISTANCE = 300, 60, 12, 20
+"""Most positions on the way down; number of them in which ε may not fall to what differences of
+forces do not resolve; most rounds of Newton's method for each; and how many times its size the
+structure may move."""
+
+REACH, AIM = 0.3, 0.2
+"""Largest motion from one position to the next, as a share of the size, or turn (rad); and that at
+which ε stays."""
+
+CLOSE, SMALL = 1e-3, 1e-7
+"""Share of a motion by which Newton's method may still move at its end; and motion (share of the
+size, rad) by which the energy changes as little as it is rounded."""
+
+RESOLUTION, ROUNDING, NEGATIVE = 2e-8, 1e-14, 1e-12
+"""Share of the largest stiffness of elements that differences of their forces resolve, share of the
+largest force that may be left, and share of the largest eigenvalue below which one is negative."""
+
+TINY = 1e-100
+"""Force (N m) from which one is told from none."""
+
+FOLD = 0.7
+"""Bend of an element (sine) on the way beyond which it might come to lie the other way round, where
+its energy is none again."""
+
+EASE_SHARE, EASE_DECREASE, EASE_INCREASE = 1e-2, 1 / 30, 10.0
+"""ε at first, as a share of the largest force; its factors after a position that was found, and
+after one that was not."""
+
+STIFFER = 1e16
+"""Largest ε over the stiffness at the start: stops that are met on the way are stiffer."""
+
+
+class MisfitError(SceneError):
+    """Raised for parts that cannot be forced together at their joints, or have no balance."""
+
+
+class Words(NamedTuple):
+    """What refusals say. key: of the file; parts: that strain too much; rest: what comes to rest;
+    remedy: by which one of two sides is chosen."""
+
+    key: str
+    parts: str
+    rest: str
+    remedy: str
+
+
+class RestSearch:
+    """Search of poses in stable balance of a scene's particles, the joints closed. targets: joint
+    coordinates of hinges that are held, by name, to which they are led; balance: the forces, which
+    follow the way; words: of refusals. Attributes: open_before, name, gap (m) and tilt (rad) of the
+    joint open most at the start; hinges, with openings at the poses followed last."""
+
+    def __init__(self, scene, targets: Mapping[str, float], balance: BalanceForces, words: Words):
+        from scipy.sparse import diags_array
+
+        self._scene, self._balance, self._words = scene, balance, words
+        self._targets, self._hold = dict(targets), list(targets)
+        self._start = ParticlePoses(scene.position.copy(), scene.frame.copy())
+        self._conditions = conditions_of(scene, self._hold)
+        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+        self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
+        self._free = np.flatnonzero(~scene.fixed.ravel())
+        self._weight = self._conditions.weight(self._size)
+        self._no_gaps, self._no_force = np.zeros(len(self._weight)), np.zeros(len(self._scales))
+        mass = np.repeat(scene.mass, 6)
+        share = np.minimum(mass / mass[self._free].max(initial=TINY), 1.0)
+        self._mass = diags_array(share, format="csc")
+        self._resolution = RESOLUTION if balance.sources else 0.0
+        self.hinges, self.open_before = list(scene.hinges), self._worst(self._start)
+
+    def relax(self) -> tuple[ParticlePoses, int]:
+        """The stable poses, and number of positions; raises MisfitError where none are found."""
+        if not len(self._free) and self._gap(self._start) <= GAP_TOL:
+            return self._start, 0
+        start, rounds = self._close(self._start, relaxes=True)
+        if self._gap(start) > (OPEN if len(self._free) else GAP_TOL):
+            name, gap, tilt = self._worst(start)
+            allowed = "parts that can be forced together, with this joint closed"
+            raise MisfitError(f"joint {name}", _gap_text(gap, tilt), allowed)
+        state, impulses, count = self._lead(*self._descend(start, self._no_gaps))
+        self._check_strains(state)
+        step = self._find_descent(state, impulses)
+        if step is None:
+            return state, rounds + count
+        sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
+        sides = sorted((side for side in sides if side), key=lambda side: side[0])
+        if sides and not self._differ(sides):
+            self._check_strains(sides[0][1])
+            return sides[0][1], rounds + count + sum(side[2] for side in sides)
+        requirement = "a stable position; this one snaps, and none was found downhill of it"
+        if sides:
+            energy = self._balance.bars.energy(sides[0][1])
+            requirement = (
+                f"a stable position; this one snaps to either of two with {energy:.4g} J, as "
+                f"a straight bar pressed beyond its buckling load: {self._words.remedy} says to "
+                "which"
+            )
+        energy = self._balance.bars.energy(state)
+        raise MisfitError(self._words.key, f"{energy:.4g} J in an unstable position", requirement)
+
+    def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
+        """Return the largest force or moment (N, N m) that is left at `poses` and that acts there,
+        and the strain energy (J) of bars."""
+        impulses, sizes = self._no_gaps, self._balance.sizes(poses, self._scales)
+        for _ in range(3):
+            solve, gradient = self._linearise(poses, impulses, max(*sizes[:2], *sizes[2], TINY))
+            impulses = impulses + solve(-gradient, self._no_gaps)[1]
+        residual = np.abs(gradient[self._free]).max(initial=0.0)
+        forces = self._balance.sizes(poses, np.ones_like(self._scales))[2]
+        return float(residual), float(forces.max(initial=0.0)), self._balance.bars.energy(poses)
+
+    def reopen(self, poses: ParticlePoses) -> list:
+        """Return the scene's hinges with their joint coordinates at `poses`, next to the last."""
+        return [replace(hinge, opening=opening_at(poses, hinge)) for hinge in self.hinges]
+
+    def _worst(self, poses: ParticlePoses) -> tuple[str, float, float]:
+        """Name, gap (m) and tilt (rad) of the joint that is open most."""
+        gaps = self._conditions.gaps(poses)
+        name, gap, tilt = self._conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
+        angle = tilts(self._scene, poses, self._hold).get(name, np.nan)
+        return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
+
+    def _differ(self, sides: Sequence[tuple]) -> bool:
+        """Whether both sides, lower first, end in different poses and fall by the same energy."""
+        (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
+        shift = np.abs(low_poses.position - high_poses.position).max()
+        return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
+
+    def _linearise(self, poses, impulses, ease: float, mass=None, convex: bool = False):
+        rules = self._scales, self._free, self._weight, ease
+        fields = self._scene, poses, self._conditions, self._balance, impulses
+        return linearise(*fields, *rules, mass=mass, convex=convex)
+
+    def _lacks(self, poses) -> np.ndarray:
+        return -self._weight * self._conditions.gaps(poses)
+
+    def _gap(self, poses) -> float:
+        return float(np.abs(self._lacks(poses)).max(initial=0.0))
+
+    def _close(self, poses, relaxes: bool = False) -> tuple[ParticlePoses, int]:
+        """Poses next to these at which the joints are closed, if there are any, and the number of
+        rounds; relaxes: where forces on the way are small."""
+        impulses = self._no_gaps
+        for count in range(CLOSINGS if len(self._free) else 0):
+            if self._gap(poses) <= GAP_TOL:
+                return poses, count
+            ease = MASS_SHARE * self._balance.sizes(poses, self._scales)[0] or 1.0
+            solve, gradient = self._linearise(poses, impulses, ease, convex=True)
+            step, change = solve(-gradient if relaxes else self._no_force, self._lacks(poses))
+            largest = float(np.abs(step).max(initial=0.0))
+            if not np.isfinite(largest):
+                break
+            fraction = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+            poses = poses.displace(fraction * self._scales * step)
+            impulses = impulses + fraction * change * relaxes
+            if relaxes:
+                self._check_folds(poses)
+        return poses, CLOSINGS
+
+    def _lead(self, poses, impulses, count: int):
+        """Poses in balance with the openings led to where they are held, the impulses there and
+        the number of positions."""
+        hinges = self._scene.hinges
+        changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
+        lengths = [
+            abs(change) / (self._size if h.slides else 1.0)
+            for h, change in zip(hinges, changes, strict=True)
+        ]
+        steps = int(np.ceil(max(lengths, default=0.0) / FARTHEST))
+        for step in range(1, steps + 1):
+            scene = copy(self._scene)
+            scene.hinges = [
+                replace(h, opening=h.opening + change * step / steps)
+                for h, change in zip(hinges, changes, strict=True)
+            ]
+            self._conditions = conditions_of(scene, self._hold)
+            poses, impulses, rounds = self._descend(poses, impulses, is_led=True)
+            count += rounds
+        if steps:
+            poses, impulses, rounds = self._descend(poses, impulses)
+            count += rounds
+        return poses, impulses, count
+
+    def _find_descent(self, poses, impulses):
+        """The motion (6n,) along which the energy falls to both sides at the second order, or None:
+        image of a vector on which the inverse of a round's matrix is negative beyond rounding."""
+        scales, (bars, elements, forces) = self._scales, self._balance.sizes(poses, self._scales)
+        if not max(bars, elements, *forces):
+            return None
+        ease = SOFT_SHARE * max(bars, elements) or 1.0
+        steps = self._negative(self._linearise(poses, impulses, ease, self._mass)[0])
+        _, stiffness = self._balance.derivatives(poses)
+        _, curvature = self._conditions.derivatives(poses, self._weight * impulses)
+        motions = scales[:, None] * steps
+        falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
+        least = INSTABILITY * largest_entry(scale_matrix(stiffness, scales, scales))
+        least += self._resolution * max(elements, *forces)
+        steps = steps[:, falls < -least * np.sum(steps**2, axis=0)]
+        step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
+        return step / np.abs(step).max() if step.any() else None
+
+    def _negative(self, solve, share: float = 0.0) -> np.ndarray:
+        """Directions (6n, k) in which the inverse of a round's matrix, `solve`, seems to be
+        negative, by a share of its largest eigenvalue. Lanczos' method from a fixed start, each
+        vector made normal to all before."""
+        count = len(self._scales)
+        basis = [np.random.default_rng(1).standard_normal(count)]
+        basis[0] /= np.linalg.norm(basis[0])
+        images: list[np.ndarray] = []
+        while len(images) < min(count, LANCZOS):
+            images.append(solve(basis[-1] / self._scales, self._no_gaps)[0])
+            rest = images[-1]
+            for _ in range(2):
+                rest = rest - np.array(basis).T @ (np.array(basis) @ rest)
+            length = np.linalg.norm(rest)
+            if not length > 1e-14 * np.linalg.norm(images[-1]):
+                break
+            basis.append(rest / length)
+        if not np.isfinite(images[-1]).all():  # the matrix is exactly singular
+            return np.zeros((count, 0))
+        small = np.array(basis[: len(images)]) @ np.array(images).T
+        values, vectors = np.linalg.eigh((small + small.T) / 2)
+        return np.array(images).T @ vectors[:, values < -share * np.abs(values).max()]
+
+    def _descend(self, poses, impulses, is_led: bool = False):
+        """Poses downhill in balance, impulses, count; is_led: one step, whatever its energy."""
+        bars, elements, forces = self._balance.sizes(poses, self._scales)
+        force = float(forces[self._free].max(initial=0.0))
+        stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
+        start = poses.position
+        for count in range(1, POSITIONS + 1):
+            share = self._resolution if count <= FIRM_POSITIONS else SOFT_SHARE
+            floor = max(SOFT_SHARE * bars, share * max(elements, force)) or 1.0
+            ease = max(ease, floor)
+            trial = self._approach(poses, impulses, ease, ROUNDING * force)
+            if trial is None or not (is_led or self._falls(poses, trial, ease)):
+                if ease > STIFFER * (stiffest or 1.0):
+                    break
+                ease *= EASE_INCREASE
+                continue
+            poses, impulses, motion = trial
+            self._balance.follow(poses)
+            self.hinges = self.reopen(poses)
+            self._check_folds(poses)
+            largest = np.abs(motion).max(initial=0.0)
+            is_closed = self._gap(poses) <= GAP_TOL
+            if np.abs(poses.position - start).max() > DISTANCE * self._size:
+                break
+            if is_led or (largest <= STEP_TOL and is_closed and ease <= floor):
+                return poses, impulses, count
+            ease *= max(largest / AIM, EASE_DECREASE) if largest > SMALL else 0.0
+        self._refuse_motion(motion)
+
+    def _approach(self, poses, impulses, ease: float, rounding: float):
+        """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion; or None.
+        Where forces are left of `rounding` (N m) only, nothing moves."""
+        first, motion = poses, self._no_force
+        for count in range(ROUNDS):
+            solve, gradient = self._linearise(poses, impulses, ease, self._mass)
+            lacks = self._lacks(poses)
+            residual = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
+            if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
+                return poses, impulses, motion
+            step, change = solve(-gradient - ease * (self._mass @ motion) / self._scales, lacks)
+            poses = poses.displace(self._scales * step)
+            motion = displacement(first, poses) / self._scales
+            largest, size = (np.abs(x).max(initial=0.0) for x in (step, motion))
+            if not (np.isfinite(largest) and max(largest, size) <= REACH):
+                return None
+            impulses = impulses + change
+            is_closed = self._gap(poses) <= max(CLOSE * size**2, GAP_TOL)
+            if is_closed and largest <= max(CLOSE * size, STEP_TOL):
+                if size > SMALL and self._negative(solve, NEGATIVE).shape[1]:
+                    return None
+                return poses, impulses, motion
+        return None
+
+    def _falls(self, first, trial, ease: float) -> bool:
+        """Whether the energy falls from first to last poses, and by as much as the drag takes."""
+        last, _, motion = trial
+        if np.abs(motion).max(initial=0.0) <= SMALL:
+            return True
+        return self._balance.change(first, last) + ease * motion @ (self._mass @ motion) / 2 <= 0
+
+    def _downhill(self, poses, step):
+        """Poses of less energy along a motion from unstable ones."""
+        for halving in range(HALVINGS):
+            shift = 0.5**halving * FARTHEST * self._scales * step
+            trial, _ = self._close(poses.displace(shift))
+            if self._gap(trial) <= GAP_TOL and self._balance.change(poses, trial) < 0:
+                return trial
+        return poses
+
+    def _follow(self, poses, impulses, step):
+        """Stable poses downhill of unstable ones to a motion's side, by how much energy, and the
+        rounds; None: none."""
+        count, start, hinges, memory = 0, poses, self.hinges, self._balance.memory()
+        try:
+            for _ in range(FALLS):
+                poses, impulses, rounds = self._descend(self._downhill(poses, step), self._no_gaps)
+                count += rounds
+                step = self._find_descent(poses, impulses)
+                if step is None:
+                    return self._balance.change(start, poses), poses, count
+        except MisfitError:
+            pass
+        finally:
+            self.hinges = hinges
+            self._balance.restore(memory)
+        return None
+
+    def _check_folds(self, poses) -> None:
+        if self._balance.bars.largest(poses)[0] > FOLD:
+            self._check_strains(poses)
+
+    def _check_strains(self, poses) -> None:
+        """Check strains against the limits of a run; raises MisfitError where they are larger."""
+        name, gap, tilt = self.open_before
+        pairs = zip((BEND, STRAIN), self._balance.bars.largest(poses), strict=True)
+        for (watch, value), word in zip(pairs, ("bent or twisted", "strained"), strict=True):
+            if not value <= watch.most:
+                key, text = self._words.key, f"bars {word} by {value:.2g}"
+                if max(gap, tilt) > OPEN:
+                    key, text = f"joint {name}", _gap_text(gap, tilt)
+                allowed = f"{self._words.parts} with bars {word} by at most {watch.most:g}"
+                raise MisfitError(key, text, f"{allowed}, not {value:.2g}")
+
+    def _refuse_motion(self, motion: np.ndarray) -> NoReturn:
+        """Raise MisfitError for the part that moves most, on a way along which is no balance, or
+        so little in each position, as of a stiff contact that turns far, that none was reached."""
+        motions = motion.reshape(-1, 2, 3)
+        sizes = np.linalg.norm(motions, axis=2)
+        particle, kind = np.unravel_index(sizes.argmax(), sizes.shape)
+        names = {
+            int(p): f"bar {beams.name.partition(' from ')[0]}"
+            for beams in self._scene.beams
+            for p in beams.nodes.ravel()
+        } | {p: f"body {name}" for name, p in self._scene.bodies.items()}
+        direction = np.round(motions[particle, kind] / (sizes.max() or 1.0), 6) + 0.0
+        part = names.get(int(particle), f"particle {particle}")
+        verb = ("moves on along", "turns on about")[kind]
+        text = f"{part} {verb} ({', '.join(f'{x:.3g}' for x in direction)})"
+        allowed = self._words.rest
+        if 0 < np.abs(motion).max() < AIM / 2:
+            allowed = "a stated position nearer to the balance, or softer springs and contacts: "
+            allowed += f"{POSITIONS} steps towards it were too small to reach it"
+        raise MisfitError(self._words.key, text, allowed)
+
+
+def _gap_text(gap: float, tilt: float) -> str:
+    """By how much a joint is open, in words."""
+    sizes = [f"{gap:.3g} m"] * (gap > 0) + [f"{tilt:.3g} rad"] * (tilt > 0)
+    return f"{' and '.join(sizes) or '0 m'} apart"

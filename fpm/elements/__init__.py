@@ -7,7 +7,6 @@ from fpm.elements.cables.cable import Cable
 from fpm.elements.cables.strut import Strut
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.joints.rigid import RigidFriction, RigidLatch, RigidMotor, RigidRelease
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import ElementType
 from fpm.elements.openings.contact import Contact
@@ -51,10 +50,6 @@ KINDS: tuple[type[ElementType], ...] = (
     Stop,
     TableSpring,
     Turn,
-    RigidMotor,
-    RigidRelease,
-    RigidLatch,
-    RigidFriction,
     Viscosity,
     Drag,
     Strut,

@@ -6,7 +6,7 @@ runs through elastic bars as a wave whose front is a few elements long, whatever
 import numpy as np
 
 from fpm.elements.bars.viscosity import Viscosity
-from fpm.elements.joints.rigid import RigidLatch
+from fpm.elements.openings.latch import Latch
 from fpm.elements.particles.load import Load
 from fpm.reading.responses import KINDS, Response
 from fpm.scenes.scene import Scene
@@ -27,7 +27,7 @@ def warn(scene: Scene, response: Response) -> str:
         has_shock = response.subjects[1] in _CONSTRAINTS
     if not has_shock:
         return ""
-    if latches := [latch.label(scene) for latch in RigidLatch.find(scene)]:
+    if latches := [latch.label(scene) for latch in Latch.find(scene) if latch.is_exact]:
         return (
             f"{_join(latches)} without `stiffness` stops the joint within one step, an impact "
             "as large as mesh and step make it: state the `stiffness` of the latch, or of what "

@@ -13,7 +13,7 @@ from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.release import AnyRelease
+from fpm.elements.openings.release import Release
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
@@ -140,10 +140,10 @@ def list_actions(scene: Scene) -> list[str]:
             hinges = [scene.hinges[hinge] for hinge in indices]
             joints = " and ".join(hinge.name for hinge in hinges)
             numbers = [*_numbers(element, scene)]
-            if isinstance(element, AnyRelease) and element.watch >= 0:
+            if isinstance(element, Release) and element.watch >= 0:
                 joint = scene.hinges[element.watch]
                 numbers.append(f"until {joint.name} passes {opening_text(joint, element.level)}")
-            if isinstance(element, AnyRelease) and element.latch:
+            if isinstance(element, Release) and element.latch:
                 numbers.append(f"until latch {element.latch} catches")
             texts.append((indices[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
     return [text for _, text in sorted(texts, key=lambda pair: pair[0])]

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.assembly import mass_blocks
-from fpm.elements import Contact, Friction, Latch, RigidLatch, Stop, TableSpring
+from fpm.elements import Contact, Friction, Latch, Stop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY
 from fpm.travel.components import STRAIN, VirtualWork, bearing_name, components_of
@@ -185,5 +185,5 @@ def _root(function: Callable[[float], float], ends, values) -> float:
 def _bends(scene) -> list[tuple[int, float]]:
     """Hinges by index, with openings at which a moment on them bends or jumps."""
     bends = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.find(scene) for a in e.angles]
-    bends += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.find(scene)]
+    bends += [(e.hinge, e.angle) for k in (Stop, Latch) for e in k.find(scene)]
     return bends + [(contact.hinge, 0.0) for contact in Contact.find(scene)]

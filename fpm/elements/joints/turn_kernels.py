@@ -89,19 +89,27 @@ def add_late_moment(moments, openings, h, moment):
         store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
 
 
-def register_work_hooks(arrays, first, sign):
-    """Register the hooks `work_before` and `work_due`, which add up the work of an element type
-    that holds joint coordinates exactly; called once, where its kernels are defined. arrays: its
-    named tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts
-    work given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
+def register_losses(arrays, first):
+    """Register the hooks `work_before` and `work_due` of an element type that loses what its exact
+    holds take, and nothing else in `work_before`; called once, where its kernels are defined.
+    arrays: its named tuple; first: index of the field HOLD_MOMENT in part.state."""
 
     @hook(arrays)
     def work_before(part, world, timing):
-        """Add half of the work (J) of the moments of the last step, over the step that ends now, to
+        """Add half of the loss (J) of the moments of the last step, over the step that ends now, to
         part.account. part: arrays of the elements; world: solver state; timing: not used."""
         for i in range(part.hinge.shape[0]):
             work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HOLD_MOMENT))
-            add_to_account(world, part.account, sign * work)
+            add_to_account(world, part.account, -1.0 * work)
+
+    register_work_due(arrays, first)
+
+
+def register_work_due(arrays, first):
+    """Register the hook `work_due` of an element type that holds joint coordinates exactly; called
+    once, where its kernels are defined. arrays: its named tuple; first: index of the field
+    HOLD_MOMENT in part.state. Its hook `work_before` counts half of the work of the last step, and
+    `work_after` calls `end_work`."""
 
     @hook(arrays)
     def work_due(part, world, energies, row, timing):
@@ -120,9 +128,10 @@ def end_work(part, world, timing, first, sign):
     all elements to account part.account of World. part: arrays of elements; world: World; timing:
     StepTime (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for losses."""
     for i in range(part.hinge.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], timing, world)
-        add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
-        end_work_of(part, world, i, moment, first, sign)
+        if part.turn[i] >= 0:
+            moment = moment_of(part.turns, part.turn[i], timing, world)
+            add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
+            end_work_of(part, world, i, moment, first, sign)
 
 
 @kernel

@@ -1,8 +1,7 @@
 """What a scene is made of: one kind of element per definition file, with its kernels beside it."""
 
+from fpm.elements.bars.bar_damping import BarDamping
 from fpm.elements.bars.beam import Beams
-from fpm.elements.bars.stiffness_damping import StiffnessDamping
-from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.cables.cable import Cable
 from fpm.elements.cables.strut import Strut
 from fpm.elements.joints.hinge import Hinge
@@ -50,11 +49,10 @@ KINDS: tuple[type[ElementType], ...] = (
     Stop,
     TableSpring,
     Turn,
-    Viscosity,
     Drag,
     Strut,
     Journal,
-    StiffnessDamping,
+    BarDamping,
     Drive,
     Support,
     Damping,

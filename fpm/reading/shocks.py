@@ -5,7 +5,7 @@ runs through elastic bars as a wave whose front is a few elements long, whatever
 
 import numpy as np
 
-from fpm.elements.bars.viscosity import Viscosity
+from fpm.elements.bars.bar_damping import BarDamping
 from fpm.elements.openings.latch import Latch
 from fpm.elements.particles.load import Load
 from fpm.reading.responses import KINDS, Response
@@ -59,7 +59,7 @@ def _is_damped(scene: Scene) -> bool:
         for beams in scene.beams
         for length in beams.length
     ]
-    return any(viscosity.share for viscosity in Viscosity.find(scene)) or min(shares) >= USUAL_SHARE
+    return BarDamping.viscosity(scene) > 0 or min(shares) >= USUAL_SHARE
 
 
 def _is_sudden(scene: Scene, load: Load) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from fpm.elements import Drag, StiffnessDamping, kinds_of
+from fpm.elements import Drag, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
@@ -106,7 +106,7 @@ def _step(cost: report.RunCost) -> str:
 
 def _damped_step(scene: Scene) -> str:
     """What damping in proportion to stiffness does to the stable step."""
-    if not StiffnessDamping.find(scene):
+    if not any(beams.material.stiffness_damping for beams in scene.beams):
         return ""
     return f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
 

@@ -109,7 +109,7 @@ def bar(viscosity=0.0, beta=0.0) -> fpm.Scene:
     link = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.05), wood, 2)
     scene.velocity[link.particles[-1]] = (0.1, 0.2, 0.0)
     if viscosity:
-        scene.add(k.Viscosity(viscosity))
+        scene.add(k.BarDamping(viscosity))
     if beta:
         scene.beams[:] = [beams.with_strain(0.02, 0.3) for beams in scene.beams]
     return scene

@@ -50,7 +50,12 @@ def count_joints(part, condition):
     and of those that hold joint coordinates to part.turns.state, in samples where `condition`
     (lanes) is below 0: after each round of a step. part: arrays of all joints (Joints)."""
     count_conditions(part.sums, part, condition)
-    count_turns(part.turns, part, condition)
+    sums = part.turns.state
+    for t in range(sums.shape[0]):
+        total = load(sums, t, TURN_IMPULSE)
+        impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
+        lanes = condition + 0.0 * total
+        store(sums, t, TURN_IMPULSE, where_negative(lanes, total + impulse, total))
 
 
 @kernel
@@ -63,22 +68,6 @@ def count_conditions(sums, part, condition):
             total = load(sums, r, 0)
             lanes = condition + 0.0 * total
             store(sums, r, 0, where_negative(lanes, total + load(part.rows, r, IMPULSE), total))
-
-
-@kernel
-def count_turns(turns, part, condition):
-    """Add the impulses (N m s; N s of slides) last found that hold joint coordinates exactly to
-    their sums over a step, the field TURN_IMPULSE of turns.state: after each round. turns:
-    Joints.turns, None: nothing is done; part: arrays of all joints (TurnedJoints); condition
-    (lanes): only samples where it is below 0 count: slack of the gaps, below 0 where bodies are
-    pushed again, or ALL (-1)."""
-    if turns is not None:
-        sums = turns.state
-        for t in range(sums.shape[0]):
-            total = load(sums, t, TURN_IMPULSE)
-            impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
-            lanes = condition + 0.0 * total
-            store(sums, t, TURN_IMPULSE, where_negative(lanes, total + impulse, total))
 
 
 @kernel
@@ -122,7 +111,7 @@ def coarse(time, size):
 def watch(part, gap2, tilt2):
     """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
     (squared sine of the axes' angle), both lanes (a number for each sample); returns these roots
-    (m, sine). part: arrays of elements (Hinges, Joints or TurnedJoints)."""
+    (m, sine). part: arrays of elements (Hinges or Joints)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, hinge.GAP, larger(load(part.peaks, 0, hinge.GAP), gap))
     store(part.peaks, 0, hinge.TILT, larger(load(part.peaks, 0, hinge.TILT), tilt))
@@ -131,7 +120,7 @@ def watch(part, gap2, tilt2):
 
 def report_gaps(arrays, find):
     """Register the hooks `record` (of the largest gap and tilt) and `list_excess` (of how far each
-    gapes) for a type `arrays` of kernel arrays (Hinges, Joints or a subclass). find(part, state,
+    gapes) for a type `arrays` of kernel arrays (Hinges or Joints). find(part, state,
     i): kernel that returns two squares for element i: of the distance of its points (m²), and of
     the sine of the angle between its axes."""
 

@@ -83,7 +83,7 @@ def save_pose(b, r, state, i, axes):
 @kernel
 def restore_pose(b, r, state, i):
     """Set particle i back to the position and axes that `save_pose` saved in row r of `b`, bodies'
-    working memory. i, r: indices or pairs of them; state: World.state, changed."""
+    working memory. state: World.state, changed."""
     put3(state, i, X, get3(b, r, hinge.OLD_X))
     put3(state, i, D2, get3(b, r, hinge.OLD_D2))
     put3(state, i, D3, get3(b, r, hinge.OLD_D3))
@@ -92,8 +92,7 @@ def restore_pose(b, r, state, i):
 @kernel
 def turn_little(state, i, turn):
     """Rotate the axes of a particle by a rotation vector `turn` (rad, 3, global) so small that its
-    square does not show, to close small tilts. state: World.state, changed; i: the particle's
-    index, or a tuple of two, of particles that turn at once, each by its own lanes of `turn`."""
+    square does not show, to close small tilts. state: World.state, changed; i: the particle's."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))

@@ -254,7 +254,6 @@ class Cable(ElementType):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.cables import cable_friction_kernels  # noqa: F401, its hooks
         from fpm.elements.cables.cable_kernels import CABLE, NUMBERS, STATE, STRETCH, Cables
 
         cables = cls.find(batch.scene)
@@ -275,7 +274,6 @@ class Cable(ElementType):
             stretch_track=batch.blank((batch.instants + 1) * ends[-1], 2),
             drum=batch.integers(cable.drum for cable in cables),
             openings=Opening.get_arrays(cls, batch) if cls.reads_in(batch.scene) else None,
-            loss=batch.loss_account(cls),
         )
         return _with_friction(part, batch) if any(cable.has_friction for cable in cables) else part
 
@@ -322,6 +320,7 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
 
 def _with_friction(part, batch):
     """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
+    from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE
 
@@ -336,10 +335,12 @@ def _with_friction(part, batch):
 
     rests = batch.stack(len(part.state), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.find(s)])
     part.state[:, UNSTRAINED] = rests[:, 0]
-    return part._replace(
+    return RubbingCables(
+        *part,
         has_friction=batch.integers(cable.has_friction for cable in Cable.find(batch.scene)),
         friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
         slip=batch.stack(len(part.particle), SLIP_SIZE, material),
+        loss=batch.loss_account(Cable),
     )
 
 

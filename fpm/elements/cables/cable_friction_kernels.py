@@ -1,21 +1,56 @@
-"""What cables do, and how they rub at the points through which they run (theory: cable.py; how:
-docs/mechanics.md); where none has friction nothing is compiled of that.
+"""Cables that rub at the points through which they run (theory: cable.py; how: docs/mechanics.md).
 
 Where such a cable turns tight or slack in a step, all its stretches do so at one time, which the
 lengths at both ends of the step tell, as if changing evenly. What slips does so after or before,
 and the forces are corrected as `edge` does those of other cables."""
 
+from typing import NamedTuple
+
+import numpy as np
+
 from fpm.elements.cables import cable_kernels as cable
 from fpm.elements.cables import cable_slip_kernels as slips
-from fpm.elements.cables.cable_kernels import Cables
+from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.angles import arctan2
 from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
 from fpm.kernels.vectors import cross, dot, get3, kernel, larger
+from fpm.kernels.world import Log
 
 STICK = 10 * slips.CLOSE
 """Largest slip in a step, as a share of the cable's unstrained length, that counts as none."""
+
+
+class RubbingCables(NamedTuple):
+    """Arrays of all c cables, with p points, where some have friction (lanes: samples). start,
+    particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track,
+    stretch_track, drum, openings: as in Cables; has_friction (c,): 1 where a cable has friction;
+    friction (c, 1, lanes): its coefficient; slip (p, 9, lanes): of each point and the stretch that
+    begins there, unstrained length (m) before slipping in this step, strain if nothing slipped over
+    the point at its end, largest ratio of tensions, its inverse, unstrained length (m), tension
+    (N), tension a step ago (N), unstrained length slipped over the point (m), size of that a step
+    ago; loss: index of friction's loss in World.accounts."""
+
+    start: np.ndarray
+    particle: np.ndarray
+    curve: np.ndarray
+    arms: np.ndarray
+    cables: np.ndarray
+    stretches: np.ndarray
+    state: np.ndarray
+    account: int
+    peaks: np.ndarray
+    rows: np.ndarray
+    log: Log
+    track: np.ndarray
+    stretch_track: np.ndarray
+    drum: np.ndarray
+    openings: Openings | None
+    has_friction: np.ndarray  # (c,) whether each has friction
+    friction: np.ndarray  # (c, 1, lanes) its coefficient
+    slip: np.ndarray  # (p, SLIP_SIZE, lanes)
+    loss: int  # number of the account of what friction takes
 
 
 @kernel
@@ -32,7 +67,7 @@ def exponential(x):
 @kernel
 def turn_angle(part, j):
     """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends
-    (index among all cables' points). part: arrays of all (Cables), after `measure_path`."""
+    (index among all cables' points). part: arrays of all (RubbingCables), after `measure_path`."""
     first = get3(part.stretches, j - 1, cable.DIRECTION)
     second = get3(part.stretches, j, cable.DIRECTION)
     normal = cross(first, second)
@@ -42,7 +77,7 @@ def turn_angle(part, j):
 @kernel
 def length_at(part, j, soft, fraction):
     """Return the length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if
-    it changed evenly in it. part: arrays of all cables (Cables); soft: 1/EA (1/N)."""
+    it changed evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
     length = load(part.slip, j, slips.MATERIAL) * (1.0 + soft * load(part.slip, j, slips.TENSION))
     return length + fraction * (load(part.stretches, j, cable.LENGTH) - length)
 
@@ -51,7 +86,7 @@ def length_at(part, j, soft, fraction):
 def slip(part, c, rest, excess, turn):
     """Let cable c slip over its points by the law of friction: stores in part.slip FREE_STRAIN of
     every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
-    cables (Cables); rest: unstrained length now (m); excess: length less unstrained length a
+    cables (RubbingCables); rest: unstrained length now (m); excess: length less unstrained length a
     step ago (m); turn: fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, cable.EA), 0.0 * rest
@@ -70,7 +105,7 @@ def slip(part, c, rest, excess, turn):
 @kernel
 def pull_on(part, c, excess, turn, slack):
     """Store in part.slip and part.stretches tension (N), slipped length (m), unstrained length
-    (m) and pull on its points (N) of every stretch of cable c. part: all cables (Cables);
+    (m) and pull on its points (N) of every stretch of cable c. part: all cables (RubbingCables);
     excess: length less unstrained length now (m); turn: fraction of the step after which the cable
     turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
@@ -96,7 +131,7 @@ def pull_on(part, c, excess, turn, slack):
 @kernel
 def find_tensions(part, world, timing, c):
     """Find and store in part.slip the tension (N) of every stretch of cable c, which has
-    friction: measures its lengths, and lets it slip. part: arrays of all cables (Cables);
+    friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
     world (World): solver state; timing (StepTime): times of the step (s)."""
     length = cable.measure_path(part, world.state, c)
     rest = cable.find_unstrained_length(part, world, timing, c)
@@ -115,26 +150,18 @@ def find_tensions(part, world, timing, c):
     store(part.slip, part.start[c], slips.SLIP, (1.0 - slack) * reel_length)
 
 
-@kernel
-def find_pull(slip, part, world, timing, c):
-    """Find and store the tensions (N) of cable c, and the force of its winch (N). slip:
-    Cables.slip; part: all cables (Cables); world (World): solver state; timing (StepTime): times
-    (s)."""
-    if slip is not None and part.has_friction[c]:
-        find_tensions(part, world, timing, c)
-        strain = load(slip, part.start[c], slips.TENSION) / load(part.cables, c, cable.EA)
-        pull = load(part.stretches, part.start[c], cable.PULL) * (1.0 + 0.5 * strain)
-        store(part.state, c, cable.WINCH, pull)
-    else:
-        cable.find_pull(part, world, timing, c)
-
-
-@hook(Cables)
+@hook(RubbingCables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
-    arrays of all cables (Cables); world (World): solver state, changed; timing: StepTime (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part: all
+    cables (RubbingCables); world (World): solver state, changed; timing (StepTime): times (s)."""
     for c in range(part.curve.shape[0]):
-        find_pull(part.slip, part, world, timing, c)
+        if part.has_friction[c]:
+            find_tensions(part, world, timing, c)
+            strain = load(part.slip, part.start[c], slips.TENSION) / load(part.cables, c, cable.EA)
+            pull = load(part.stretches, part.start[c], cable.PULL) * (1.0 + 0.5 * strain)
+            store(part.state, c, cable.WINCH, pull)
+        else:
+            cable.find_pull(part, world, timing, c)
         cable.pull_points(part, world.state, c)
         cable.turn_drum(part.openings, part, world.state, c, load(part.state, c, cable.WINCH))
 
@@ -142,130 +169,85 @@ def forces(part, world, timing):
 @kernel
 def gain(part, j, soft):
     """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
-    mean over both ends of the step that ends now. part: Cables; soft: 1/EA (1/N)."""
+    mean over both ends of the step that ends now. part: RubbingCables; soft: 1/EA (1/N)."""
     tension, last = load(part.slip, j, slips.TENSION), load(part.slip, j, slips.TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
-@kernel
-def work_of(slip, part, c):
-    """Return the work (J) of the winch of cable c over the step that ends now, and the energy (J)
-    that friction took of it. slip: Cables.slip; part: all cables (Cables)."""
-    loss = 0.0 * load(part.cables, c, cable.EA)
-    work = loss
-    if slip is not None and part.has_friction[c]:
-        first, soft = part.start[c], 1.0 / load(part.cables, c, cable.EA)
-        last_gain = gain(part, first, soft)
-        if part.curve[c] >= 0:
-            work = work - load(slip, first, slips.SLIP) * last_gain
-        for j in range(first + 1, part.start[c + 1] - 1):
-            factor = gain(part, j, soft)
-            loss = loss + load(slip, j, slips.SLIP) * (factor - last_gain)
-            last_gain = factor
-    elif part.curve[c] >= 0:
-        work = cable.work_of_winch(part, c)
-    return work, loss
-
-
-@hook(Cables)
+@hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to world.accounts, in column
     part.account, and the energy (J) that friction took in it, in column part.loss. Called at the
-    end of every step, not at the start. part: arrays of all cables (Cables); world: solver state
-    (World); timing: unused."""
+    end of every step, not at the start. part: arrays of all cables (RubbingCables); world: solver
+    state (World); timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
-        cable_work, cable_loss = work_of(part.slip, part, c)
-        work, loss = work + cable_work, loss + cable_loss
+        if not part.has_friction[c]:
+            if part.curve[c] >= 0:
+                work = work + cable.work_of_winch(part, c)
+            continue
+        first, soft = part.start[c], 1.0 / load(part.cables, c, cable.EA)
+        last_gain = gain(part, first, soft)
+        if part.curve[c] >= 0:
+            work = work - load(part.slip, first, slips.SLIP) * last_gain
+        for j in range(first + 1, part.start[c + 1] - 1):
+            factor = gain(part, j, soft)
+            loss = loss + load(part.slip, j, slips.SLIP) * (factor - last_gain)
+            last_gain = factor
     store(world.accounts, 0, part.account, work)
     store(world.accounts, 0, part.loss, loss)
 
 
-@kernel
-def find_energy(slip, part, c):
-    """Return the strain energy (J) of cable c. slip: Cables.slip; part: all cables (Cables)."""
+@hook(RubbingCables)
+def energy_of(part, world, c):
+    """Return the strain energy (J) of cable c. part: RubbingCables; world: not used."""
     total = cable.energy_of_cable(part, c)
-    if slip is not None and part.has_friction[c]:
+    if part.has_friction[c]:
         total = 0.0 * total
         for j in range(part.start[c], part.start[c + 1] - 1):
-            tension = load(slip, j, slips.TENSION)
-            total = total + tension * tension * load(slip, j, slips.MATERIAL)
+            tension = load(part.slip, j, slips.TENSION)
+            total = total + tension * tension * load(part.slip, j, slips.MATERIAL)
         total = 0.5 / load(part.cables, c, cable.EA) * total
     return total
 
 
-@hook(Cables)
-def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c. part: all cables (Cables); world: not used."""
-    return find_energy(part.slip, part, c)
-
-
-@kernel
-def record_cable(slip, part, c, row):
-    """Store tension (N), of the first stretch, and strained length (m) of cable c in part.track, of
-    its stretches in part.stretch_track, and raise part.peaks to its crowding, if it has no
-    friction, and drum ratio. slip: Cables.slip; part: all cables (Cables); row: index of the
-    recorded instant."""
-    if slip is not None and part.has_friction[c]:
-        index = row * part.curve.shape[0] + c
-        length = load(part.state, c, cable.LONGER) + load(part.state, c, cable.UNSTRAINED)
-        store(part.track, index, 0, load(slip, part.start[c], slips.TENSION))
-        store(part.track, index, 1, length)
-        for j in range(part.start[c], part.start[c + 1] - 1):
-            cable.record_stretch(part, j, row, load(slip, j, slips.TENSION))
-        cable.record_drum(part.openings, part, c)
-    else:
-        cable.record_cable(part, c, row)
-
-
-@hook(Cables)
+@hook(RubbingCables)
 def record(part, world, row):
-    """Store tension (N) and strained length (m) of each cable and stretch in part.track and
-    part.stretch_track, and raise part.peaks (one for all cables) to the largest crowding,
-    elongation over the length of the shortest stretch, and drum ratio. part: all cables (Cables);
-    world: not used; row: index of the recorded instant."""
-    for c in range(part.curve.shape[0]):
-        record_cable(part.slip, part, c, row)
+    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
+    those without friction raise part.peaks (`record_cable`). part: arrays of all cables
+    (RubbingCables); world: not used; row: index of the recorded instant."""
+    count = part.curve.shape[0]
+    for c in range(count):
+        if not part.has_friction[c]:
+            cable.record_cable(part, c, row)
+            continue
+        length = load(part.state, c, cable.LONGER) + load(part.state, c, cable.UNSTRAINED)
+        store(part.track, row * count + c, 0, load(part.slip, part.start[c], slips.TENSION))
+        store(part.track, row * count + c, 1, length)
+        for j in range(part.start[c], part.start[c + 1] - 1):
+            cable.record_stretch(part, j, row, load(part.slip, j, slips.TENSION))
+        cable.record_drum(part.openings, part, c)
 
 
-@hook(Cables)
-def note_events(part, world, timing):
+@hook(RubbingCables, "note_events")
+def note_slips(part, world, timing):
     """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
     and over which points they stick (0) or slip (1) from it on. part: arrays of all cables
-    (Cables); world: not used; timing (StepTime): times of the step (s)."""
+    (RubbingCables); world: not used; timing (StepTime): times of the step (s)."""
+    cable.note_events(part, world, timing)
+    number = part.curve.shape[0]
     for c in range(part.curve.shape[0]):
-        rest = load(part.state, c, cable.UNSTRAINED_BEFORE)
-        old = load(part.state, c, cable.LONGER_BEFORE) - cable.TAUT * rest
-        new = load(part.state, c, cable.LONGER) - cable.TAUT * load(part.state, c, cable.UNSTRAINED)
-        note_crossings(part.log, c, old, new, timing)
-    note_slips(part.slip, part, timing)
+        if part.has_friction[c]:
+            last = load(part.state, c, cable.LONGER_BEFORE)
+            tight = larger(load(part.state, c, cable.LONGER), last)
+            least = STICK * load(part.state, c, cable.UNSTRAINED)
+            for j in range(part.start[c] + 1, part.start[c + 1] - 1):
+                # Without any tension nothing was found to slip, and SLIP says nothing.
+                size = where_negative(-tight, absolute(load(part.slip, j, slips.SLIP)), 0.0)
+                previous = load(part.slip, j, slips.SLIP_BEFORE)
+                note_crossings(part.log, number, least - previous, least - size, timing)
+                store(part.slip, j, slips.SLIP_BEFORE, size)
+                number += 1
 
 
-@kernel
-def note_slips(slip, part, timing):
-    """Write to part.log over which points cables with friction stick (event 0) or slip (1) from the
-    step that ends now on. slip: Cables.slip, None: none has; part: all cables (Cables); timing
-    (StepTime): times of the step (s)."""
-    if slip is not None:
-        number = part.curve.shape[0]
-        for c in range(part.curve.shape[0]):
-            if part.has_friction[c]:
-                last = load(part.state, c, cable.LONGER_BEFORE)
-                tight = larger(load(part.state, c, cable.LONGER), last)
-                least = STICK * load(part.state, c, cable.UNSTRAINED)
-                for j in range(part.start[c] + 1, part.start[c + 1] - 1):
-                    # Without any tension nothing was found to slip, and SLIP says nothing.
-                    size = where_negative(-tight, absolute(load(part.slip, j, slips.SLIP)), 0.0)
-                    previous = load(part.slip, j, slips.SLIP_BEFORE)
-                    note_crossings(part.log, number, least - previous, least - size, timing)
-                    store(part.slip, j, slips.SLIP_BEFORE, size)
-                    number += 1
-
-
-@hook(Cables)
-def list_excess(part, world):
-    """Store each cable's crowding, elongation over the length of its shortest stretch, or its
-    drum ratio, if that is larger, in part.rows, to name the worst when a run failed. part: all
-    cables (Cables); world: not used."""
-    for c in range(part.curve.shape[0]):
-        store(part.rows, c, 0, larger(cable.crowding_of(part, c), cable.drum_ratio(part, c)))
+hook(RubbingCables, "list_excess")(cable.list_excess)

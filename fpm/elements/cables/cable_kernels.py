@@ -1,4 +1,4 @@
-"""Lengths, tensions and energies of cables without friction, and of all (theory: cable.py)."""
+"""Tensions, energies, work and events of cables (theory: cable.py)."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, Openings, turn
 from fpm.kernels.curves import curve_value
-from fpm.kernels.events import edge
+from fpm.kernels.events import edge, note_crossings
+from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store, where_negative
 from fpm.kernels.layout import F, M, X
 from fpm.kernels.rotation import frame
@@ -53,13 +54,7 @@ class Cables(NamedTuple):
     peaks (1, 2, lanes): largest crowding and drum ratio so far; rows (c, 1, lanes): the larger one
     of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length
     (m); stretch_track ((instants + 1) p, 2, lanes): those of the stretch that begins at each point;
-    drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no drums; loss: index
-    of friction's loss in World.accounts. Where some have friction, else None: has_friction (c,): 1
-    where a cable has; friction (c, 1, lanes): its coefficient; slip (p, 9, lanes): of each point
-    and the stretch that begins there, unstrained length (m) before slipping in this step, strain if
-    nothing slipped over the point at its end, largest ratio of tensions, its inverse, unstrained
-    length (m), tension (N), tension a step ago (N), unstrained length slipped over the point (m),
-    size of that a step ago."""
+    drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no drums."""
 
     start: np.ndarray  # (c + 1,) first point of each
     particle: np.ndarray  # (p,) particles
@@ -76,16 +71,12 @@ class Cables(NamedTuple):
     stretch_track: np.ndarray  # ((instants + 1) p, 2, lanes) those of stretches
     drum: np.ndarray  # (c,) hinges
     openings: Openings | None
-    loss: int  # number of the account of what friction takes
-    has_friction: np.ndarray | None = None  # (c,) whether each has friction
-    friction: np.ndarray | None = None  # (c, 1, lanes) its coefficient
-    slip: np.ndarray | None = None  # (p, SLIP_SIZE, lanes)
 
 
 @kernel
 def measure_path(part, state, c):
     """Measure cable c: stores directions and lengths (m) of its stretches now in part.stretches,
-    and returns its whole length (m). part: Cables; state: World.state."""
+    and returns its whole length (m). part: Cables or RubbingCables; state: World.state."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
@@ -105,7 +96,7 @@ def measure_path(part, state, c):
 @kernel
 def find_unstrained_length(part, world, timing, c):
     """Return the unstrained length (m, lanes) of cable c (index) at timing.time, less what its
-    winch or drum has taken in. part: Cables; world: with curves."""
+    winch or drum has taken in. part: Cables or RubbingCables; world: with curves."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -126,7 +117,7 @@ def find_length_outside(openings, part, c, rest):
 @kernel
 def turn_drum(openings, part, state, c, pull):
     """Turn the joint of the drum of cable c by -r F, r being its radius. openings: joint
-    coordinates, None where the scene has no drums; part: Cables; state:
+    coordinates, None where the scene has no drums; part: Cables or RubbingCables; state:
     World.state, changed; pull: F (N), the tension T (1 + e/2) where the cable is strained by e."""
     if openings is not None and part.drum[c] >= 0:
         turn(openings, state, part.drum[c], -1.0 * load(part.cables, c, RADIUS) * pull)
@@ -154,7 +145,7 @@ def find_pull(part, world, timing, c):
 @kernel
 def pull_points(part, state, c):
     """Add the tensions of cable c as forces (N) and moments (N m) to its particles, at each point
-    towards the points beside it. part: Cables; state: World.state, changed."""
+    towards the points beside it. part: Cables or RubbingCables; state: World.state, changed."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -167,13 +158,44 @@ def pull_points(part, state, c):
         add3(state, part.particle[j], M, cross(get3(part.stretches, j, GLOBAL_ARM), force))
 
 
+@hook(Cables)
+def forces(part, world, timing):
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
+    arrays of all cables (Cables); world (World): solver state, changed; timing: StepTime (s)."""
+    for c in range(part.curve.shape[0]):
+        find_pull(part, world, timing, c)
+        pull_points(part, world.state, c)
+        turn_drum(part.openings, part, world.state, c, load(part.state, c, WINCH))
+
+
+@hook(Cables)
+def note_events(part, world, timing):
+    """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
+    and when. part: arrays of all cables (Cables); world: not used; timing (StepTime): times (s)."""
+    for c in range(part.curve.shape[0]):
+        old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
+        new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
+        note_crossings(part.log, c, old, new, timing)
+
+
 @kernel
 def work_of_winch(part, c):
     """Return the work (J, lanes: a value per sample) of the winch of a cable over the step that
-    ends now, above 0 where it takes tight cable in. part: arrays of all cables (Cables); c: index
-    of the cable."""
+    ends now, above 0 where it takes tight cable in. part: arrays of all cables (Cables or
+    RubbingCables); c: index of the cable."""
     reel_length = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reel_length * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
+
+
+@hook(Cables)
+def work_before(part, world, timing):
+    """Add the winches' work (J) over the step that ends now to part.account in world.accounts.
+    part: arrays of all cables (Cables); world (World): solver state; timing: not used."""
+    work = load(world.accounts, 0, part.account)
+    for c in range(part.curve.shape[0]):
+        if part.curve[c] >= 0:
+            work = work + work_of_winch(part, c)
+    store(world.accounts, 0, part.account, work)
 
 
 @kernel
@@ -190,10 +212,16 @@ def energy_of_cable(part, c):
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
 
+@hook(Cables)
+def energy_of(part, world, c):
+    """Return the strain energy (J) of cable c. part: all cables (Cables); world: not used."""
+    return energy_of_cable(part, c)
+
+
 @kernel
 def crowding_of(part, c):
     """Return the crowding of cable c: its elongation over the length of its shortest stretch, 0
-    where it is slack; a run fails above 1. part: arrays of all cables (Cables)."""
+    where it is slack; a run fails above 1. part: arrays of all cables (Cables or RubbingCables)."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -204,22 +232,22 @@ def crowding_of(part, c):
 @kernel
 def drum_ratio(part, c):
     """Return the length down to which the drum of cable c may wind it, over that which is outside
-    now, 0 without a drum; a run fails above 1. part: Cables."""
+    now, 0 without a drum; a run fails above 1. part: Cables or RubbingCables."""
     return load(part.cables, c, LEAST) / load(part.state, c, UNSTRAINED)
 
 
 @kernel
 def record_drum(openings, part, c):
     """Raise part.peaks to the drum ratio of cable c. openings: joint coordinates, None where the
-    scene has no drums; part: arrays of all cables (Cables)."""
+    scene has no drums; part: arrays of all cables (Cables or RubbingCables)."""
     if openings is not None:
         store(part.peaks, 0, 1, larger(load(part.peaks, 0, 1), drum_ratio(part, c)))
 
 
 @kernel
 def record_stretch(part, j, row, tension):
-    """Store `tension` (N) and length (m) of stretch j in part.stretch_track. part: Cables; row:
-    index of the recorded instant."""
+    """Store `tension` (N) and length (m) of stretch j in part.stretch_track. part: Cables or
+    RubbingCables; row: index of the recorded instant."""
     index = row * part.particle.shape[0] + j
     store(part.stretch_track, index, 0, tension)
     store(part.stretch_track, index, 1, load(part.stretches, j, LENGTH))
@@ -228,8 +256,8 @@ def record_stretch(part, j, row, tension):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in part.track, of its stretches in
-    part.stretch_track, and raise part.peaks to its crowding and drum ratio. part: Cables; row:
-    index of the recorded instant."""
+    part.stretch_track, and raise part.peaks to its crowding and drum ratio. part: Cables or
+    RubbingCables; row: index of the recorded instant."""
     index, tension = row * part.curve.shape[0] + c, load(part.cables, c, EA) * strain_of(part, c)
     store(part.track, index, 0, tension)
     store(part.track, index, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
@@ -237,3 +265,22 @@ def record_cable(part, c, row):
     for j in range(part.start[c], part.start[c + 1] - 1):
         record_stretch(part, j, row, tension)
     record_drum(part.openings, part, c)
+
+
+@hook(Cables)
+def record(part, world, row):
+    """Store tension (N) and strained length (m) of each cable and stretch in part.track and
+    part.stretch_track, and raise part.peaks (one for all cables) to the largest crowding,
+    elongation over the length of the shortest stretch, and drum ratio. part: all cables (Cables);
+    world: not used; row: index of the recorded instant."""
+    for c in range(part.curve.shape[0]):
+        record_cable(part, c, row)
+
+
+@hook(Cables)
+def list_excess(part, world):
+    """Store each cable's crowding, elongation over the length of its shortest stretch, or its
+    drum ratio, if that is larger, in part.rows, to name the worst when a run failed. part: all
+    cables (Cables); world: not used."""
+    for c in range(part.curve.shape[0]):
+        store(part.rows, c, 0, larger(crowding_of(part, c), drum_ratio(part, c)))

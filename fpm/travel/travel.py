@@ -106,7 +106,7 @@ class _Sweep:
         self.names = [part.name for part in components_of(scene)]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
-        frictions = {friction.hinge for friction in Friction.find(scene)}
+        frictions = {friction.hinge for friction in Friction.find(scene) if not friction.is_exact}
         self._friction_hinges = sorted(frictions | set(scene.bearings))
 
     def measure(self, position: float, state):

@@ -174,7 +174,7 @@ class Friction(ExactConnector):
         """Return the damping of the bristle while it sticks (N m s/rad, on slides N s/m): that of
         the field `damping`, else 0.3 of critical for the inertias of the hinge's two particles; 0
         without a bristle."""
-        if self.damping is not None or self.is_exact:
+        if self.damping is not None or self.stiffness is None:
             return self.damping or 0.0
         inverse = mobility(scene, self.hinge)
         return 2 * DAMPING_RATIO * np.sqrt(self.stiffness / inverse) if inverse else 0.0

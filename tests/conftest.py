@@ -11,7 +11,7 @@ import pytest
 # wait for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
 import deployable.__main__  # noqa: F401
 
-COSTLY = {"Joints", "TurnedJoints"}
+COSTLY = {"Joints"}
 """Kinds, by the named tuples of their arrays, that are compiled in 5 to 10 s; others in 1 s."""
 
 _seen: set[str] = set()

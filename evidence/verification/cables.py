@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.capstan_events import Rope, phases
-from fpm.elements import RigidMotor, TorqueMotor
+from fpm.elements import Motor, TorqueMotor
 
 G = 9.81
 
@@ -328,7 +328,7 @@ def turning_post(bench: Bench) -> None:
         scene.fix(base)
         axle = scene.add_hinge("axle", (base, post), (0, 0, 0), (0, 1, 0))
         rate = scene.add_curve([0, 0.05, 1.0], [0, 1, 1])
-        scene.add(RigidMotor(axle, 0.0, 0.4, rate, by_rate=True))
+        scene.add(Motor(axle, None, 0.0, 0.0, 0.4, rate, by_rate=True))
         points = [(base, (-radius, 0, -1.0)), *((post, place) for place in rim), (body, None)]
         scene.add_cable("rope", points, 1e4, preload=mass * G, friction=friction)
         scene.add_point("mass", body)

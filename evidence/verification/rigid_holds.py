@@ -5,7 +5,7 @@ from scipy.special import ellipk
 
 import fpm
 from evidence.verification.bench import Bench, observed_orders
-from fpm.elements import RigidLatch, RigidRelease
+from fpm.elements import Latch, Release
 from fpm.elements.bars.beam import Material, Section
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.responses import Response
@@ -36,8 +36,8 @@ def rods(angles, rates, latch: float, gravity=NEGLIGIBLE, release=1.0) -> fpm.Sc
     scene.add_hinge("root", (ground, first), 0 * knee, AXIS, opening=angles[0])
     scene.add_hinge("knee", (first, second), knee, AXIS, opening=angles[1] - angles[0])
     scene.add_hinge("third", (ground, third), offset, AXIS)
-    scene.add(RigidRelease(2, time=release))
-    scene.add(RigidLatch(1, latch))
+    scene.add(Release(2, time=release))
+    scene.add(Latch(1, latch))
     return scene
 
 
@@ -139,7 +139,7 @@ def elastic(bench: Bench) -> None:
         scene.spin[link.particles] = rate * AXIS
         scene.add_hinge("root", (ground, link.particles[0]), (0, 0, 0), AXIS)
         scene.add_point("tip", link.particles[-1])
-        scene.add(RigidLatch(0, angle))
+        scene.add(Latch(0, angle))
         (outcome,) = bench.simulate(scene, duration=angle / rate + first, instants=2001)
         losses.append(outcome.energies["joint_loss"][-1] / outcome.energies["kinetic"][0])
         place = outcome.points["tip"][0]

@@ -5,7 +5,7 @@ import numpy as np
 import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.mechanisms import on_ground, rod
-from fpm.elements import RigidFriction, RigidMotor, TorsionSpring
+from fpm.elements import Friction, Motor, TorsionSpring
 
 G, L, STEP = 9.81, 1.0, 2e-4
 J = L**2 / 3  # kg m² of 1 kg about the hinge
@@ -27,8 +27,8 @@ def rods(rate=0.0, moment=0.0, gravity=NEGLIGIBLE, angle=0.0, turns=(0.0,) * 4,
     scene.add_hinge("rubs", (ground, first), 0 * arm, AXIS, opening=angle)
     scene.add_hinge("driven", (ground, second), offset, AXIS, opening=angle)
     scene.add(TorsionSpring(0, stiffness))
-    scene.add(RigidMotor(1, angle, 1.0, scene.add_curve(TIMES, turns)))
-    scene.add(RigidFriction(0, moment))
+    scene.add(Motor(1, None, 0.0, angle, 1.0, scene.add_curve(TIMES, turns)))
+    scene.add(Friction(0, moment, None))
     return scene
 
 
@@ -134,7 +134,7 @@ def spatial_four_bar(coupler: float) -> fpm.Scene:
     scene.add_hinge("rocker", (ground, swing), (0.7, 0.3, 0.4), (1, 0, 0), opening=psi)
     scene.add_joint("pin", "spherical", (crank, link), (0.2, 0, 0))
     scene.add_joint("ball", "spherical", (link, swing), ball)
-    scene.add(RigidMotor(0, 0.0, 10.0, scene.add_curve([0.0, 1.0], [0.0, 1.0])))
+    scene.add(Motor(0, None, 0.0, 0.0, 10.0, scene.add_curve([0.0, 1.0], [0.0, 1.0])))
     return scene
 
 
@@ -161,7 +161,7 @@ def by_rate(bench: Bench) -> None:
         mass = int(scene.add_particles((0.0, 0, 0), 10.0, 1.0)[0])
         scene.add_slide("rail", (ground, mass), (0, 0, 0), (1, 0, 0))
         ramp = scene.add_curve([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
-        scene.add(RigidMotor(0, 0.0, 1.0, ramp, by_rate=True))
+        scene.add(Motor(0, None, 0.0, 0.0, 1.0, ramp, by_rate=True))
         (outcome,) = bench.simulate(scene, duration=400 * step, instants=401, step=step)
         force = outcome.records["slide_motor_force"].values[:, 0]
         worst = np.abs(force - 10.0).max() / 10.0

@@ -5,7 +5,7 @@ from scipy.integrate import solve_ivp
 
 import fpm
 from evidence.verification.bench import Bench
-from fpm.elements import Damper, Friction, Latch, RigidLatch, RigidMotor, RigidRelease, Stop
+from fpm.elements import Damper, Friction, Latch, Motor, Release, Stop
 
 G = 9.81  # m/s², along -y
 X, Y = np.eye(3)[:2]
@@ -69,14 +69,14 @@ def scene_of_all(speed=1.0) -> fpm.Scene:
     scene.add_hinge("axle", (0, rod), place, Y)
     scene.add_torsion_spring(scene.add_slide("bead", (rod, bead), place, X, 0.4), 20.0, 0.4)
     # What holds exactly.
-    scene.add(RigidLatch(_pair(scene, "caught", 1.0), 0.5))
+    scene.add(Latch(_pair(scene, "caught", 1.0), 0.5))
     cross = _add_cross(scene, "crossed", 2.0 * Y)
-    scene.add(RigidLatch(cross + 1, 0.7))
+    scene.add(Latch(cross + 1, 0.7))
     fall = np.array([0.0, -1.0, 0.0])
-    scene.add(RigidRelease(_block(scene, "let_go", fall), time=0.40005))
+    scene.add(Release(_block(scene, "let_go", fall), time=0.40005))
     times = np.linspace(0.0, 1.0, 10001)
     ramp = scene.add_curve(times, 0.5 - 0.5 * np.cos(np.pi * times))
-    scene.add(RigidMotor(_block(scene, "driven", X, 2.0), 0.0, 0.8, ramp))
+    scene.add(Motor(_block(scene, "driven", X, 2.0), None, 0.0, 0.0, 0.8, ramp))
     return scene
 
 

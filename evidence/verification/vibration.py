@@ -9,7 +9,7 @@ import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.relax import frequencies, mode_shape
 from evidence.verification.rotation import crossings
-from fpm.elements import Viscosity
+from fpm.elements import BarDamping
 
 LENGTH, MATERIAL = 1.0, fpm.Material(1e9, 0.25, 1000.0)
 SECTION = fpm.Section.square(0.004)  # slender: rotary inertia changes no bending frequency by 1e-4
@@ -155,7 +155,7 @@ def check_sudden_pull(bench: Bench) -> None:
         end = int(scene.beams[0].nodes[-1, 1])
         scene.add_load(end, force=(force, 0.0, 0.0))
         scene.add_point("end", end)
-        scene.add(Viscosity(share))
+        scene.add(BarDamping(share))
         record = [("stress", "all")]
         (outcome,) = bench.simulate(scene, duration=4 * duration, instants=801, record=record)
         stress = outcome.columns[record[0]] / (force / SECTION.A)

@@ -1,13 +1,11 @@
 """What a scene is made of: one kind of element per definition file, with its kernels beside it."""
 
+from fpm.elements.bars.bar_damping import BarDamping
 from fpm.elements.bars.beam import Beams
-from fpm.elements.bars.stiffness_damping import StiffnessDamping
-from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.cables.cable import Cable
 from fpm.elements.cables.strut import Strut
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.joints.rigid import RigidFriction, RigidLatch, RigidMotor, RigidRelease
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import ElementType
 from fpm.elements.openings.contact import Contact
@@ -51,15 +49,10 @@ KINDS: tuple[type[ElementType], ...] = (
     Stop,
     TableSpring,
     Turn,
-    RigidMotor,
-    RigidRelease,
-    RigidLatch,
-    RigidFriction,
-    Viscosity,
     Drag,
     Strut,
     Journal,
-    StiffnessDamping,
+    BarDamping,
     Drive,
     Support,
     Damping,

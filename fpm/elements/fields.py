@@ -85,7 +85,8 @@ def number(
     least, above: lower bound, itself allowed (least) or not (above); default: MISSING where a value
     must be given; is_shown: whether descriptions of elements say it (a single number); keys: more
     of its spec `Number` (count, finite, zero, is_topology, words, text)."""
-    keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
+    keys["is_shown"] = is_shown and keys.get("count", 1) == 1
+    keys.setdefault("optional", default is None)
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 

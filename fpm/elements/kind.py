@@ -62,11 +62,6 @@ class Series(NamedTuple):
     labels: tuple[str, ...] = ()
     time_dim: str = "time"
 
-    def merge(self, series: "Series") -> "Series":
-        """Return a Series: columns and labels of `series` (same t rows), then those of this one."""
-        values = np.concatenate([series.values, self.values], axis=1)
-        return self._replace(values=values, labels=series.labels + self.labels)
-
 
 class Gate(NamedTuple):
     """The opening (joint coordinate) at which an element's event occurs, as a latch's. opening: rad
@@ -343,6 +338,7 @@ def _row(element: ElementType, columns: list) -> list[float]:
     numbers: list[float] = []
     for name, field in columns:
         value = getattr(element, name)
+        value = 0.0 if value is None else value
         numbers.extend(numbers_in(field.values[value] if isinstance(field, Word) else value))
     return numbers
 

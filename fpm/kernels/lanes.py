@@ -9,9 +9,7 @@ machines). The lanes never mix, so a sample's numbers do not depend on which sam
 Multiply-add may be fused (``contract``); nothing else is relaxed: one machine, the same bits.
 
 Arrays hold lanes along the last, contiguous axis: ``(rows, fields, WIDTH)``; ``load(a, i, k)``
-reads the lanes ``a[i, k, :]``. With a pair of rows ``(i, j)`` it reads both into a lane type of
-twice the width, and the same code then works on two particles or elements at once: their chains of
-operations interleave, which hides the latency of the arithmetic units."""
+reads the lanes ``a[i, k, :]``."""
 
 import operator
 
@@ -36,12 +34,12 @@ def width(dtype: np.dtype) -> int:
 
 
 class Lane(types.Type):
-    """Numba type of one number of several samples side by side (lanes), in a 512-bit register; of
-    two registers for a pair of rows. scalar: numba's type of each; registers: 1 or 2."""
+    """Numba type of one number of several samples side by side (lanes), in a 512-bit register.
+    scalar: numba's type of each."""
 
-    def __init__(self, scalar, registers=1):
+    def __init__(self, scalar):
         self.scalar = scalar
-        self.count = registers * 512 // scalar.bitwidth
+        self.count = 512 // scalar.bitwidth
         super().__init__(name=f"Lane({scalar} x {self.count})")
 
 
@@ -52,9 +50,7 @@ class _LaneModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, ir.VectorType(element, fe_type.count))
 
 
-LANES = {scalar: (Lane(scalar), Lane(scalar, 2)) for scalar in (types.float64, types.float32)}
-ALL_LANES = [lane for pair in LANES.values() for lane in pair]
-PAIR = types.UniTuple(types.intp, 2)
+LANES = {scalar: Lane(scalar) for scalar in (types.float64, types.float32)}
 
 
 def _splat(context, builder, value, scalar_type, lane):
@@ -63,7 +59,9 @@ def _splat(context, builder, value, scalar_type, lane):
     vector_type = context.get_value_type(lane)
     blank = ir.Constant(vector_type, ir.Undefined)
     start = builder.insert_element(blank, value, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(start, start, _mask([0] * lane.count))
+    index = ir.IntType(32)
+    mask = ir.Constant(ir.VectorType(index, lane.count), [index(0)] * lane.count)
+    return builder.shuffle_vector(start, start, mask)
 
 
 def _as_lane(context, builder, value, value_type, lane):
@@ -83,7 +81,7 @@ _SCALARS = (types.float64, types.int64)
 
 def _register_binary(op, instruction):
     cases = []
-    for lane in ALL_LANES:
+    for lane in LANES.values():
         pairs = [(lane, lane)] + [(lane, s) for s in _SCALARS] + [(s, lane) for s in _SCALARS]
         for lhs, rhs in pairs:
             cases.append(lane(lhs, rhs))
@@ -103,101 +101,75 @@ for _op, _instruction in _BINARY.items():
 
 
 def _register_negative():
-    for lane in ALL_LANES:
+    for lane in LANES.values():
 
         @lower_builtin(operator.neg, lane)
         def lower(context, builder, sig, args):
             return builder.fneg(args[0])
 
-    type_operator(operator.neg, [lane(lane) for lane in ALL_LANES])
+    type_operator(operator.neg, [lane(lane) for lane in LANES.values()])
 
 
 _register_negative()
 
 
-def _pointer(context, builder, array_type, array, row, field):
-    """Address of ``array[row, field, 0]`` of a C-contiguous array (no index wrap-around)."""
-    place = context.data_model_manager[array_type].get_field_position
-    fields = builder.extract_value(array, [place("shape"), 1])
-    lane = LANES[array_type.dtype][0]
-    index = builder.add(builder.mul(row, fields), field)
-    index = builder.mul(index, ir.Constant(index.type, lane.count))
-    address = builder.gep(builder.extract_value(array, place("data")), [index])
-    return builder.bitcast(address, context.get_value_type(lane).as_pointer())
-
-
-def lane_of(array, row):
-    """Return the lane type that `row` (an index or a pair; numba's types) of `array` is read into;
-    None if unfit."""
+def lane_of(array):
+    """Return the lane type into which rows of `array` (numba's type) are read; None if unfit."""
     if not (isinstance(array, types.Array) and array.ndim == 3 and array.layout == "C"):
         return None
-    return LANES[array.dtype][row == PAIR]
+    return LANES[array.dtype]
 
 
 def _addresses(context, builder, sig, args, count):
-    """Addresses of the lanes at args[1] (row, or each of a pair of rows) of args[0], in `count`
-    fields from args[2] on."""
-    field = context.cast(builder, args[2], sig.args[2], types.intp)
-    if sig.args[1] == PAIR:
-        rows = [builder.extract_value(args[1], k) for k in range(2)]
-    else:
-        rows = [context.cast(builder, args[1], sig.args[1], types.intp)]
-    first = [_pointer(context, builder, sig.args[0], args[0], row, field) for row in rows]
-    rest = [[builder.gep(a, [WORD(k)]) for a in first] for k in range(1, count)]
-    return [first, *rest]
+    """Addresses of the lanes in row args[1] of the C-contiguous array args[0] (no index
+    wrap-around), in `count` fields from args[2] on."""
+    row, field = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 2))
+    place = context.data_model_manager[sig.args[0]].get_field_position
+    fields = builder.extract_value(args[0], [place("shape"), 1])
+    lane = lane_of(sig.args[0])
+    index = builder.add(builder.mul(row, fields), field)
+    index = builder.mul(index, WORD(lane.count))
+    address = builder.gep(builder.extract_value(args[0], place("data")), [index])
+    first = builder.bitcast(address, context.get_value_type(lane).as_pointer())
+    return [first, *(builder.gep(first, [WORD(k)]) for k in range(1, count))]
 
 
 def read(context, builder, sig, args, count=1):
     """Return the lanes in `count` fields of an array, as `load` reads one; arguments as numba gives
     them to what writes the code of a function of (array, row, field, ...)."""
-    lane, values = lane_of(*sig.args[:2]), []
-    align = lane.scalar.bitwidth // 8
-    for addresses in _addresses(context, builder, sig, args, count):
-        parts = [builder.load(address, align=align) for address in addresses]
-        whole = _mask(range(lane.count))
-        values.append(parts[0] if len(parts) == 1 else builder.shuffle_vector(*parts, whole))
-    return values
+    align = lane_of(sig.args[0]).scalar.bitwidth // 8
+    addresses = _addresses(context, builder, sig, args, count)
+    return [builder.load(address, align=align) for address in addresses]
 
 
 def write(context, builder, sig, args, values):
     """Write lanes `values` to as many fields of an array, as `store` does one; the others: `read`.
     Returns what a function without a result gives."""
-    lane = lane_of(*sig.args[:2])
-    align, half = lane.scalar.bitwidth // 8, lane.count // 2
-    fields = _addresses(context, builder, sig, args, len(values))
-    for addresses, value in zip(fields, values, strict=True):
-        if len(addresses) == 1:
-            builder.store(value, addresses[0], align=align)
-        else:
-            for k, address in enumerate(addresses):
-                part = _mask(range(k * half, (k + 1) * half))
-                builder.store(builder.shuffle_vector(value, value, part), address, align=align)
+    align = lane_of(sig.args[0]).scalar.bitwidth // 8
+    addresses = _addresses(context, builder, sig, args, len(values))
+    for address, value in zip(addresses, values, strict=True):
+        builder.store(value, address, align=align)
     return context.get_dummy_value()
-
-
-def _mask(indices):
-    index = ir.IntType(32)
-    return ir.Constant(ir.VectorType(index, len(indices)), [ir.Constant(index, i) for i in indices])
 
 
 @intrinsic
 def load(typingctx, array, row, field):
     """Return the lanes (numbers of samples side by side) ``array[row, field, :]`` of a C-contiguous
-    array (rows, fields, width). row: index, or two for twice the width; typingctx: numba's."""
-    lane = lane_of(array, row)
+    array (rows, fields, width). typingctx: numba's."""
+    lane = lane_of(array)
     return lane and (lane(array, row, field), lambda *context: read(*context)[0])
 
 
 @intrinsic
 def store(typingctx, array, row, field, value):
     """Write `value`, lanes (numbers of samples side by side) or one number for all, to ``array[row,
-    field, :]``. row: index, or two different ones for twice the width; typingctx: numba's."""
+    field, :]``. typingctx: numba's."""
 
     def codegen(context, builder, sig, args):
         vector = _as_lane(context, builder, args[3], sig.args[3], lane)
         return write(context, builder, sig, args, [vector])
 
-    lane = lane_of(array, row)
+    lane = lane_of(array)
     return lane and (types.void(array, row, field, value), codegen)
 
 

@@ -24,8 +24,7 @@ MOST_BY_SERIES = 0.2
 @kernel
 def frame(state, i):
     """Return the three axes of particle i: a tuple of three vectors of lanes (samples), of length
-    one, in global components. state (n, STATE, lanes): of all particles; i: index, or a pair (i,
-    j), whose vectors have twice the lanes, particle i's, then j's."""
+    one, in global components. state (n, STATE, lanes): of all particles."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 

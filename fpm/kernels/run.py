@@ -31,16 +31,15 @@ def time_particles(particles, timing):
 @kernel
 def kick_and_move(state, particles, i, timing):
     """Add the impulses of the step's forces to the momenta of particle i, move and turn it by a
-    step, and set its forces to 0. i: index, or a pair of indices, whose particles are both moved at
-    once, to save time; state, particles: arrays of World, state (changed) and constants of all
-    particles; timing: times of this step (s)."""
+    step, and set its forces to 0. state, particles: arrays of World, state (changed) and constants
+    of all particles; timing: times of this step (s)."""
     carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
     turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
 def carry(state, i, v, step):
-    """Store velocity v (m/s) of particle i (or a pair), and move it by step (s) of time with it.
+    """Store velocity v (m/s) of particle i, and move it by step (s) of time with it.
     state (n, STATE, lanes): of all particles, changed."""
     put3(state, i, V, v)
     put3(state, i, X, step * v + get3(state, i, X))
@@ -48,7 +47,7 @@ def carry(state, i, v, step):
 
 @kernel
 def turn(state, particles, i, p):
-    """Store angular momentum p (N m s, global axes) of particle i (or a pair), turn it by a step,
+    """Store angular momentum p (N m s, global axes) of particle i, turn it by a step,
     and set its forces and moments to 0. state, particles: arrays of World. Returns the angular
     momentum and half the rotation vector (rad), both along the particle's axes before."""
     put3(state, i, P, p)

@@ -11,7 +11,7 @@ from numba import config, types
 from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from fpm.kernels.inlining import InlinedKernel, KernelCompiler, type_operator
-from fpm.kernels.lanes import ALL_LANES, Lane, lane_of, load, read, store, where_negative, write
+from fpm.kernels.lanes import LANES, Lane, lane_of, load, read, store, where_negative, write
 
 INLINE = {
     "error_model": "numpy",
@@ -57,7 +57,7 @@ class _VectorModel(models.StructModel):
 for _name in "xyz":
     make_attribute_wrapper(Vector, _name, _name)
 
-VECTORS = [Vector(lane) for lane in ALL_LANES]
+VECTORS = [Vector(lane) for lane in LANES.values()]
 _FACTORS = (types.float64, types.int64)
 
 
@@ -133,7 +133,7 @@ def get3(typingctx, a, i, k):
     def codegen(context, builder, sig, args):
         return _pack(context, builder, sig.return_type, read(context, builder, sig, args, 3))
 
-    lane = lane_of(a, i)
+    lane = lane_of(a)
     return lane and (Vector(lane)(a, i, k), codegen)
 
 
@@ -144,7 +144,7 @@ def put3(typingctx, a, i, k, v):
     def codegen(context, builder, sig, args):
         return write(context, builder, sig, args, _components(builder, args[3]))
 
-    return (types.void(a, i, k, v), codegen) if v == Vector(lane_of(a, i)) else None
+    return (types.void(a, i, k, v), codegen) if v == Vector(lane_of(a)) else None
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.arithmetic.limits import NumberLimits
-from fpm.elements import Journal, Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
+from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError
@@ -210,8 +210,8 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
     ceilings: list[float] = []
     for stop in (stop for stop in Stop.find(scene) if stop.hinge == index):
         (ceilings if stop.side == "above" else floors).append(stop.angle)
-    for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
-        lets_pass = getattr(latch, "one_sided", False) or np.isfinite(latch.max_capture_rate)
+    for latch in Latch.find(scene):
+        lets_pass = latch.one_sided or np.isfinite(latch.max_capture_rate)
         if latch.hinge == index and not lets_pass:
             is_up = (SIDES[latch.side] or latch.angle - start) > 0
             (ceilings if is_up else floors).append(latch.angle)
@@ -221,8 +221,8 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
 def _latch(spec: Definition) -> Response:
     """What every run records of a latch; impacts are those of latches that hold exactly."""
     is_impact = spec.kind == "latch_impact"
-    kinds = (RigidLatch,) if is_impact else (Latch, RigidLatch)
-    latches = {latch.label(spec.scene): latch for k in kinds for latch in k.find(spec.scene)}
+    elements = [e for e in Latch.find(spec.scene) if e.is_exact or not is_impact]
+    latches = {latch.label(spec.scene): latch for latch in elements}
     value, hinges = spec.data[spec.kind], spec.scene.hinges
     labels = [label for label, latch in latches.items() if hinges[latch.hinge].name == value]
     label = labels[0] if len(labels) == 1 and value not in latches else spec.one_of(latches)

@@ -5,8 +5,8 @@ runs through elastic bars as a wave whose front is a few elements long, whatever
 
 import numpy as np
 
-from fpm.elements.bars.viscosity import Viscosity
-from fpm.elements.joints.rigid import RigidLatch
+from fpm.elements.bars.bar_damping import BarDamping
+from fpm.elements.openings.latch import Latch
 from fpm.elements.particles.load import Load
 from fpm.reading.responses import KINDS, Response
 from fpm.scenes.scene import Scene
@@ -27,7 +27,7 @@ def warn(scene: Scene, response: Response) -> str:
         has_shock = response.subjects[1] in _CONSTRAINTS
     if not has_shock:
         return ""
-    if latches := [latch.label(scene) for latch in RigidLatch.find(scene)]:
+    if latches := [latch.label(scene) for latch in Latch.find(scene) if latch.is_exact]:
         return (
             f"{_join(latches)} without `stiffness` stops the joint within one step, an impact "
             "as large as mesh and step make it: state the `stiffness` of the latch, or of what "
@@ -59,7 +59,7 @@ def _is_damped(scene: Scene) -> bool:
         for beams in scene.beams
         for length in beams.length
     ]
-    return any(viscosity.share for viscosity in Viscosity.find(scene)) or min(shares) >= USUAL_SHARE
+    return BarDamping.viscosity(scene) > 0 or min(shares) >= USUAL_SHARE
 
 
 def _is_sudden(scene: Scene, load: Load) -> bool:

@@ -44,8 +44,7 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
     records: dict[str, Series] = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
         for name, series in kind.read_records(part, scene, lane).items():
-            series = series._replace(values=series.values[:instants])
-            records[name] = series.merge(records[name]) if name in records else series
+            records[name] = series._replace(values=series.values[:instants])
     is_failed = record.failed_step[lane] >= 0
     failure: InstabilityError | SceneError | None = None
     if extra and not is_failed:

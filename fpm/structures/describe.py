@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from fpm.elements import Drag, StiffnessDamping, kinds_of
+from fpm.elements import Drag, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
@@ -13,7 +13,7 @@ from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.release import AnyRelease
+from fpm.elements.openings.release import Release
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
@@ -106,7 +106,7 @@ def _step(cost: report.RunCost) -> str:
 
 def _damped_step(scene: Scene) -> str:
     """What damping in proportion to stiffness does to the stable step."""
-    if not StiffnessDamping.find(scene):
+    if not any(beams.material.stiffness_damping for beams in scene.beams):
         return ""
     return f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
 
@@ -140,10 +140,10 @@ def list_actions(scene: Scene) -> list[str]:
             hinges = [scene.hinges[hinge] for hinge in indices]
             joints = " and ".join(hinge.name for hinge in hinges)
             numbers = [*_numbers(element, scene)]
-            if isinstance(element, AnyRelease) and element.watch >= 0:
+            if isinstance(element, Release) and element.watch >= 0:
                 joint = scene.hinges[element.watch]
                 numbers.append(f"until {joint.name} passes {opening_text(joint, element.level)}")
-            if isinstance(element, AnyRelease) and element.latch:
+            if isinstance(element, Release) and element.latch:
                 numbers.append(f"until latch {element.latch} catches")
             texts.append((indices[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
     return [text for _, text in sorted(texts, key=lambda pair: pair[0])]

@@ -11,7 +11,7 @@ import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError
 from fpm.arithmetic.units import NUMBER, unit
-from fpm.elements.bars.viscosity import Viscosity
+from fpm.elements.bars.bar_damping import BarDamping
 from fpm.elements.joints.joint_types import SUFFIXES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
@@ -57,7 +57,7 @@ def overall(build, args):
     gravity, build.gravity_curve = args.gravity
     scene = Scene(args.name, gravity, args.damping)
     if args.viscosity:
-        scene.add(Viscosity(args.viscosity))
+        scene.add(BarDamping(args.viscosity))
     return scene
 
 

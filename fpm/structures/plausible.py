@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from fpm import elements
 from fpm.assembly.conditions import dependence
 from fpm.elements import (
     Cable,
@@ -17,7 +16,6 @@ from fpm.elements import (
     Drive,
     Latch,
     Load,
-    RigidLatch,
     Stop,
     Strut,
     TableSpring,
@@ -26,10 +24,9 @@ from fpm.elements import (
 )
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.joints.rigid import RigidFriction
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.latch import SIDES
-from fpm.elements.openings.release import AnyRelease
+from fpm.elements.openings.release import Release
 from fpm.elements.particles.gravity import Gravity
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
@@ -72,12 +69,10 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
         for hinge in sorted(scene.bearings.keys() - moving)
     ]
     sentences += _tables(scene)
-    for kind in (Latch, RigidLatch):
-        for latch in kind.find(scene):
-            sentences += _latch(scene, latch, duration)
-    for release_kind in (elements.Release, elements.RigidRelease):
-        for release in release_kind.find(scene):
-            sentences += _release(scene, release, duration)
+    for latch in Latch.find(scene):
+        sentences += _latch(scene, latch, duration)
+    for release in Release.find(scene):
+        sentences += _release(scene, release, duration)
     sentences = list(dict.fromkeys(sentences))
     rest = len(sentences) - MOST
     return sentences[:MOST] + [f"and {rest} more of this kind"] * (rest > 0)
@@ -236,10 +231,10 @@ def _stuck(scene: Scene) -> Iterator[str]:
     bounds: dict[int, float] = defaultdict(float)
     for spring in (*TorsionSpring.find(scene), *TableSpring.find(scene)):
         pushes[spring.hinge] += _moment(spring, scene.hinges[spring.hinge].opening)
-    for friction in (*Friction.find(scene), *RigidFriction.find(scene)):
-        if getattr(friction, "load", None) is None:
+    for friction in Friction.find(scene):
+        if friction.load is None:
             share, opening = 1.0, scene.hinges[friction.hinge].opening
-            if getattr(friction, "angles", ()):
+            if friction.angles:
                 share = float(np.interp(opening, friction.angles, friction.shares))
             bounds[friction.hinge] += share * friction.moment
     active = {hinge: abs(push) for hinge, push in pushes.items() if push}
@@ -281,7 +276,7 @@ def _tables(scene: Scene) -> Iterator[str]:
             )
 
 
-def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> Iterator[str]:
+def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
     """What keeps a latch from catching: a stop, springs that push away or rest before it, time."""
     hinge = scene.hinges[latch.hinge]
     start, travel = hinge.opening, latch.angle - hinge.opening
@@ -310,7 +305,7 @@ def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Ite
         yield from _springs(scene, scene.hinges[number], springs, travel, head, duration)
 
 
-def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Iterator[str]:
+def _release(scene: Scene, release: Release, duration: float | None) -> Iterator[str]:
     """What keeps a release from letting go: what stops the opening that it watches, or time."""
     head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
     is_timed = release.time < np.inf
@@ -318,8 +313,7 @@ def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Itera
         return
     end = f"; only its time, {release.time:g} s, lets go" if is_timed else ""
     if release.latch:
-        latches = [*Latch.find(scene), *RigidLatch.find(scene)]
-        hinges = [latch.hinge for latch in latches if latch.label(scene) == release.latch]
+        hinges = [latch.hinge for latch in Latch.find(scene) if latch.label(scene) == release.latch]
         if release.hinge in hinges:
             end = end or ", or state a `time`"
             text = f"{head} watches latch {release.latch} on the joint that it holds"
@@ -353,10 +347,10 @@ def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> 
     hinge = scene.hinges[number]
     travel = part * (level - hinge.opening)
     sign = float(np.sign(travel))
-    for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
+    for latch in Latch.find(scene):
         place = sign * (latch.angle - hinge.opening)
         is_met = latch.hinge == number and place > 0 and SIDES[latch.side] * sign >= 0
-        is_met &= not getattr(latch, "one_sided", False)
+        is_met &= not latch.one_sided
         if is_met and place - latch.capture_range < abs(travel) - 1e-9:
             edge = opening_text(hinge, latch.angle - sign * latch.capture_range)
             return f"beyond {edge}, where latch {latch.label(scene)} catches"
@@ -410,11 +404,10 @@ def run_duration(scene: Scene) -> float:
     if gravity and scene.hinges:
         times.append(float(2 * np.pi * np.sqrt(extent(scene) / gravity)))
     springs = [e for kind in (TorsionSpring, TableSpring) for e in kind.find(scene)]
-    latches = [*Latch.find(scene), *RigidLatch.find(scene)]
     for number in {spring.hinge for spring in springs}:
         hinge, hinge_springs = scene.hinges[number], [s for s in springs if s.hinge == number]
         rests = [s.rest if isinstance(s, TorsionSpring) else s.angles[-1] for s in hinge_springs]
-        ends = [latch.angle for latch in latches if latch.hinge == number] or rests
+        ends = [latch.angle for latch in Latch.find(scene) if latch.hinge == number] or rests
         travel = max(abs(end - hinge.opening) for end in ends)
         push = abs(sum(_moment(spring, hinge.opening) for spring in hinge_springs))
         fastest = _acceleration(scene, hinge, push) if push else np.inf

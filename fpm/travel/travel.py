@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.assembly.newton import mass_blocks
-from fpm.elements import Contact, Friction, Latch, RigidLatch, Stop, TableSpring
+from fpm.elements import Contact, Friction, Latch, Stop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY
 from fpm.travel.components import STRAIN, VirtualWork, bearing_name, components_of
@@ -106,7 +106,7 @@ class _Sweep:
         self.names = [part.name for part in components_of(scene)]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
-        frictions = {friction.hinge for friction in Friction.find(scene)}
+        frictions = {friction.hinge for friction in Friction.find(scene) if not friction.is_exact}
         self._friction_hinges = sorted(frictions | set(scene.bearings))
 
     def measure(self, position: float, state):
@@ -185,5 +185,5 @@ def _root(function: Callable[[float], float], ends, values) -> float:
 def _bends(scene) -> list[tuple[int, float]]:
     """Hinges by index, with openings at which a moment on them bends or jumps."""
     bends = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.find(scene) for a in e.angles]
-    bends += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.find(scene)]
+    bends += [(e.hinge, e.angle) for k in (Stop, Latch) for e in k.find(scene)]
     return bends + [(contact.hinge, 0.0) for contact in Contact.find(scene)]

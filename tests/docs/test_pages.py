@@ -22,7 +22,7 @@ from evidence.__main__ import main as study
 from evidence.__main__ import parse
 from evidence.registry import STUDIES
 from fpm import structures
-from fpm.elements import RigidLatch
+from fpm.elements import Latch
 from fpm.structures import report
 
 ROOT = Path(__file__).parents[2]
@@ -292,7 +292,7 @@ def test_the_structure_and_campaigns_of_the_pages_are_right(folder, monkeypatch)
 def test_the_drawer_of_the_page_is_caught_when_it_says(folder):
     """By the closed form for what is in the scene; that such latches catch then, tests/fpm show."""
     scene = structures.load(folder / "drawer.yaml").build()
-    (spring,), (latch,) = scene.springs, RigidLatch.find(scene)
+    (spring,), (latch,) = scene.springs, Latch.find(scene)
     mass = scene.mass[~scene.fixed[:, :3].all(axis=1)].sum()
     rate = math.sqrt(spring.stiffness / mass)
     caught = math.acos(1 - latch.angle / spring.rest) / rate

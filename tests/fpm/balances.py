@@ -109,7 +109,7 @@ def bar(viscosity=0.0, beta=0.0) -> fpm.Scene:
     link = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.05), wood, 2)
     scene.velocity[link.particles[-1]] = (0.1, 0.2, 0.0)
     if viscosity:
-        scene.add(k.Viscosity(viscosity))
+        scene.add(k.BarDamping(viscosity))
     if beta:
         scene.beams[:] = [beams.with_strain(0.02, 0.3) for beams in scene.beams]
     return scene
@@ -169,11 +169,11 @@ SCENES = {
     "strut": braced,
     "pin with play": lambda: worn("hertz"),
     "pin with play, linear": lambda: worn("linear"),
-    "exact release": on(k.RigidRelease(1, 0.231), **FALLING),
-    "exact motor": on(k.RigidMotor(0, 0.0, 1.0, 0), rate=0.0, **FALLING),
-    "exact motor by its rate": on(k.RigidMotor(0, 0.0, 1.0, 0, True), rate=0.0, **FALLING),
-    "exact friction": on(k.RigidFriction(0, 0.5), **FALLING),
-    "exact latch": on(k.RigidLatch(1, 0.05), **FALLING),
+    "exact release": on(k.Release(1, time=0.231), **FALLING),
+    "exact motor": on(k.Motor(0, None, 0.0, 0.0, 1.0, 0), rate=0.0, **FALLING),
+    "exact motor by its rate": on(k.Motor(0, None, 0.0, 0.0, 1.0, 0, True), rate=0.0, **FALLING),
+    "exact friction": on(k.Friction(0, 0.5, None), **FALLING),
+    "exact latch": on(k.Latch(1, 0.05), **FALLING),
 }
 DURATION, INSTANTS, STEPS = 0.48, 13, (10e-3, 5e-3)
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import fpm
-from fpm.elements import RigidLatch, RigidRelease
+from fpm.elements import Latch, Release
 
 FAR = 1e3  # rad, where nothing comes
 NONE = 1e-300  # m/s²: weight is there, and does nothing
@@ -35,8 +35,8 @@ def bars(
     scene.add_hinge("root", (ground, a), (0, 0, 0), z, opening=angles[0])
     scene.add_hinge("knee", (a, b), knee, z, opening=angles[1] - angles[0])
     scene.add_hinge("door", (ground, door), (0.0, 0.0, 5.0), z)
-    scene.add(RigidRelease(2, time=1e9))
+    scene.add(Release(2, time=1e9))
     if hold is not None:
-        scene.add(RigidRelease(0, **hold))
-    scene.add(RigidLatch(1, latch, **more))
+        scene.add(Release(0, **hold))
+    scene.add(Latch(1, latch, **more))
     return scene

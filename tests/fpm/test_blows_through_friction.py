@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fpm
-from fpm.elements import RigidFriction, RigidLatch, RigidMotor, RigidRelease
+from fpm.elements import Friction, Latch, Motor, Release
 
 FAR = 1e6  # rad or s: not in a run
 ASIS = np.eye(3)
@@ -53,11 +53,11 @@ def arms(
     scene.add_hinge("spare", (parts[0], spare), 5 * z, z)
     last = len(scene.hinges) - 2
     curve = scene.add_curve([start, start + 10.0], [0.0, 10.0])
-    scene.add(RigidMotor(0, 0.0, motor, curve))
-    scene.add(RigidRelease(last + 1, time=FAR))
-    scene.add(RigidLatch(last, latch))
+    scene.add(Motor(0, None, 0.0, 0.0, motor, curve))
+    scene.add(Release(last + 1, time=FAR))
+    scene.add(Latch(last, latch))
     for hinge in range(1, last + 1):
-        scene.add(RigidFriction(hinge, moment * 0.1 ** (hinge % 3)))
+        scene.add(Friction(hinge, moment * 0.1 ** (hinge % 3), None))
     return scene
 
 
@@ -126,14 +126,14 @@ def wheels() -> fpm.Scene:
         (two,) = scene.add_particles(at, 1.0, TWO, **moving)
         scene.add_hinge(f"first {k}", (ground, one), at, z)
         scene.add_hinge(f"second {k}", (one, two), at, z)
-        scene.add(RigidFriction(2 * k + 1, BEARS))
+        scene.add(Friction(2 * k + 1, BEARS, None))
         scene.add_load(two, moment=PUSH * z)
     times, turns = [0.0, *BENDS, 1.0], [0.0, 0.0, 1.0, 1.0 - (1.0 - BENDS[1]) / np.diff(BENDS)[0]]
-    scene.add(RigidMotor(0, 0.0, FAST * np.diff(BENDS)[0], scene.add_curve(times, turns)))
+    scene.add(Motor(0, None, 0.0, 0.0, FAST * np.diff(BENDS)[0], scene.add_curve(times, turns)))
     (spare,) = scene.add_particles(20 * z, 1.0, 1.0)
     scene.add_hinge("spare", (ground, spare), 20 * z, z)
-    scene.add(RigidRelease(4, time=FAR))
-    scene.add(RigidLatch(2, CATCH))
+    scene.add(Release(4, time=FAR))
+    scene.add(Latch(2, CATCH))
     return scene
 
 

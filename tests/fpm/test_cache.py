@@ -152,7 +152,7 @@ def test_compiled_kernels_of_all_kinds_are_kept():
     for module in pkgutil.walk_packages(elements.__path__, f"{elements.__name__}."):
         importlib.import_module(module.name)
     hooks = [hook for hook in KERNELS if hook[0].__module__.startswith("fpm.")]
-    assert {"RigidLatches", "TurnedJoints"} <= {arrays.__name__ for arrays, _ in hooks}
+    assert {"Latches", "Joints"} <= {arrays.__name__ for arrays, _ in hooks}
     assert [h for h in hooks if compiled_loop._constants_of(KERNELS[h]) is None] == []
 
 

@@ -5,7 +5,7 @@ import pytest
 from asking import curves, vector, vectors
 
 import fpm
-from fpm.elements import RigidMotor
+from fpm.elements import Motor
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 
@@ -90,7 +90,7 @@ def test_a_motor_and_the_joints_bear_what_damping_takes():
     ground, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 2.0, 0.1))
     scene.fix(ground)
     hinge = scene.add_hinge("H", (ground, body), (0, 0, 0), (0, 0, 1))
-    scene.add(RigidMotor(hinge, 0.0, 3.0, -1, by_rate=True))
+    scene.add(Motor(hinge, None, 0.0, 0.0, 3.0, -1, by_rate=True))
     definitions = vectors("constraint_force", "H")
     _, found, outcome = curves(scene, definitions, duration=TIME, instants=11, step=2e-3)
     force, angle = vector(found, "H"), outcome.openings["H"]

@@ -15,9 +15,6 @@ from fpm.elements import (
     Latch,
     Motor,
     Release,
-    RigidLatch,
-    RigidMotor,
-    RigidRelease,
     fields,
 )
 from fpm.elements.kind import BATCH_ARRAYS, ElementType
@@ -47,11 +44,11 @@ class Door(ElementType):
     "element",
     [
         Latch(0, 1.0, 1.0),
-        RigidLatch(0, 1.0),
+        Latch(0, 1.0),
         Motor(0, 1.0, 0.0, 0.0, 1.0, -1),
-        RigidMotor(0, 0.0, 0.0, -1),
+        Motor(0, None, 0.0, 0.0, 0.0, -1),
         Release(0, 1.0, 0.0, 0.0, time=1.0),
-        RigidRelease(0, time=1.0),
+        Release(0, time=1.0),
     ],
     ids=lambda element: type(element).__name__,
 )

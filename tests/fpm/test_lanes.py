@@ -1,4 +1,4 @@
-"""Lanes compute what numpy computes, lane by lane, for one row and for a pair."""
+"""Lanes compute what numpy computes, lane by lane."""
 
 import numpy as np
 import pytest
@@ -20,22 +20,19 @@ def arithmetic(a, out, row):
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("row", [1, (2, 0)])
-def test_arithmetic_is_that_of_numpy(dtype, row):
+def test_arithmetic_is_that_of_numpy(dtype):
     rng = np.random.default_rng(1)
     a = rng.normal(size=(3, 2, width(dtype))).astype(dtype)
     out = np.zeros((3, 5, width(dtype)), dtype)
-    arithmetic(a, out, row)
-    rows = np.atleast_1d(row)
-    x, y = a[rows, 0], a[rows, 1]
+    arithmetic(a, out, 1)
+    x, y = a[1]
     close = {"rtol": 8 * np.finfo(dtype).eps, "atol": 4 * np.finfo(dtype).eps}
-    np.testing.assert_allclose(out[rows, 0], x + 2 * y - 1, **close)
-    np.testing.assert_allclose(out[rows, 1], -x / y, **close)
-    np.testing.assert_allclose(out[rows, 2], np.abs(x), **close)
-    np.testing.assert_array_equal(out[rows, 3], np.floor(x))
-    np.testing.assert_array_equal(out[rows, 4], np.where(x < 0, y, dtype(7)))
-    others = [i for i in range(3) if i not in rows]
-    assert not out[others].any(), "rows that were not asked for were written"
+    np.testing.assert_allclose(out[1, 0], x + 2 * y - 1, **close)
+    np.testing.assert_allclose(out[1, 1], -x / y, **close)
+    np.testing.assert_allclose(out[1, 2], np.abs(x), **close)
+    np.testing.assert_array_equal(out[1, 3], np.floor(x))
+    np.testing.assert_array_equal(out[1, 4], np.where(x < 0, y, dtype(7)))
+    assert not out[[0, 2]].any(), "rows that were not asked for were written"
 
 
 @njit(error_model="numpy")

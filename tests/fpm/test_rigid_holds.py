@@ -5,7 +5,7 @@ import pytest
 from rigid_holds import FAR, L, M, bars
 
 import fpm
-from fpm.elements import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
+from fpm.elements import Hinge, Joint, Latch, Release, Turn
 
 G = 9.81
 NEVER = {"watch": 1, "level": -FAR}
@@ -109,17 +109,17 @@ def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
 @pytest.mark.parametrize(
     ("element", "message"),
     [
-        (RigidLatch(7, 1.0), "hinge of latch = 7"),
-        (RigidLatch(0, 1.0, capture_range=-1.0), "capture range of latch"),
-        (RigidLatch(0, 1.0, max_capture_rate=0.0), "largest capture rate of latch"),
-        (RigidLatch(0, np.nan), "angle of latch"),
-        (RigidLatch(1, 1.0), "no other latch"),
+        (Latch(7, 1.0), "hinge of latch = 7"),
+        (Latch(0, 1.0, capture_range=-1.0), "capture range of latch"),
+        (Latch(0, 1.0, max_capture_rate=0.0), "largest capture rate of latch"),
+        (Latch(0, np.nan), "angle of latch"),
+        (Latch(1, 1.0), "no other latch"),
         (Latch(1, 1.0, 1.0), "no other latch"),
-        (RigidRelease(0), "time of release root"),
-        (RigidRelease(0, time=-1.0), "time of release root"),
-        (RigidRelease(2, time=1.0), "a hinge without a release"),
+        (Release(0), "time of release root"),
+        (Release(0, time=-1.0), "time of release root"),
+        (Release(2, time=1.0), "a hinge without a release"),
         (Release(2, 1.0, 0.0, 0.0, time=1.0), "a hinge without a release"),
-        (RigidRelease(0, watch=1, level=0.0), "level of release root"),
+        (Release(0, watch=1, level=0.0), "level of release root"),
     ],
 )
 def test_what_rigid_holds_refuse(element, message):

@@ -5,7 +5,7 @@ import pytest
 from flaps import J
 
 import fpm
-from fpm.elements import Motor, RigidFriction, RigidMotor
+from fpm.elements import Friction, Motor
 
 RUN = {"duration": 3.0, "instants": 3001, "step": 1e-3}
 TIMES, VALUES = [0.0, 0.5003, 1.2, 2.0], [0.0, 0.4, 0.1, 0.1]
@@ -32,8 +32,8 @@ def flap(rate=0.0, moment=0.0, load=0.0, ramp=0.0, gravity=1e-300, turn=0.0, ang
     growing = scene.add_curve([0.0, 10.0], [0.0, 10.0])
     scene.add_load(one, moment=load * z)
     scene.add_load(one, moment=ramp * z, curve=growing)
-    scene.add(RigidMotor(1, angle, turn, scene.add_curve(TIMES, VALUES)))
-    scene.add(RigidFriction(0, moment))
+    scene.add(Motor(1, None, 0.0, angle, turn, scene.add_curve(TIMES, VALUES)))
+    scene.add(Friction(0, moment, None))
     return scene
 
 
@@ -83,13 +83,13 @@ def test_rigid_motors_and_friction_alone_and_in_a_batch_are_the_same_bits(ran):
 @pytest.mark.parametrize(
     ("element", "message"),
     [
-        (RigidFriction(5, 1.0), "hinge of friction"),
-        (RigidFriction(0, -1.0), "moment of friction"),
-        (RigidMotor(1, 0.0, 1.0, 0), "a hinge without a motor"),
+        (Friction(5, 1.0, None), "hinge of friction"),
+        (Friction(0, -1.0, None), "moment of friction"),
+        (Motor(1, None, 0.0, 0.0, 1.0, 0), "a hinge without a motor"),
         (Motor(1, 1.0, 0.0, 0.0, 1.0, 0), "a hinge without a motor"),
-        (RigidMotor(0, 0.1, 1.0, 0), "opening of motor hinge at the start"),
-        (RigidMotor(0, 0.0, np.inf, 0), "opening of motor hinge"),
-        (RigidMotor(0, 0.0, 1.0, 7), "curve of motor hinge"),
+        (Motor(0, None, 0.0, 0.1, 1.0, 0), "opening of motor hinge at the start"),
+        (Motor(0, None, 0.0, 0.0, np.inf, 0), "opening of motor hinge"),
+        (Motor(0, None, 0.0, 0.0, 1.0, 7), "curve of motor hinge"),
     ],
 )
 def test_what_rigid_motors_and_friction_refuse(element, message):

@@ -7,7 +7,7 @@ import fpm
 from evidence.extremes.stable_step import slides
 from evidence.verification.slides import scene_of_all
 from fpm.assembly import assemble
-from fpm.elements import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
+from fpm.elements import Contact, Damper, Friction, Latch, Stop, SyncLoop
 from fpm.files import trajectory
 from fpm.reading import responses
 from fpm.scenes.timestep import find_stable_step
@@ -77,7 +77,7 @@ def test_assembly_closes_a_slide_across_its_axis_and_tells_where_it_is():
     ("kind", "said"),
     [
         (lambda s: Contact(s, 1.0), "one that is revolute"),
-        (lambda s: RigidFriction(s, 1.0), "an angle"),
+        (lambda s: Friction(s, 1.0, None), "an angle"),
         (lambda s: SyncLoop("belt", (s, s + 1), (1.0, 1.0), 1.0), "an angle"),
         (lambda s: Damper(s, -1.0), r"N s/m"),
         (lambda s: Latch(s, np.nan, 1.0), r"\(m\)"),

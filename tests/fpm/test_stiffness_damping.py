@@ -6,7 +6,7 @@ import pytest
 import fpm
 from evidence.verification.relax import mode_shape
 from evidence.verification.vibration import modes
-from fpm.elements import StiffnessDamping
+from fpm.elements import BarDamping
 from fpm.structures import loads
 from fpm.structures.describe import describe
 
@@ -139,7 +139,7 @@ def test_samples_with_and_without_it_run_side_by_side_as_alone():
         assert (alone.points["end"][0] == outcome.points["end"][0]).all()
     taken = [outcome.energies["damping_work"][-1] for outcome in together]
     assert taken[0] == 0 < taken[1] < taken[2]
-    assert len(StiffnessDamping.find(scenes[0])) == 0 < len(StiffnessDamping.find(scenes[1]))
+    assert len(BarDamping.find(scenes[0])) == 0 < len(BarDamping.find(scenes[1]))
 
 
 def test_a_structure_says_what_it_does_to_the_stable_step():

@@ -13,7 +13,7 @@ import fpm
 from fpm import structures
 from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.element_forces import ElementForces
-from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
+from fpm.elements import Friction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, component_classes, sweep
 
@@ -50,7 +50,7 @@ def test_friction_slips_the_way_that_its_joint_goes():
 
 def test_friction_that_sticks_exactly_slips_alike():
     scene = hinged(1.0)
-    scene.add(RigidFriction(0, 0.3))
+    scene.add(Friction(0, 0.3, None))
     assert sweep(scene, "h1", 1.0, 1.5).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
 
 

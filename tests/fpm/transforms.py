@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import fpm
-from fpm.elements import Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease
+from fpm.elements import Friction, Latch, Release
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 
@@ -83,7 +83,7 @@ def continued(scene: fpm.Scene, outcome: fpm.Outcome, direction: float) -> fpm.S
     For kinds whose elements are where their particles are: a latch that caught, the foot of a
     bristle, or a cable's material that slipped is nothing that a scene can state.
     """
-    remembering = {Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease}
+    remembering = {Friction, Latch, Release}
     remembering &= scene.kinds.keys()
     assert not remembering and not any(cable.has_friction for cable in scene.cables), remembering
     out, final = copy(scene), outcome.final

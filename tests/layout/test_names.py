@@ -50,7 +50,7 @@ ENDING = re.compile(r"(?!(is|has|was|are|needs)_)\w*(ed|en|ings?)")
 
 _TERMS = """
 nouns: bearing children codegen green len need red ring seed speed spring string swing
-    stiffnessdamping tablespring token torsionspring
+    bardamping tablespring token torsionspring
 verbs of functions: flatten reopen tighten widen
 plain English for the value: allowed expected fixed missing moving open squared
 of a material, a contact, a joint: locked one_sided unstrained unstressed

@@ -11,10 +11,6 @@ from fpm.elements import (
     Latch,
     Motor,
     Release,
-    RigidFriction,
-    RigidLatch,
-    RigidMotor,
-    RigidRelease,
     Stop,
     SyncLoop,
     TableSpring,
@@ -146,7 +142,7 @@ def test_all_that_acts_on_slides_and_crosses_is_in_the_scene():
     assert names == ["boom", "knuckle_axis", "knuckle_other", "root"]
     assert [hinge.opening for hinge in scene.hinges] == pytest.approx([0.05, 0.0872665, 0, 0])
     found = {kind: of[0] for kind, of in scene.kinds.items() if of}
-    for kind in (Damper, Friction, Stop, RigidLatch, Latch, Motor, TorqueMotor, TableSpring):
+    for kind in (Damper, Friction, Stop, Latch, Motor, TorqueMotor, TableSpring):
         assert found[kind].hinge == 0
     assert [(s.hinge, s.stiffness, s.rest) for s in scene.springs] == [
         (0, 40.0, 0.25), (2, 2.0, 0.0),
@@ -158,19 +154,18 @@ def test_all_that_acts_on_slides_and_crosses_is_in_the_scene():
 
 def test_what_has_no_stiffness_holds_exactly():
     scene = loads(changed(HINGES, ("side: below, stiffness: 1e3", "side: below"))).build()
-    pin = RigidLatch(0, np.pi / 2, capture_range=np.radians(1), side="below", name="pin")
-    assert scene.kinds[RigidLatch] == [pin]
-    assert [latch.name for latch in scene.kinds[Latch]] == ["lock"]
+    pin = Latch(0, np.pi / 2, capture_range=np.radians(1), side="below", name="pin")
+    assert scene.kinds[Latch][0] == pin
+    assert [latch.name for latch in scene.kinds[Latch] if not latch.is_exact] == ["lock"]
     scene = loads(changed(HINGES, ("L*0.2 N", "L*0.2 N, sticks: exactly"))).build(L=2.0)
-    assert scene.kinds[RigidFriction] == [RigidFriction(0, 0.4)]
-    assert Friction not in scene.kinds
+    assert scene.kinds[Friction] == [Friction(0, 0.4, None)]
     scene = loads(changed(MOTORS, ("stiffness: 100 N m/rad, watch", "watch"))).build()
-    (bolt,) = RigidRelease.find(scene)
+    (bolt,) = (e for e in Release.find(scene) if e.is_exact)
     assert (scene.hinges[bolt.hinge].name, bolt.time) == ("knee", np.inf)
     assert (bolt.level, bolt.held_at_start(scene)) == pytest.approx((np.pi / 4, 0.2))
     rigid = changed(MOTORS, (", stiffness: 5, damping: 2 N m s/rad", ""))
     scene = loads(rigid).build(stow=15.0)
-    (drive,) = RigidMotor.find(scene)
+    (drive,) = Motor.find(scene)
     assert scene.hinges[drive.hinge].name == "root"
     assert [drive.target(scene, t) for t in (0.0, 1.0)] == pytest.approx(np.radians([15.0, 45.0]))
 
@@ -181,7 +176,7 @@ def test_a_motor_may_prescribe_its_rate():
 actions:
   drive: {type: motor, joint: root, rate: 0.5 rad/s, curve: speed}"""))  # fmt: skip
     scene = loads(text).build()
-    (motor,) = scene.kinds[RigidMotor]
+    (motor,) = scene.kinds[Motor]
     openings = {0.0: 0.0, 0.5: 0.0625, 1.0: 0.25, 3.0: 1.25, 4.0: 1.5, 9.0: 1.5}
     for time, opening in openings.items():
         assert motor.target(scene, time) == pytest.approx(opening, abs=1e-15)

@@ -28,7 +28,7 @@ from deployable.campaign.plan.plan import Plan, choose_step, make_plan, read_pla
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
-from fpm.elements import Contact, RigidLatch, RigidRelease
+from fpm.elements import Contact, Latch, Release
 from fpm.reading.margins import read_label, travel_of
 from fpm.reading.variables import VARIABLES, words
 from fpm.scenes import effort
@@ -223,7 +223,7 @@ def _fit_seconds(campaign: Campaign) -> float:
         return SPLINE * curve_values * runs
     if experiment.design.order is None or experiment.box.free.sum() <= 2:
         return FIT * curve_values
-    jumps = RigidLatch.find(scene) or RigidRelease.find(scene)
+    jumps = any(element.is_exact for k in (Latch, Release) for element in k.find(scene))
     return (JUMP if jumps else SUBDIVISION) * curve_values
 
 

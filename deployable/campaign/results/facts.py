@@ -34,7 +34,7 @@ from deployable.campaign.results.run_samples import (
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import MAX_TAIL_RATIO
-from fpm.elements import Contact, Latch, RigidLatch
+from fpm.elements import Contact, Latch
 from fpm.errors import SceneError
 
 SMALL = 0.05  # share of the largest difference below which an error is small
@@ -342,12 +342,7 @@ def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[st
     response, level = quantity.response, quantity.level
     if quantity.event == "latches":
         scene = experiment.nominal_scene
-        latches = {
-            name: latch
-            for kind in (Latch, RigidLatch)
-            for name, latch in zip(kind.names(scene), kind.find(scene), strict=True)
-        }
-        latch = latches[quantity.places[0]]
+        latch = Latch.find(scene)[Latch.names(scene).index(quantity.places[0])]
         opening = "opening", (scene.hinges[latch.hinge].name,)
         matches = (c for c in experiment.response_list if (c.kind, c.subjects) == opening)
         response = next(matches, None)

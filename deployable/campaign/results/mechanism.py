@@ -10,7 +10,7 @@ import numpy as np
 from deployable.campaign.config.sections import corners
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
-from fpm.elements import Latch, Motor, RigidLatch, Stop
+from fpm.elements import Latch, Motor, Stop
 from fpm.files.outcome import BALANCE
 from fpm.files.trajectory import read_curves
 from fpm.reading import margins
@@ -37,7 +37,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
         "margins": {
             q.name: margin_of(experiment, scenes, q.response, rows[q.name], sweep) for q in least
         },
-        "latches": [name for kind in (Latch, RigidLatch) for name in kind.names(scene)],
+        "latches": Latch.names(scene),
         "motion": motion_of(folder, plan),
     }
 
@@ -98,10 +98,12 @@ def margin_of(
         "unit": positions.unit,
         "travel": travel_of(scenes, openings, positions, is_stowed),
         "latches": [
-            latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.find(nominal)
+            latch.label(nominal) for latch in Latch.find(nominal)
             if latch.hinge in indices and low + room < latch.angle < high - room
         ],
-        "motors": [nominal.hinges[motor.hinge].name for motor in Motor.find(nominal)],
+        "motors": [
+            nominal.hinges[m.hinge].name for m in Motor.find(nominal) if not m.is_exact
+        ],
         "own": list_deviations(nominal, definition, response),
         "weaker": weaker_classes(nominal, response),
         "added": [f"{key} {definition[key]:g}"
@@ -162,9 +164,8 @@ def travel_of(
         hinges = {hinge.name: (i, hinge.opening) for i, hinge in enumerate(scene.hinges)}
         joints, zero = dict(hinges[name] for name in openings), hinges[openings[0]][1]
         starts.append(sign * zero)
-        latches = [latch for kind in (Latch, RigidLatch) for latch in kind.find(scene)]
         stops = [stop for stop in Stop.find(scene) if stop.side == side]
-        for parts, choose in ((latches, max), (stops, min)):
+        for parts, choose in ((Latch.find(scene), max), (stops, min)):
             angles = (zero + x.angle - joints[x.hinge] for x in parts if x.hinge in joints)
             if distances := [sign * angle for angle in angles if sign * (angle - zero) > 0]:
                 ends.append(choose(distances))

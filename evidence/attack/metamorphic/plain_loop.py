@@ -8,20 +8,13 @@ from evidence.benchmark.loop import Vector, run_as_python
 
 
 def load(array, row, field):
-    """Lanes of a row, or of a pair of rows."""
-    if isinstance(row, tuple):
-        return np.concatenate([array[r, field] for r in row])
+    """Lanes of a row."""
     return array[row, field].copy()
 
 
 def store(array, row, field, value):
     """Write what `load` reads."""
-    if isinstance(row, tuple):
-        half = array.shape[2]
-        pair = np.broadcast_to(value, (2 * half,))
-        array[row[0], field], array[row[1], field] = pair[:half], pair[half:]
-    else:
-        array[row, field] = value
+    array[row, field] = value
 
 
 def disable_compilation() -> None:

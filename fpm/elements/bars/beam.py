@@ -34,7 +34,7 @@ class Material:
     E: Young's modulus (Pa), above 0.
     nu: Poisson's ratio, -1 < nu <= 0.5.
     rho: density (kg/m³), above 0.
-    stiffness_damping: Rayleigh's beta (s), at least 0 (stiffness_damping.py)."""
+    stiffness_damping: Rayleigh's beta (s), at least 0 (bar_damping.py)."""
 
     E: float
     nu: float

@@ -50,7 +50,12 @@ def count_joints(part, condition):
     and of those that hold joint coordinates to part.turns.state, in samples where `condition`
     (lanes) is below 0: after each round of a step. part: arrays of all joints (Joints)."""
     count_conditions(part.sums, part, condition)
-    count_turns(part.turns, part, condition)
+    sums = part.turns.state
+    for t in range(sums.shape[0]):
+        total = load(sums, t, TURN_IMPULSE)
+        impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
+        lanes = condition + 0.0 * total
+        store(sums, t, TURN_IMPULSE, where_negative(lanes, total + impulse, total))
 
 
 @kernel
@@ -66,22 +71,6 @@ def count_conditions(sums, part, condition):
 
 
 @kernel
-def count_turns(turns, part, condition):
-    """Add the impulses (N m s; N s of slides) last found that hold joint coordinates exactly to
-    their sums over a step, the field TURN_IMPULSE of turns.state: after each round. turns:
-    Joints.turns, None: nothing is done; part: arrays of all joints (TurnedJoints); condition
-    (lanes): only samples where it is below 0 count: slack of the gaps, below 0 where bodies are
-    pushed again, or ALL (-1)."""
-    if turns is not None:
-        sums = turns.state
-        for t in range(sums.shape[0]):
-            total = load(sums, t, TURN_IMPULSE)
-            impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
-            lanes = condition + 0.0 * total
-            store(sums, t, TURN_IMPULSE, where_negative(lanes, total + impulse, total))
-
-
-@kernel
 def save_pose(b, r, state, i, axes):
     """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
     of bodies (body_scratch), at the start of a step, for `restore_pose`. state: of the particles
@@ -94,7 +83,7 @@ def save_pose(b, r, state, i, axes):
 @kernel
 def restore_pose(b, r, state, i):
     """Set particle i back to the position and axes that `save_pose` saved in row r of `b`, bodies'
-    working memory. i, r: indices or pairs of them; state: World.state, changed."""
+    working memory. state: World.state, changed."""
     put3(state, i, X, get3(b, r, hinge.OLD_X))
     put3(state, i, D2, get3(b, r, hinge.OLD_D2))
     put3(state, i, D3, get3(b, r, hinge.OLD_D3))
@@ -103,8 +92,7 @@ def restore_pose(b, r, state, i):
 @kernel
 def turn_little(state, i, turn):
     """Rotate the axes of a particle by a rotation vector `turn` (rad, 3, global) so small that its
-    square does not show, to close small tilts. state: World.state, changed; i: the particle's
-    index, or a tuple of two, of particles that turn at once, each by its own lanes of `turn`."""
+    square does not show, to close small tilts. state: World.state, changed; i: the particle's."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))
@@ -122,7 +110,7 @@ def coarse(time, size):
 def watch(part, gap2, tilt2):
     """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
     (squared sine of the axes' angle), both lanes (a number for each sample); returns these roots
-    (m, sine). part: arrays of elements (Hinges, Joints or TurnedJoints)."""
+    (m, sine). part: arrays of elements (Hinges or Joints)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, hinge.GAP, larger(load(part.peaks, 0, hinge.GAP), gap))
     store(part.peaks, 0, hinge.TILT, larger(load(part.peaks, 0, hinge.TILT), tilt))
@@ -131,7 +119,7 @@ def watch(part, gap2, tilt2):
 
 def report_gaps(arrays, find):
     """Register the hooks `record` (of the largest gap and tilt) and `list_excess` (of how far each
-    gapes) for a type `arrays` of kernel arrays (Hinges, Joints or a subclass). find(part, state,
+    gapes) for a type `arrays` of kernel arrays (Hinges or Joints). find(part, state,
     i): kernel that returns two squares for element i: of the distance of its points (m²), and of
     the sine of the angle between its axes."""
 

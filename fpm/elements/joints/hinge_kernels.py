@@ -70,15 +70,16 @@ def aim(part, state):
         store(w, h, hinge.GOAL + 4, dot(turn, get3(w, h, hinge.QA)) + load(w, h, hinge.MISS + 4))
         put3(w, h, hinge.GOAL + 5, get3(w, h, hinge.MISS + 5) - point)
     hinge_matrix.find_impulses(part)
+    for r in range(ends.shape[0]):
+        push(state, ends[r], r, b)
     for h in range(w.shape[0]):
-        push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
         closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
 @kernel
 def push(state, i, r, b):
-    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in rows r of `b`, the
-    bodies' working memory (body_scratch), to particles i in `state`. i, r: indices or pairs."""
+    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, the
+    bodies' working memory (body_scratch), to particle i in `state`."""
     add3(state, i, V, get3(b, r, hinge.DV))
     add3(state, i, P, get3(b, r, hinge.DP))
 
@@ -110,20 +111,26 @@ def gaps(part, state, h):
 
 
 @kernel
-def move_bodies(state, particles, pair, step):
-    """Move two particles, indices `pair`, in `state` by a step (s) at their present momenta. state,
-    particles: arrays of all particles' states and constants (World.state, World.particles)."""
-    put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
-    axes = frame(state, pair)
-    half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
-    turn_frame(state, pair, axes, half)
+def move_bodies(part, world, repeat, step):
+    """Move the bodies of open hinges by a `step` (s) at their momenta. part: all hinges (Hinges);
+    world: solver state, changed; repeat: whether to begin at the step's start again."""
+    state = world.state
+    for r in range(part.ends.shape[0]):
+        i = part.ends[r]
+        if part.open[r // 2]:
+            if repeat:
+                closure.restore_pose(part.body_scratch, r, state, i)
+            put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
+            axes = frame(state, i)
+            half = half_turn(to_local(axes, get3(state, i, P)), get3(world.particles, i, HALF))
+            turn_frame(state, i, axes, half)
 
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Change the velocities and angular momenta of particles i in `state` (World.state) by rows r
-    of `b`, the bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by
-    what these give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
+    """Change velocity and angular momentum of particle i in `state` (World.state) by row r of `b`,
+    the bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn it by what
+    these give over a step (s), to close small gaps."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
     closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
@@ -153,12 +160,7 @@ def move(part, world, timing):
     open_[:] = True
     rate = 1.0 / timing.step
     for n in range(hinge.ROUNDS):
-        for h in range(w.shape[0]):
-            if open_[h]:
-                pair = ends[2 * h], ends[2 * h + 1]
-                if n > 0:
-                    closure.restore_pose(b, (2 * h, 2 * h + 1), state, pair)
-                move_bodies(state, world.particles, pair, timing.step)
+        move_bodies(part, world, n > 0, timing.step)
         for h in range(w.shape[0]):
             if open_[h]:
                 set_goal(part, state, h, rate)
@@ -182,8 +184,9 @@ def move(part, world, timing):
                     closure.count_hinge(part.sums, part, h, margin)
         if not is_open:
             break
+    for r in range(ends.shape[0]):
+        nudge(state, ends[r], r, b, timing.step)
     for h in range(w.shape[0]):
-        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, timing.step)
         closure.count_hinge(part.sums, part, h, closure.ALL)
 
 
@@ -194,19 +197,20 @@ def look_back(part, world, timing):
     arrays of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
+    for r in range(ends.shape[0]):
+        i = ends[r]
+        put3(start, i, X, get3(start, i, X) - timing.step * get3(start, i, V))
+        axes = frame(start, i)
+        half = -1.0 * get3(world.particles, i, HALF)
+        turn_frame(start, i, axes, half_turn(to_local(axes, get3(start, i, P)), half))
     for h in range(part.hinge_scratch.shape[0]):
-        pair = ends[2 * h], ends[2 * h + 1]
-        put3(start, pair, X, get3(start, pair, X) - timing.step * get3(start, pair, V))
-        axes = frame(start, pair)
-        half = -1.0 * get3(world.particles, pair, HALF)
-        turn_frame(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
         set_goal(part, start, h, 0.5 / timing.step)
     hinge_matrix.find_impulses(part)
+    for r in range(ends.shape[0]):
+        add3(start, ends[r], V, -2.0 * get3(b, r, hinge.DV))
+        add3(start, ends[r], P, -2.0 * get3(b, r, hinge.DP))
+        closure.restore_pose(b, r, start, ends[r])
     for h in range(part.hinge_scratch.shape[0]):
-        pair, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
-        add3(start, pair, V, -2.0 * get3(b, rows, hinge.DV))
-        add3(start, pair, P, -2.0 * get3(b, rows, hinge.DP))
-        closure.restore_pose(b, rows, start, pair)
         closure.count_hinge(part.sums, part, h, closure.ALL)
 
 

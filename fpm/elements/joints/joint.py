@@ -270,7 +270,7 @@ class Joint(JointBase):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.joints import joint_kernels, turn_kernels  # noqa: F401, their hooks
+        from fpm.elements.joints import joint_kernels  # noqa: F401, its hooks
         from fpm.elements.joints.joint_pattern import pattern
 
         scene, joints = batch.scene, cls.find(batch.scene)
@@ -279,7 +279,9 @@ class Joint(JointBase):
         layout, entries = pattern([j.conditions for j in joints], slots, movable, followers)
         driven_particles = set(Drive.moved_particles(scene))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
-        joint_arrays = arrays.Joints(
+        first = len(joints) - len(Turn.find(scene))
+        is_counted = cls.are_impulses_read(scene)
+        return arrays.Joints(
             types=batch.integers(TYPES[j.type].bits for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
@@ -298,17 +300,11 @@ class Joint(JointBase):
             peaks=batch.peaks_of(cls),
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
-        )
-        if cls.are_impulses_read(scene):
-            sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
-            joint_arrays = joint_arrays._replace(sums=sums, forces=forces)
-        if not (turns := len(Turn.find(scene))):
-            return joint_arrays
-        first = len(joints) - turns
-        return arrays.TurnedJoints(*joint_arrays)._replace(
             turns=batch.part(Turn),
             turn_of=batch.integers(max(number - first, -1) for number in order),
-            turn_at=batch.integers(order.index(first + t) for t in range(turns)),
+            turn_at=batch.integers(order.index(t) for t in range(first, len(joints))),
+            sums=batch.blank(conditions, 1) if is_counted else None,
+            forces=batch.blank(rows * len(joints), SUMS) if is_counted else None,
         )
 
 

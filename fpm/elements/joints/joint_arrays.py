@@ -132,13 +132,8 @@ class Joints(NamedTuple):
     peaks: np.ndarray  # (1, 2, lanes)
     excess: np.ndarray  # (j, 1, lanes) size of each joint's watched quantity
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
+    turns: Turns  # openings that are held exactly
+    turn_of: np.ndarray  # (j,) number of the opening that a joint holds; -1: none
+    turn_at: np.ndarray  # (t,) and the joints that hold openings
     sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the conditions in this step
     forces: np.ndarray | None = None  # ((instants + 1) j, SUMS of hinges, lanes) recorded
-    turns: Turns | None = None  # openings that are held exactly
-    turn_of: np.ndarray | None = None  # (j,) number of the opening that a joint holds; -1: none
-    turn_at: np.ndarray | None = None  # (t,) and the joints that hold openings
-
-
-class TurnedJoints(Joints):
-    """Joints of which some hold joint coordinates exactly, so that `turns`, turn_of and turn_at are
-    not None; a type of its own, for which other kernels run (turn_kernels.py)."""

@@ -1,6 +1,6 @@
 """Coupled joints: impulses that close all of them at the end of the step (joint.py).
 
-As for lone hinges (hinge_kernels.py): `prepare` aims the impulses so that the gaps stay closed if
+As for lone hinges (hinge_kernels.py): `solve` aims the impulses so that the gaps stay closed if
 their rates do not change over the step, less what was missing so in the step before; `move` moves
 the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
 by small turns on top. All joints of a sample are solved together, and go the same rounds."""
@@ -11,7 +11,8 @@ from fpm.elements.joints import joint_arrays as joint
 from fpm.elements.joints.hinge_matrix import world_inverse
 from fpm.elements.joints.joint_arrays import Joints
 from fpm.elements.joints.joint_matrix import build, factorise, substitute
-from fpm.elements.joints.joint_rows import find_gaps, find_rows
+from fpm.elements.joints.joint_rows import find_gaps, find_rows, place
+from fpm.elements.openings.opening_kernels import NEW
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import ACCOUNTS, F, M, P, V, X
@@ -19,6 +20,7 @@ from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
     add3,
     add_where,
+    cross,
     dot,
     get3,
     get6,
@@ -27,23 +29,78 @@ from fpm.kernels.vectors import (
     put6,
     symmetric,
     times,
+    to_global,
     to_local,
 )
 
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Update the momenta of all joints' bodies by the forces, summed before, over timing.kick, and
-    apply impulses that would keep the joints closed if rates of gaps stayed as they are. part:
-    arrays of all joints (Joints); world (World): solver state, changed; timing: StepTime (s)."""
+    """Update the momenta of the bodies of all joints by the forces, summed before, over the time
+    timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
+    all joints (Joints); world (World): solver state, changed; timing: StepTime (s)."""
     closure.clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
+    world.undecided[0] = 1
+    for t in range(part.turn_at.shape[0]):
+        store(part.turns.state, t, joint.TURN_IMPULSE, 0.0)
+
+
+@hook(Joints)
+def solve(part, world, timing):
+    """Find the impulses of all joints, with the joint coordinates that are held now, and store the
+    rates they would give (`store_rates`); called again where `decide` of an element then holds or
+    frees one. part: all joints (Joints); world: World; timing: StepTime (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
     find_rates(part, world.state)
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        r, turns = part.pattern.first[j], part.turns
+        # By the opening, which counts whole turns: a step may take several.
+        gap = load(turns.angles, turns.hinge[t], NEW) - load(turns.state, t, joint.TARGET)
+        gap = (1.0 / timing.step) * where_negative(load(turns.state, t, joint.HOLDS), gap, 0.0)
+        store(part.rows, r, joint.RESIDUAL, load(part.rows, r, joint.RESIDUAL) + gap)
     find_impulses(part, -1.0)
-    push_all(part, world.state)
+    if part.turn_at.shape[0] > 0:
+        store_rates(part, world.state)
+
+
+@kernel
+def store_rates(part, state):
+    """Store in part.turns.state the rates (rad/s, m/s) that joint coordinates will have after the
+    impulses (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of
+    all joints (Joints); state: of the particles (World.state)."""
+    b = part.body_scratch
+    for s in range(part.particle.shape[0]):
+        if not part.is_driven[s]:
+            rotation = symmetric(get6(b, s, joint.INVERSE), get3(b, s, joint.MOMENT))
+            add3(b, s, joint.SPIN, times(get3(part.bodies, s, joint.TURNS), rotation))
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
+        axis = to_global(frame(state, part.particle[slot1]), get3(part.sides, 2 * j, joint.AXIS))
+        if part.types[j] == joint.SLIDE:
+            _, _, end = place(part, state, j, 1)
+            change = velocity(part, state, slot2, end) - velocity(part, state, slot1, end)
+            rate = dot(axis, change)
+        else:
+            rate = dot(axis, get3(b, slot2, joint.SPIN) - get3(b, slot1, joint.SPIN))
+        store(part.turns.state, t, joint.RATE, rate)
+        impulse = load(part.rows, part.pattern.first[j], joint.IMPULSE)
+        store(part.turns.state, t, joint.SOLVED_IMPULSE, impulse)
+
+
+@kernel
+def velocity(part, state, s, point):
+    """Return the velocity (m/s, 3) that a `point` (m, 3, global) moving with body s has after the
+    impulses, which are not yet applied. part: all joints (Joints); state: World.state."""
+    b, i = part.body_scratch, part.particle[s]
+    v = get3(state, i, V)
+    if not part.is_driven[s]:
+        v = v + times(get3(part.bodies, s, joint.AXIS_IM), get3(b, s, joint.FORCE))
+    return v + cross(get3(b, s, joint.SPIN), point - get3(state, i, X))
 
 
 @kernel
@@ -195,10 +252,12 @@ def nudge(part, state, s, step):
 
 @hook(Joints)
 def move(part, world, timing):
-    """Move the bodies of all joints by a step and close the joints at its end by impulses, in up to
-    ROUNDS (4) rounds. part: all joints (Joints); world (World): solver state, changed; timing
-    (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
+    """Apply the impulses found to the bodies of all joints, move these by a step, and close the
+    joints at its end by impulses, in up to ROUNDS (4) rounds. part: all joints (Joints); world
+    (World): solver state, changed; timing (StepTime): times of the step (s). Gaps that the last
+    round leaves raise part.peaks."""
     state, rows = world.state, part.rows
+    push_all(part, state)
     inverse_step = 1.0 / timing.step
     most = closure.coarse(1.0, load(world.size, 0, 0))
     for n in range(hinge.ROUNDS):
@@ -229,17 +288,35 @@ def move(part, world, timing):
 
 @hook(Joints)
 def look_back(part, world, timing):
-    """Close the joints also one step before the start, in the first step only: changes momenta in
-    world.start_state, half a step before it. part: all joints (Joints); timing: StepTime (s).
+    """Close the joints also one step before the start, in the first step only, by the momenta in
+    world.start_state; there, held coordinates are where their motion, at its rate at the start,
+    began. part: all joints (Joints); world (World): solver state; timing: StepTime (s).
 
     The impulses of the first kick also close gaps of the third order in the step. As those of other
     steps do so before and after an instant alike, momenta change over an instant by what acts there
     alone. Reflected, those before the first lack it: the impulses mu that close the joints a step
     before the start as well belong to them; those of both kicks are twice the first less mu."""
-    move_back(part, world.start_state, timing.step)
+    state, start, b = world.state, world.start_state, part.body_scratch
+    for s in range(part.particle.shape[0]):
+        i = part.particle[s]
+        total = get3(start, i, P) + get3(state, i, P)  # that at the start
+        if not part.is_driven[s]:
+            spin = symmetric(get6(b, s, joint.INVERSE), total)
+            total = times(get3(part.bodies, s, joint.TURNS), spin)
+        put3(b, s, joint.SPIN, total)
+    move_back(part, start, timing.step)
     for j in range(part.types.shape[0]):
-        find_gaps(part, world.start_state, j)
-    close_before(part, world.start_state, timing.step)
+        find_gaps(part, start, j)
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        r, slot1, slot2 = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
+        first, second = part.particle[slot1], part.particle[slot2]
+        v = (get3(start, first, V) + get3(state, first, V)) - get3(start, second, V)
+        rate = dot(get3(part.rows, r, joint.DIRECTION), v - get3(state, second, V))
+        rate = rate + dot(get3(part.rows, r, joint.TURN1), get3(b, slot1, joint.SPIN))
+        rate = rate - dot(get3(part.rows, r, joint.TURN2), get3(b, slot2, joint.SPIN))
+        store(part.rows, r, joint.RESIDUAL, load(part.rows, r, joint.RESIDUAL) + timing.step * rate)
+    close_before(part, start, timing.step)
 
 
 @kernel

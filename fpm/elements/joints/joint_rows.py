@@ -70,7 +70,8 @@ def find_rows(part, state):
     """Store all joints' constraint equations in part.rows: how velocities and spins of bodies, as
     placed now, change the gaps (Jacobian). part: all joints (Joints); state: World.state."""
     for j in range(part.types.shape[0]):
-        if put_opening_row(part.turns, part, state, j):
+        if part.turn_of[j] >= 0:
+            put_held_row(part, state, j)
             continue
         kind, r = part.types[j], part.pattern.first[j]
         x1, first, point = place(part, state, j, 0)
@@ -121,8 +122,8 @@ def find_gaps(part, state, j):
     """Store the gaps of joint j in RESIDUAL of its rows: between its points (m), and sines of how
     far its directions are off; returns the sum of squares of the former (m²) and of the latter.
     part: arrays of all joints (Joints); state: of the particles (World.state)."""
-    if is_opening(part.turns, part, j):
-        gap = opening_gap(part.turns, part, state, j)
+    if part.turn_of[j] >= 0:
+        gap = find_lock_gap(part, state, j)
         store(part.rows, part.pattern.first[j], joint.RESIDUAL, gap)
         if part.types[j] == joint.SLIDE:
             return gap * gap, 0.0 * gap
@@ -184,44 +185,11 @@ def find_gaps(part, state, j):
     return gap2, tilt2
 
 
-# -- openings that are held: nothing is compiled of these where none is --------------------------
-
-
-@kernel
-def is_opening(turns, part, j):
-    """Return whether joint j only holds a joint coordinate (angle or length) exactly. turns:
-    Joints.turns, None if no joint in the scene does; part: arrays of all joints (Joints)."""
-    if turns is None:
-        return False
-    return part.turn_of[j] >= 0
-
-
-@kernel
-def put_opening_row(turns, part, state, j):
-    """Store the constraint equation of joint j if it holds a joint coordinate; returns whether it
-    does. turns: Joints.turns, None: none does; part: all joints (Joints); state: World.state."""
-    if turns is None:
-        return False
-    return put_held_row(part, state, j)
-
-
-@kernel
-def opening_gap(turns, part, state, j):
-    """Joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes where it
-    is free. turns: Joints.turns, None: 0; part: all joints (Joints); state: World.state."""
-    if turns is None:
-        return 0.0 * load(state, 0, X)
-    return find_lock_gap(part, state, j)
-
-
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds a joint coordinate, all zero in samples
-    where that is free; returns whether it does. part: all joints (Joints); state: World.state."""
-    t = part.turn_of[j]
-    if t < 0:
-        return False
-    r = part.pattern.first[j]
+    """Store the constraint equation of joint j, which holds a joint coordinate: all zero in samples
+    where that is free. part: all joints (Joints); state: World.state."""
+    t, r = part.turn_of[j], part.pattern.first[j]
     x1, first, _ = place(part, state, j, 0)
     axis, _, _ = directions(part, j, first)
     holds = where_negative(load(part.turns.state, t, joint.HOLDS), 1.0, 0.0)
@@ -232,7 +200,6 @@ def put_held_row(part, state, j):
     else:
         put_row(part, state, j, r, 0.0 * axis, turn, turn)
     store(part.rows, r, joint.MISS, holds * load(part.rows, r, joint.MISS))
-    return True
 
 
 @kernel
@@ -240,7 +207,7 @@ def find_lock_gap(part, state, j):
     """Return by how much the joint coordinate that joint j holds misses its target (lanes): the
     coordinate now (m of slides; rad, difference within ±pi) less the one that what holds it (motor,
     latch, friction, ...) wants at the end of the step (TARGET); 0 in lanes where it is free. part:
-    arrays of all joints (TurnedJoints); state: World.state."""
+    arrays of all joints (Joints); state: World.state."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

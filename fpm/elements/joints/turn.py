@@ -13,11 +13,14 @@ opening is taken to the angle and no further, by a share 1 - s of the impulse th
 step after gives the rest. Their mean is at t + s h: the order of the scheme is kept."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
+
+import numpy as np
 
 from fpm.elements.joints.joint_arrays import TURN, Turns
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.opening import Connector, Opening
+from fpm.elements.openings.opening import Connector, Opening, relative_turn
+from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Turn(ElementType):
         """Return the elements (ExactConnector) of a scene, of all types, that hold a joint
         coordinate exactly; its indices are those of conditions in Turns.state."""
         kinds = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
-        return [element for kind in kinds for element in scene.kinds[kind]]
+        return [element for kind in kinds for element in scene.kinds[kind] if element.is_exact]
 
     @classmethod
     def topology_of(cls, scene):
@@ -40,12 +43,6 @@ class Turn(ElementType):
         pairs (type, index of the hinge), one for each element that holds a joint coordinate exactly
         (`find`)."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
-
-    @classmethod
-    def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Return the indices, in Turn.find(scene), of the elements of one type, `kind`, that hold a
-        joint coordinate exactly (as RigidLatch does): of their conditions in Turns.state."""
-        return [i for i, holder in enumerate(cls.find(scene)) if type(holder) is kind]
 
     @classmethod
     def pack(cls, batch):
@@ -62,11 +59,16 @@ class Turn(ElementType):
 
 
 class ExactConnector(Connector):
-    """Base class of motors, releases, latches and friction that hold a joint coordinate (angle of a
-    hinge, length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
+    """Base class of motors, releases, latches and friction: those without `stiffness` hold a joint
+    coordinate (angle of a hinge, length of a slide) exactly; `hinge` is its index."""
 
-    reads = (Opening, Turn)
     resists_as: ClassVar = ""
+    stiffness: Any
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the element holds the joint coordinate exactly, without a spring."""
+        return self.stiffness is None
 
     def held_at_start(self, scene) -> float | None:
         """Return the joint coordinate (rad; m on a slide) at which the element holds its hinge from
@@ -78,14 +80,37 @@ class ExactConnector(Connector):
         at the start of a scene's run; None, the default: it imposes none."""
         return None
 
+    def check(self, scene):
+        """Check the fields, and that nothing is stated of a spring that is not there, before the
+        element is added to a scene; raises SceneError if not."""
+        super().check(scene)
+        for name in ("damping", "backlash", "one_sided") if self.is_exact else ():
+            if value := getattr(self, name, None):
+                raise SceneError(f"{name} of {self.title(scene)}", value, "none without stiffness")
+
+    @classmethod
+    def _turns(cls, scene, values):
+        springs = {i: e for i, e in enumerate(cls.find(scene)) if not e.is_exact}
+        if not springs:
+            return None
+        hinges = [e.hinge for e in springs.values()]
+        rows = relative_turn(scene, hinges, [values[i] for i in springs])
+        return rows._replace(element=np.array([*springs])[rows.element])
+
+    @classmethod
+    def reads_in(cls, scene):
+        return (Opening, Turn) if any(e.is_exact for e in cls.find(scene)) else cls.reads
+
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
         state of all conditions that hold joint coordinates (Turns); "turn": index of each element's
-        condition among them; others as Connector.array. batch: scenes simulated together."""
+        condition among them, -1: it has a spring; others as Connector.array. batch: scenes
+        simulated together."""
         match name:
             case "turns":
                 return batch.part(Turn)
             case "turn":
-                return batch.integers(Turn.places(batch.scene, cls))
+                places = {id(holder): i for i, holder in enumerate(Turn.find(batch.scene))}
+                return batch.integers(places.get(id(e), -1) for e in cls.find(batch.scene))
         return super().array(name, batch)

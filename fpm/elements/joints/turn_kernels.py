@@ -2,55 +2,16 @@
 
 The impulse of a step is known when all else is; its moment is that by the length of the kick. By
 the trapezium rule it does half of its work on the way to the positions at which it acts, and half
-on the way from there, as all other moments do (losses_kernels.add_loss).
+on the way from there, as all other moments do (losses_kernels.add_loss)."""
 
-And what coupled joints among which some hold openings do otherwise: `prepare` only kicks the
-bodies; `solve` finds the impulses, again where it was decided otherwise, and tells the rates that
-the openings would have; `move` begins with the impulses that stand then."""
-
-from fpm.elements.joints import joint_kernels
-from fpm.elements.joints.closure import clear, mean_force, report_gaps
-from fpm.elements.joints.joint_arrays import (
-    AXIS,
-    AXIS_IM,
-    DIRECTION,
-    FORCE,
-    HOLDS,
-    IMPULSE,
-    INVERSE,
-    MOMENT,
-    RATE,
-    RESIDUAL,
-    SLIDE,
-    SOLVED_IMPULSE,
-    SPIN,
-    TARGET,
-    TURN1,
-    TURN2,
-    TURN_IMPULSE,
-    TURNS,
-    TurnedJoints,
-)
-from fpm.elements.joints.joint_matrix import build, factorise
-from fpm.elements.joints.joint_rows import find_gaps, find_rows, place
+from fpm.elements.joints.closure import mean_force
+from fpm.elements.joints.joint_arrays import TURN_IMPULSE
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import load, store, where_negative
-from fpm.kernels.layout import ACCOUNTS, P, V, X
-from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import (
-    add3,
-    cross,
-    dot,
-    get3,
-    get6,
-    kernel,
-    put3,
-    symmetric,
-    times,
-    to_global,
-)
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import ACCOUNTS
+from fpm.kernels.vectors import kernel
 
 # Kept for each element from one step to the next, in this order from a first field.
 HOLD_MOMENT, WORK_DUE = 0, 1  # last moment (N m), and work of the half step up to it (J)
@@ -89,19 +50,27 @@ def add_late_moment(moments, openings, h, moment):
         store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
 
 
-def register_work_hooks(arrays, first, sign):
-    """Register the hooks `work_before` and `work_due`, which add up the work of an element type
-    that holds joint coordinates exactly; called once, where its kernels are defined. arrays: its
-    named tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts
-    work given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
+def register_losses(arrays, first):
+    """Register the hooks `work_before` and `work_due` of an element type that loses what its exact
+    holds take, and nothing else in `work_before`; called once, where its kernels are defined.
+    arrays: its named tuple; first: index of the field HOLD_MOMENT in part.state."""
 
     @hook(arrays)
     def work_before(part, world, timing):
-        """Add half of the work (J) of the moments of the last step, over the step that ends now, to
+        """Add half of the loss (J) of the moments of the last step, over the step that ends now, to
         part.account. part: arrays of the elements; world: solver state; timing: not used."""
         for i in range(part.hinge.shape[0]):
             work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HOLD_MOMENT))
-            add_to_account(world, part.account, sign * work)
+            add_to_account(world, part.account, -1.0 * work)
+
+    register_work_due(arrays, first)
+
+
+def register_work_due(arrays, first):
+    """Register the hook `work_due` of an element type that holds joint coordinates exactly; called
+    once, where its kernels are defined. arrays: its named tuple; first: index of the field
+    HOLD_MOMENT in part.state. Its hook `work_before` counts half of the work of the last step, and
+    `work_after` calls `end_work`."""
 
     @hook(arrays)
     def work_due(part, world, energies, row, timing):
@@ -120,9 +89,10 @@ def end_work(part, world, timing, first, sign):
     all elements to account part.account of World. part: arrays of elements; world: World; timing:
     StepTime (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for losses."""
     for i in range(part.hinge.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], timing, world)
-        add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
-        end_work_of(part, world, i, moment, first, sign)
+        if part.turn[i] >= 0:
+            moment = moment_of(part.turns, part.turn[i], timing, world)
+            add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
+            end_work_of(part, world, i, moment, first, sign)
 
 
 @kernel
@@ -135,110 +105,3 @@ def end_work_of(part, world, i, moment, first, sign):
     add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)
     store(part.state, i, first + WORK_DUE, work)
-
-
-@hook(TurnedJoints)
-def prepare(part, world, timing):
-    """Update the momenta of the bodies of all joints by the forces, summed before, over the time
-    timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
-    all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
-    clear(part.sums)
-    joint_kernels.kick_bodies(part, world.state, timing.kick)
-    world.undecided[0] = 1
-    for t in range(part.turn_at.shape[0]):
-        store(part.turns.state, t, TURN_IMPULSE, 0.0)
-
-
-@hook(TurnedJoints)
-def solve(part, world, timing):
-    """Find the impulses of all joints, with the joint coordinates that are held now, and store the
-    rates they would give (`store_rates`); called again where `decide` of an element then holds or
-    frees one. part: all joints (TurnedJoints); world: World; timing: StepTime (s)."""
-    find_rows(part, world.state)
-    build(part)
-    factorise(part)
-    joint_kernels.find_rates(part, world.state)
-    for t in range(part.turn_at.shape[0]):
-        j = part.turn_at[t]
-        r, turns = part.pattern.first[j], part.turns
-        # By the opening, which counts whole turns: a step may take several.
-        gap = load(turns.angles, turns.hinge[t], NEW) - load(turns.state, t, TARGET)
-        gap = where_negative(load(turns.state, t, HOLDS), gap, 0.0)
-        store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
-    joint_kernels.find_impulses(part, -1.0)
-    store_rates(part, world.state)
-
-
-@kernel
-def store_rates(part, state):
-    """Store in part.turns.state the rates (rad/s, m/s) that joint coordinates will have after the
-    impulses (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of
-    all joints (TurnedJoints); state: of the particles (World.state)."""
-    b = part.body_scratch
-    for s in range(part.particle.shape[0]):
-        if not part.is_driven[s]:
-            rotation = symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
-            add3(b, s, SPIN, times(get3(part.bodies, s, TURNS), rotation))
-    for t in range(part.turn_at.shape[0]):
-        j = part.turn_at[t]
-        slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
-        axis = to_global(frame(state, part.particle[slot1]), get3(part.sides, 2 * j, AXIS))
-        if part.types[j] == SLIDE:
-            _, _, end = place(part, state, j, 1)
-            change = velocity(part, state, slot2, end) - velocity(part, state, slot1, end)
-            rate = dot(axis, change)
-        else:
-            rate = dot(axis, get3(b, slot2, SPIN) - get3(b, slot1, SPIN))
-        store(part.turns.state, t, RATE, rate)
-        store(part.turns.state, t, SOLVED_IMPULSE, load(part.rows, part.pattern.first[j], IMPULSE))
-
-
-@kernel
-def velocity(part, state, s, point):
-    """Return the velocity (m/s, 3) that a `point` (m, 3, global) moving with body s has after the
-    impulses, which are not yet applied. part: all joints (TurnedJoints); state: World.state."""
-    b, i = part.body_scratch, part.particle[s]
-    v = get3(state, i, V)
-    if not part.is_driven[s]:
-        v = v + times(get3(part.bodies, s, AXIS_IM), get3(b, s, FORCE))
-    return v + cross(get3(b, s, SPIN), point - get3(state, i, X))
-
-
-@hook(TurnedJoints)
-def move(part, world, timing):
-    """Apply the impulses to the bodies, move them by a step, and close the joints at its end. part:
-    all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
-    joint_kernels.push_all(part, world.state)
-    joint_kernels.move(part, world, timing)
-
-
-@hook(TurnedJoints)
-def look_back(part, world, timing):
-    """Close the joints also one step before the start, in the first step only, by the momenta in
-    world.start_state; there, held coordinates are where their motion, at its rate at the start,
-    began. part: all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
-    state, start, b = world.state, world.start_state, part.body_scratch
-    for s in range(part.particle.shape[0]):
-        i = part.particle[s]
-        total = get3(start, i, P) + get3(state, i, P)  # that at the start
-        if not part.is_driven[s]:
-            total = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), total))
-        put3(b, s, SPIN, total)
-    joint_kernels.move_back(part, start, timing.step)
-    for j in range(part.types.shape[0]):
-        find_gaps(part, start, j)
-    for t in range(part.turn_at.shape[0]):
-        j = part.turn_at[t]
-        r, slot1, slot2 = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
-        first, second = part.particle[slot1], part.particle[slot2]
-        v = (get3(start, first, V) + get3(state, first, V)) - get3(start, second, V)
-        rate = dot(get3(part.rows, r, DIRECTION), v - get3(state, second, V))
-        rate = rate + dot(get3(part.rows, r, TURN1), get3(b, slot1, SPIN))
-        rate = rate - dot(get3(part.rows, r, TURN2), get3(b, slot2, SPIN))
-        store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + timing.step * rate)
-    joint_kernels.close_before(part, start, timing.step)
-
-
-for _name in ("work_after", "work_due", "record_step"):
-    hook(TurnedJoints, _name)(getattr(joint_kernels, _name))
-report_gaps(TurnedJoints, find_gaps)

@@ -1,7 +1,8 @@
 """Face-to-face contact: the end faces of two hinged links touch where the opening is below zero.
 
 The faces share the hinge line as an edge, so overlap grows linearly with the distance from it; its
-resultant is a moment k |psi| that opens the hinge, k = K_C times the length of the hinge line."""
+resultant is a moment k |psi| that opens the hinge, k = K_C times the length of the hinge line: a
+stop without a damper."""
 
 from dataclasses import dataclass
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from fpm.elements.fields import stiffness
 from fpm.elements.kind import Energy, Gate
-from fpm.elements.openings.opening import Connector, on_hinge
+from fpm.elements.openings.opening import on_hinge
+from fpm.elements.openings.stop import AnyStop
 
 FINER = 3.5
 """By how much the step of contacts is finer than the stable one: what strikes them comes back
@@ -17,7 +19,7 @@ within 0.2 % of its speed, and from the step after it struck the energy balances
 
 
 @dataclass(frozen=True)
-class Contact(Connector):
+class Contact(AnyStop):
     """Faces that touch where the opening of a revolute joint is below zero.
 
     hinge: index; stiffness: moment that opens it per radian of opening below zero (N m/rad)."""
@@ -25,15 +27,18 @@ class Contact(Connector):
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")
 
+    angle, side, damping = 0.0, -1.0, 0.0  # of the stop that it is
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
     acts_as = "contact"
     noun = "contact"
-    resists_as = "S"
     cost = 70.0
 
     def stiffness_in(self, scene):
         return FINER**2 * self.stiffness
+
+    def damping_in(self, scene):
+        return None
 
     def gate(self):
         return Gate(0.0, -1.0)

@@ -1,4 +1,4 @@
-"""Coulomb friction on hinges that really sticks: an elastoplastic bristle.
+"""Coulomb friction on hinges that really sticks: an elastoplastic bristle, or without one.
 
 A bristle of stiffness k between the opening psi and its foot z gives the moment -k (psi - z). It
 bears at most `moment`, M; beyond, its foot slips, so that k |psi - z| = M, and M |dz| is lost.
@@ -9,17 +9,37 @@ rest; both together never exceed M.
 M may go with the force that the joint bears, as of the step before (`load`), or by a table of the
 opening: a curve that is another on the way back is the mean of both, of a spring by a table, beside
 friction with half of their difference (hysteresis). Source: Dupont, Hayward, Armstrong, Altpeter,
-IEEE Trans. Automatic Control 47 (2002) 787."""
+IEEE Trans. Automatic Control 47 (2002) 787.
+
+Without a bristle, what is needed to stick (joints/turn.py) is looked at in every step. If it is
+more than M, the joint slips in this step already, braked by M. While it slips at a rate r that
+would fall by d > r in a step, it stands after the share s = r/d of that: M brakes it until then,
+and pushes it from then on, (1 - 2 s) M in all. Where it then goes back, it was a turn. Where not,
+it sticks, at the angle where M brings it to rest: the last way is the rest of the parabola, h (r -
+d/2)²/(2 d), or h r²/(2 d) where it is braked only now. So a body of inertia J that slides at w
+stops after J w²/(2 M), and one that swings loses as much at each turn as friction takes, to the
+second order in the step. An impact, of a latch or at a bend of a motor's curve, after the share s
+of a step comes after 1/2 + s of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s)
+M in that kick."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fpm.elements.fields import damping, number
+from fpm.elements.fields import damping, number, specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
+from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Watch
-from fpm.elements.openings.opening import JOINT_LOSS, Connector, mobility, on_hinge, start_angles
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    mobility,
+    moving_at_start,
+    on_hinge,
+    pack_past,
+    start_angles,
+    turning_at_start,
+)
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
 
@@ -31,6 +51,10 @@ SLIDE_DEFLECTION = 1e-4
 
 SWEEP_DEFLECTION = 1e-9
 """Deflection (rad, m) of bristles where openings are moved slowly (fpm/travel)."""
+
+RATE_TOL = 1e-11
+"""Rate up to which a hinge sticks at the start, as a share of the fastest spin; what joins it to
+others leaves a tenth (AGREES in solver/start.py)."""
 
 LOCKS = 20.0
 """By how many times its `bristle_deflection` a bearing's bristle may be bent on while the moment at
@@ -64,19 +88,20 @@ def _describe_imbalance(element: str) -> str:
 
 
 @dataclass(frozen=True)
-class Friction(Connector):
+class Friction(ExactConnector):
     """Friction in a hinge by a bristle: a spring that sticks, and slips at a moment.
 
     hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the
-    spring is bent then (rad, m); damping: while it sticks (N m s/rad, on slides N s/m), None: 0.3
-    of critical. angles, shares: joint coordinates (rad, m), increasing, and factors of the moment
-    there, linear between, constant beyond; (): 1 everywhere. load: size (N) of the whole force in
-    the joint at which it slips at `moment`, which is proportional to it; None: constant."""
+    spring is bent then (rad, m), None: it sticks exactly; damping: while it sticks (N m s/rad, on
+    slides N s/m), None: 0.3 of critical. angles, shares: joint coordinates (rad, m), increasing,
+    and factors of the moment there, linear between, constant beyond; (): 1 everywhere. load: size
+    (N) of the whole force in the joint at which it slips at `moment`, which is proportional to it;
+    None: constant."""
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
-    bristle_deflection: float = number(
-        "rad", above=0.0, default=DEFLECTION, is_shown=False,
+    bristle_deflection: float | None = number(
+        "rad", above=0.0, default=DEFLECTION, is_shown=False, optional=True,
         text="by how much it gives before it slips",
     )  # fmt: skip
     damping: float | None = damping(
@@ -118,9 +143,14 @@ class Friction(Connector):
         return any(friction.load is not None for friction in cls.find(scene))
 
     def check(self, scene):
-        """Check the element's fields, its table (angles, shares; no share below 0) and its `load`
-        (above 0, and no table beside it), before it is added to a scene; else raises SceneError."""
+        """Check the element's fields, its table (angles, shares; no share below 0), its `load`
+        (above 0, and no table beside it), and that what sticks exactly is on an angle and has
+        neither, before it is added to a scene; else raises SceneError."""
         super().check(scene)
+        hinge = scene.hinges[self.hinge]
+        if self.is_exact and (hinge.slides or self.load is not None or self.angles):
+            subject, allowed = self.subject(scene, specs(Friction)["hinge"]), "an angle"
+            raise SceneError(subject, f"{hinge.name} ({hinge.type})", allowed)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
         if self.angles or self.shares:
@@ -129,24 +159,36 @@ class Friction(Connector):
                 raise SceneError(f"shares of {self.title(scene)}", self.shares, "none below 0")
 
     def topology(self):
-        return self.hinge, len(self.angles), self.load is None
+        return self.hinge, len(self.angles), self.load is None, self.is_exact
 
     def title(self, scene):
         noun = "hysteresis" if self.angles else self.noun if self.load is None else "bearing"
         return f"{noun} {self.label(scene)}"
 
     @property
-    def stiffness(self) -> float:
+    def stiffness(self) -> float | None:  # type: ignore[override]  # no field here
         """Stiffness of the bristle (N m/rad, on slides N/m): moment / bristle_deflection."""
-        return self.moment / self.bristle_deflection
+        return self.bristle_deflection and self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
         """Return the damping of the bristle while it sticks (N m s/rad, on slides N s/m): that of
-        the field `damping`, else 0.3 of critical for the inertias of the hinge's two particles."""
-        if self.damping is not None:
-            return self.damping
+        the field `damping`, else 0.3 of critical for the inertias of the hinge's two particles; 0
+        without a bristle."""
+        if self.damping is not None or self.stiffness is None:
+            return self.damping or 0.0
         inverse = mobility(scene, self.hinge)
         return 2 * DAMPING_RATIO * np.sqrt(self.stiffness / inverse) if inverse else 0.0
+
+    def held_at_start(self, scene):
+        (rate,) = turning_at_start(scene, [self.hinge])
+        fastest = np.abs(moving_at_start(scene).spin).max(initial=0.0)
+        return scene.hinges[self.hinge].opening if abs(rate) <= RATE_TOL * fastest else None
+
+    @classmethod
+    def held_round(cls, scene):
+        """Return the sum (N m) of the moments of friction that sticks exactly, the most that it may
+        bear in closed loops at rest, for the tolerance of the energy balance."""
+        return float(sum(f.moment for f in cls.find(scene) if f.is_exact))
 
     @classmethod
     def array(cls, name, batch):
@@ -155,9 +197,11 @@ class Friction(Connector):
         scenes that are simulated side by side."""
 
         def bristle(f, scene):
+            if f.is_exact:
+                return 0.0, 0.0, 0.0, 0.0, f.moment
             most = f.bristle_deflection * (f.shares or (float(f.load is None),))[0]
             inverse_bend = 0.0 if f.load is None else 1.0 / f.bristle_deflection
-            return f.stiffness, most, f.damping_in(scene), inverse_bend
+            return f.stiffness, most, f.damping_in(scene), inverse_bend, f.moment
 
         def bristles(scene):
             return [bristle(f, scene) for f in cls.find(scene)]
@@ -171,7 +215,7 @@ class Friction(Connector):
                 name, batch, cls, lambda f: f.bristle_deflection * bends(f.angles, f.shares)
             )
         if name == "numbers":
-            return batch.stack(len(cls.find(batch.scene)), 4, bristles)
+            return batch.stack(len(cls.find(batch.scene)), 5, bristles)
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().FOOT] = start_angles(batch, cls)
@@ -179,6 +223,7 @@ class Friction(Connector):
             array[:, [kernels.MOST, kernels.OLD_MOST, kernels.FORCE_BEND]] = batch.table(
                 cls, 1, lambda f: [0.0 if f.load is None else f.bristle_deflection]
             )
+            array[:, kernels.SIGN] = np.where(pack_past(batch, cls)[:, 0] < 0, -1.0, 1.0)
         return array
 
 

@@ -4,14 +4,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import LOSS, JointForce, add_loss, follow_rate, force_of
-from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
+from fpm.elements.joints.closure import mean_force
+from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
+from fpm.elements.joints.turn_kernels import (
+    HOLD_MOMENT,
+    add_late_moment,
+    end_work_of,
+    moment_of,
+    register_losses,
+)
+from fpm.elements.openings.losses_kernels import (
+    LOSS,
+    JointForce,
+    add_loss,
+    follow_rate,
+    force_of,
+    half_rate,
+)
+from fpm.elements.openings.losses_kernels import RATE as LAST
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, push, turn
 from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import absolute, load, store, where_negative
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel, larger
 
-STIFFNESS, BEND, DAMPING, INVERSE_BEND = range(4)  # the last: 1/bend where it goes with the force
+STIFFNESS, BEND, DAMPING = range(3)
+INVERSE_BEND = 3  # 1/bend where it goes with the force
+FRICTION = 4  # moment of one that sticks exactly
 
 ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend changes there
 
@@ -23,7 +42,17 @@ BASE = 4  # and by how much it could be then
 LOCK_RATIO = 5  # by how many times its bend it was bent on while that grew as much, at most
 OLD_MOST = 6  # MOST a step before it,
 FORCE_BEND = 7  # and by how much it could be by the joint's force as it came out with that
-STATE = 8
+WORKS = 8  # of turn_kernels; it and those below: of what sticks exactly
+SIGN = WORKS + 2  # sign of the rate at which it slips, or slipped last
+BRAKE = SIGN + 1  # moment while it slips (N m)
+LAST_BRAKE = BRAKE + 1  # the same as it was before the joints were solved
+CHANGES_LEFT = LAST_BRAKE + 1  # how often it may change its mind in this step
+STATE = CHANGES_LEFT + 1
+
+PREVIOUS_RATE = LOSS  # of what sticks exactly, in `rates`
+
+CHANGES = 5
+"""How often it may change in a step: turn, stick, let go, stick again, and let go for good."""
 
 STEEP = 0.5
 """By how much of a change of friction the force that the joint bears may change the other way, a
@@ -31,18 +60,26 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all f friction elements (lanes: samples). hinge (f,): index of its hinge; numbers
-    (f, 4, lanes): bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad),
-    1/deflection where the joint's force counts, else 0; openings: joint coordinates; rates (f, 2,
-    lanes): their rate and damper's moment of the last step; state (f, 8, lanes): foot (coordinate,
-    rad, of the straight bristle), deflection (rad), then what joint forces and self-locking need;
-    account: index of the loss in World.accounts; rows (f, 1, lanes): energy or self-locking of
-    each; peaks: largest self-locking; start (f + 1,): first point of its table; points (p, 2,
-    lanes): angle (rad) and change of slope of all points; bearing: joint forces. None: unused."""
+    """Arrays of all f friction elements (lanes: samples). hinge (f,): index of its hinge; turn
+    (f,): index of its condition in turns.state, -1: it has a bristle; numbers (f, 5, lanes):
+    bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
+    the joint's force counts, else 0, friction moment (N m); openings, turns: joint coordinates, and
+    those held exactly; rates (f, 2, lanes): their rate and damper's moment of the last step, of
+    what sticks exactly the rates (rad/s) of the last two steps, the last first; state (f, 14,
+    lanes): foot (coordinate, rad, of the straight bristle), deflection (rad), then what joint
+    forces and self-locking need; of what sticks exactly moment in the last step (N m), the half of
+    its work (J) that was added to the account after an instant was recorded but is due before it,
+    sign of the slip's rate, brake moment now and before the joints were solved (N m), changes left
+    in this step; account: index of the loss in World.accounts; rows (f, 1, lanes): energy or
+    self-locking of each; peaks: largest self-locking; start (f + 1,): first point of its table;
+    points (p, 2, lanes): angle (rad) and change of slope of all points; bearing: joint forces.
+    None: unused."""
 
     hinge: np.ndarray
+    turn: np.ndarray
     numbers: np.ndarray
     openings: Openings
+    turns: Turns
     rates: np.ndarray
     state: np.ndarray
     account: int
@@ -126,14 +163,38 @@ def watch_lock(part, i, bend, most, slips):
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), lock))
 
 
+@kernel
+def slow_down(part, world, i, timing):
+    """Add the friction moment (N m) of element i, which sticks exactly, to the particles of its
+    hinge if it slips. part: arrays of all friction elements (Frictions); world (World): solver
+    state, changed; timing: StepTime (s)."""
+    h = part.hinge[i]
+    if timing.time > 0.0:
+        store(part.rates, i, PREVIOUS_RATE, load(part.rates, i, LAST))
+        store(part.rates, i, LAST, half_rate(part.openings, h, timing))
+    hold = load(part.turns.state, part.turn[i], HOLDS)
+    moment = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, FRICTION)
+    moment = where_negative(hold, 0.0, moment)
+    store(part.state, i, BRAKE, moment)
+    store(part.state, i, LAST_BRAKE, moment)
+    store(part.state, i, CHANGES_LEFT, CHANGES)
+    turn(part.openings, world.state, h, moment)
+
+
 @hook(Frictions)
 def forces(part, world, timing):
     """Add the moments (N m) of friction, bristles and dampers, to the forces on particles, and what
     slip and dampers lose in the step (J) to World.accounts; update part.state. part: arrays of all
     friction elements (Frictions); world (World): solver state, changed; timing (StepTime): times of
     the step (s). Where slip begins within a step, the mean of the moments at both ends is not that
-    over the way between; `edge` corrects it as for a spring that begins at the point of slip."""
+    over the way between; `edge` corrects it as for a spring that begins at the point of slip. The
+    time of an impact, part.turns.impact, counts from its start from now on."""
+    impact = load(part.turns.impact, 0, 0)
+    store(part.turns.impact, 0, 0, where_negative(-1.0 * impact, impact - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
+        if part.turn[i] >= 0:
+            slow_down(part, world, i, timing)
+            continue
         h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
         psi, psi_before = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
@@ -184,3 +245,113 @@ def list_excess(part, world):
     worst. part: arrays of all friction elements (Frictions); world: not used."""
     for i in range(part.hinge.shape[0]):
         store(part.rows, i, 0, load(part.state, i, LOCK_RATIO))
+
+
+register_losses(Frictions, WORKS)
+
+
+@kernel
+def stop_of(part, i, timing):
+    """Return, for each lane where the rate of element i would reverse in this kick, the fraction of
+    the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then: by
+    the parabola of its motion if its rate fell before, else as braked from the middle of the kick
+    on. part: all friction elements (Frictions); timing (StepTime): times of the step (s)."""
+    sign = load(part.state, i, SIGN)
+    last = sign * load(part.rates, i, LAST)
+    last = where_negative(last, 0.0, last)
+    fall = last - sign * load(part.turns.state, part.turn[i], RATE)
+    old_fall = sign * load(part.rates, i, PREVIOUS_RATE) - last
+    vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
+    jump = 0.5 * timing.kick * last * last / fall
+    impact = old_fall - 0.5 * fall
+    fraction = last / fall
+    if timing.time > 0.0:
+        fraction = where_negative(impact, 0.5 + load(part.turns.impact, 0, 0), fraction)
+    return fraction, where_negative(-last, where_negative(impact, jump, vertex), 0.0)
+
+
+@hook(Frictions)
+def decide(part, world, timing):
+    """Let elements slip that would need more than their friction moment to stick, and reverse or
+    stick those that come to rest; where any changes, sets world.undecided, and the joints are
+    solved again. part: arrays of all friction elements (Frictions); world (World): solver state;
+    timing (StepTime): times (s). One that would reverse is braked until it rests and pushed the
+    other way from then on; if it would not move back, it sticks. Each changes at most CHANGES times
+    in a step, the last time to slip: no impulse that it holds is above its friction."""
+    for i in range(part.hinge.shape[0]):
+        if part.turn[i] < 0:
+            continue
+        t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
+        hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
+        reserve = load(part.numbers, i, FRICTION) - absolute(
+            find_holding_moment(part, world, i, timing)
+        )
+        speed = where_negative(hold, 1.0, sign * load(part.turns.state, t, RATE))
+        is_first = changes - (CHANGES - 0.5)
+        slips = where_negative(hold, reserve, 1.0)
+        turns = where_negative(is_first, 1.0, speed)
+        sticks = where_negative(is_first, where_negative(changes - 1.5, 1.0, speed), 1.0)
+        if any_negative(slips) or any_negative(turns) or any_negative(sticks):
+            change(part, world, timing, i, slips, turns, sticks)
+
+
+@kernel
+def find_holding_moment(part, world, i, timing):
+    """Return the moment (N m) that holds element i in this step, as the joints were last solved; 0
+    where it slips. part: all friction elements (Frictions); world: solver state; timing:
+    StepTime."""
+    return mean_force(world, timing) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
+
+
+@kernel
+def slip_moment(part, i, full, timing):
+    """Return the moment (N m) of element i in the step in which it starts to slip: a mean of what
+    held it and of the `full` friction moment (N m, with its sign), which agree to first order for a
+    load that grows; after an impact it makes up for what the kicks before and after lack. part: all
+    friction elements (Frictions); timing (StepTime): times of the step (s)."""
+    if timing.time == 0.0:
+        return full
+    delay = load(part.turns.impact, 0, 0)
+    mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HOLD_MOMENT)
+    is_slip = -absolute(load(part.state, i, LAST_BRAKE))
+    return where_negative(is_slip, full, mean)
+
+
+@kernel
+def change(part, world, timing, i, slips, turns, sticks):
+    """Let element i slip, reverse or stick in the lanes (samples) where `slips`, `turns` or
+    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part: all
+    friction elements (Frictions); world (World): solver state; timing (StepTime): times (s)."""
+    t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, FRICTION)
+    old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
+    sign = where_negative(find_holding_moment(part, world, i, timing), -1.0, 1.0)
+    fraction, path = stop_of(part, i, timing)
+    brake = where_negative(slips, slip_moment(part, i, sign * most, timing), last)
+    brake = where_negative(turns, (1.0 - 2.0 * fraction) * old * most, brake)
+    brake = where_negative(sticks, 0.0, brake)
+    push(part.openings, world.state, h, (brake - last) / mean_force(world, timing))
+    store(part.state, i, BRAKE, brake)
+    store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
+    hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
+    store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, hold))
+    target = load(part.openings.angles, h, NEW) + old * path
+    target = where_negative(turns, target, load(part.turns.state, t, TARGET))
+    store(part.turns.state, t, TARGET, target)
+    is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
+    changes = load(part.state, i, CHANGES_LEFT)
+    store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
+    world.undecided[0] = 1
+
+
+@hook(Frictions)
+def work_after(part, world, timing):
+    """Add half of the friction loss (J) of the moments found in this step, over the step that ends
+    now, to part.account in world.accounts (`work_before` adds the rest). part: all friction
+    elements (Frictions); world (World): solver state; timing: StepTime (s)."""
+    for i in range(part.hinge.shape[0]):
+        if part.turn[i] < 0:
+            continue
+        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing, world)
+        late_moment = moment - load(part.state, i, LAST_BRAKE)
+        add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
+        end_work_of(part, world, i, moment, WORKS, -1.0)

@@ -9,20 +9,26 @@ It holds at the opening psi_c at which it caught, so that nothing jumps: no mome
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
     k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
 
-(for one that catches on the way up). A latch without stiffness is rigid (rigid.py)."""
+(for one that catches on the way up).
+
+What a latch without stiffness catches stands still at once: an inelastic impact. Its impulse comes
+from all masses that the joints couple to the opening, and the kinetic energy taken is lost; a
+single body of inertia J that turns at w leaves the impulse -J w and loses J w²/2
+(joints/turn.py)."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from fpm.elements.fields import damping, number, stiffness, topology, word
+from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Gate, Series
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
     ONSET,
-    Connector,
     by_unit,
     on_hinge,
+    start_angles,
     struck_stiffness,
 )
 from fpm.errors import SceneError
@@ -45,54 +51,19 @@ SERIES = {
 slides names and units are others (opening.by_unit)."""
 
 
-class AnyLatch(Connector):
-    """Base class of latches, rigid ones too: their field `name`, events and recorded series."""
-
-    takes = JOINT_LOSS
-    events = ("latches", "misses")
-    acts_as = "latch"
-    noun = "latch"
-    resists_as = ""
-
-    def check(self, scene):
-        """Check the latch's fields, and that its name (that of its hinge by default) is no other
-        latch's in `scene`; raises SceneError if not."""
-        super().check(scene)
-        if self.label(scene) in [latch.label(scene) for latch in self.find_peers(scene)]:
-            raise SceneError("latch", self.label(scene), "a name that no other latch has")
-
-    def label(self, scene):
-        return self.name or super().label(scene)
-
-    def gate(self):
-        largest_rate = self.max_capture_rate if np.isfinite(self.max_capture_rate) else 0.0
-        return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
-        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches
-        its impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its index."""
-        latches = cls.find(scene)
-        columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
-        pairs = zip(SERIES.items(), columns, strict=False)
-        series = {name: Series(values, *text[:3], ()) for (name, text), values in pairs}
-        hinges = [scene.hinges[latch.hinge] for latch in latches]
-        return by_unit(series, hinges, [latch.label(scene) for latch in latches])
-
-
 @dataclass(frozen=True)
-class Latch(AnyLatch):
+class Latch(ExactConnector):
     """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
-    and holds from then on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad),
-    damping (N m s/rad): it holds with; capture_range: how far from `angle` it catches as well
-    (rad); side: from where it comes when caught ("below", "above", "either"); max_capture_rate:
-    above which it does not catch (rad/s); one_sided: whether it lets the opening go on in the
-    direction of the catch, as a ratchet; name: "": the hinge's. On slides m for rad, N for N m."""
+    and holds from then on by a spring and a damper, or exactly. hinge: index; angle: rad; stiffness
+    (N m/rad; None: exactly), damping (N m s/rad): it holds with; capture_range: how far from
+    `angle` it catches as well (rad); side: from where it comes when caught ("below", "above",
+    "either"); max_capture_rate: above which it does not catch (rad/s); one_sided: whether it lets
+    the opening go on in the direction of the catch, as a ratchet; name: "": the hinge's. On slides
+    m for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
-    stiffness: float = stiffness(text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="with which it holds")
     damping: float = damping(default=0.0, text="with which it holds")
     capture_range: float = number(
         "rad", 0.0, default=0.0, zero=False, text="how far from `angle` it catches as well"
@@ -106,6 +77,24 @@ class Latch(AnyLatch):
     name: str = topology("")
 
     stores = Energy("latch", "latch_energy", "energy of the latches")
+    takes = JOINT_LOSS
+    events = ("latches", "misses")
+    acts_as = "latch"
+    noun = "latch"
+
+    def check(self, scene):
+        """Check the latch's fields, and that its name (that of its hinge by default) is no other
+        latch's in `scene`; raises SceneError if not."""
+        super().check(scene)
+        if self.label(scene) in [latch.label(scene) for latch in Latch.find(scene)]:
+            raise SceneError("latch", self.label(scene), "a name that no other latch has")
+
+    def label(self, scene):
+        return self.name or super().label(scene)
+
+    def gate(self):
+        largest_rate = self.max_capture_rate if np.isfinite(self.max_capture_rate) else 0.0
+        return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
 
     def stiffness_in(self, scene):
         return struck_stiffness(self) if self.one_sided else self.stiffness
@@ -114,3 +103,34 @@ class Latch(AnyLatch):
         """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times
         its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
         return ONSET * self.damping
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.joints import rigid_latch_kernels  # noqa: F401, its hooks
+
+        return super().pack(batch)
+
+    @classmethod
+    def array(cls, name, batch):
+        """Return the array for a field `name` of the kernels' tuple Latches, as
+        ExactConnector.array; in "state", the field SEARCH_END, joint coordinate up to which a latch
+        has looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
+        array = super().array(name, batch)
+        if name == "state":
+            array[:, cls.kernels().SEARCH_END] = start_angles(batch, cls)
+        return array
+
+    @classmethod
+    def read_records(cls, part, scene, lane):
+        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
+        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of those that
+        hold exactly its impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its
+        index."""
+        latches, result = cls.find(scene), {}
+        columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
+        for (name, text), values in zip(SERIES.items(), columns, strict=True):
+            indices = [i for i, e in enumerate(latches) if e.is_exact or name != "latch_impact"]
+            series = {name: Series(values[:, indices], *text[:3], ())}
+            hinges = [scene.hinges[latches[i].hinge] for i in indices]
+            result |= by_unit(series, hinges, [latches[i].label(scene) for i in indices])
+        return result

@@ -1,9 +1,11 @@
-"""Catching, moments, energies, losses and events of latches."""
+"""Catching, moments, energies, losses and events of latches; what is theirs alone that hold exactly
+is in joints/rigid_latch_kernels.py."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.joints.joint_arrays import Turns
 from fpm.elements.openings.losses_kernels import RATE, add_loss, follow_rate, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import edge, note
@@ -25,9 +27,14 @@ NEWS = 3  # of this step: 1 caught, 2 missed
 CATCH_TIME = 4  # time of that
 CATCH_RATE = 5  # rate of the opening when it caught
 MOMENT, IMPULSE = 6, 7  # on the hinge's second particle
-STATE = 8
+WORKS = 8  # of turn_kernels; it and those below: of latches that hold exactly
+AGE = WORKS + 2  # steps in which it has held
+IMPACT = AGE + 1  # impulse with which it caught
+PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
+SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
+STATE = SEARCH_END + 1
 
-TRACK = 3  # recorded: moment, impulse, rate when it caught
+TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
 
 ANGLE_TOL = 1e-6
 """Openings (rad) beyond the reach that are looked at one by one; only to save time."""
@@ -37,18 +44,24 @@ AT_START = 1e-9
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches (lanes: samples). hinge (l,): index of each one's hinge; numbers (l,
-    7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both), largest
-    rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all
-    hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes): 1
-    once it has caught, joint coordinate (rad) and sign of the rate then, news of this step (1
-    caught, 2 missed), their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m
-    s); account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
-    events; track ((instants + 1) l, 3, lanes): recorded moment, impulse, rate at the catch."""
+    """Arrays of all l latches (lanes: samples). hinge (l,): index of each one's hinge; turn (l,):
+    index of its condition in turns.state, -1: it holds by a spring; numbers (l, 7, lanes): angle,
+    capture range (rad), sign of the rate at which it catches (0: both), largest rate (rad/s),
+    stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all hinges; turns: joint
+    coordinates held exactly; rates (l, 2, lanes): rate and damper's moment of the last step; state
+    (l, 14, lanes): 1 once it has caught, joint coordinate (rad) and sign of the rate then, news of
+    this step (1 caught, 2 missed), their time (s), rate at the catch (rad/s), moment (N m), impulse
+    so far (N m s); of those that hold exactly moment held (N m), its work due (J), steps held,
+    impulse of the catch (N m s), coordinates foreseen at the step's end, and searched so far (rad);
+    account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
+    events; track ((instants + 1) l, 4, lanes): recorded moment (N m), impulse (N m s) so far, rate
+    (rad/s) and impulse (N m s) of the catch."""
 
     hinge: np.ndarray
+    turn: np.ndarray
     numbers: np.ndarray
     openings: Openings
+    turns: Turns
     rates: np.ndarray
     state: np.ndarray
     account: int
@@ -152,11 +165,14 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Add the moments (N m) of latches to the forces on both particles of their hinges, and what
-    their dampers take out in the step that ends now (J) to World.accounts, once it is found which
-    latches caught in it; these act at once. part: arrays of all latches (Latches), in whose state
-    moment and impulse are stored; world (World): solver state, changed; timing: StepTime (s)."""
+    """Add the moments (N m) of latches' springs to the forces on both particles of their hinges,
+    and what their dampers take out in the step that ends now (J) to World.accounts, once it is
+    found which latches caught in it; these act at once. part: arrays of all latches (Latches), in
+    whose state moment and impulse are stored; world (World): solver state, changed; timing:
+    StepTime (s)."""
     for i in range(part.hinge.shape[0]):
+        if part.turn[i] >= 0:
+            continue
         h = part.hinge[i]
         watch(part, i, h, timing)
         rate = follow_rate(part.openings, part.rates, i, h, timing)

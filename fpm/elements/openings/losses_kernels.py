@@ -123,8 +123,9 @@ def press(new, old, rate, stiffness, damping):
     sum at least 0: it never pulls; that of the damper is 0 where the overlap `new` is not above 0.
     new, old: overlap (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness
     (N m/rad), damping (N m s/rad), on slides N/m, N s/m."""
-    spring = stiffness * where_negative(new, 0.0, new)
+    overlap = where_negative(new, 0.0, new)
+    spring = stiffness * overlap
     damper = damping * rate * onset(new, old)
     damper = where_negative(damper + spring, -spring, damper)
     damper = where_negative(-new, damper, 0.0)
-    return spring + stiffness * edge(new, old), damper
+    return stiffness * (overlap + edge(new, old)), damper

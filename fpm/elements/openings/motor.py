@@ -1,4 +1,4 @@
-"""Motors on hinges that prescribe the opening through their drive trains.
+"""Motors on hinges that prescribe the opening, through their drive trains or exactly.
 
 A motor turns its own side of an elastic and damped drive train to target(t) = start + turn f(t), f
 being a curve of time, or the integral of one from t = 0 on, and the hinge follows:
@@ -7,12 +7,19 @@ being a curve of time, or the integral of one from t = 0 on, and the hinge follo
 
 of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there. With
 backlash b, target - psi is less by b/2 on either side: within, no moment acts, and outside the
-damper never pulls the drive train's teeth apart."""
+damper never pulls the drive train's teeth apart.
+
+One without a drive train of its own that gives turns the hinge to its target exactly
+(joints/turn.py), whatever moment M that takes. Its work is that of M on the hinge: where f bends,
+an impact changes the rate at once, and does half of what a force would over the same way (the mean
+of the rates before and after it). Its first rate is that of the start of a run
+(solver/start.py)."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
 from fpm.elements.fields import damping, index, number, stiffness, topology
+from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
@@ -21,14 +28,19 @@ from fpm.elements.openings.opening import (
     backlashes,
     by_unit,
     on_hinge,
+    unit_of,
 )
+from fpm.errors import SceneError
+
+AT_START = 1e-9
+"""What holds exactly begins where its hinge is, to this opening (rad, m)."""
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(Connector):
-    """Base class of all motors on hinges: with a drive train (Motor), rigid ones (RigidMotor), and
-    torque motors. variable: name of their recorded moment in trajectory files."""
+    """Base class of motors that prescribe an opening (Motor) and torque motors. variable: name of
+    their recorded moment in trajectory files."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
@@ -52,21 +64,23 @@ class AnyMotor(Connector):
 
 
 @dataclass(frozen=True)
-class Motor(AnyMotor):
-    """Motor that prescribes the joint coordinate of a hinge through an elastic drive train: start +
-    turn times a curve of time. hinge: index; stiffness (N m/rad), damping (N m s/rad): of the drive
-    train; start, turn (rad); curve: index in Scene.curves, -1: constant 1; by_rate: whether turn
-    (rad/s) times the curve is the coordinate's rate instead; backlash: of the drive train, all its
-    play (rad), None: none; on slides m for rad, N for N m."""
+class Motor(AnyMotor, ExactConnector):
+    """Motor that prescribes the joint coordinate of a hinge, through an elastic drive train or
+    exactly: start + turn times a curve of time. hinge: index; stiffness (N m/rad; None: exactly),
+    damping (N m s/rad): of the drive train; start, turn (rad); curve: index in Scene.curves, -1:
+    constant 1; by_rate: whether turn (rad/s) times the curve is the coordinate's rate instead, from
+    `start` on; backlash: of the drive train, all its play (rad), None: none; on slides m for rad, N
+    for N m."""
 
     hinge: int = on_hinge()
-    stiffness: float = stiffness(text="of its drive train")
-    damping: float = damping(text="of its drive train")
+    stiffness: float | None = stiffness(default=None, text="of its drive train")
+    damping: float = damping(default=0.0, text="of its drive train")
     start: float = number(
-        "rad", words="opening of {title}", is_shown=False, text="opening before the turn"
-    )
-    turn: float = number("rad", words="opening of {title}")
-    curve: int = index("curves", -1)
+        "rad", default=0.0, words="opening of {title}", is_shown=False,
+        text="opening before the turn",
+    )  # fmt: skip
+    turn: float = number("rad", default=0.0, words="opening of {title}")
+    curve: int = index("curves", -1, default=-1)
     by_rate: bool = topology(False)
     backlash: float | None = number(
         "rad",
@@ -77,7 +91,34 @@ class Motor(AnyMotor):
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     takes = JOINT_LOSS
-    resists_as = ""
+
+    def target(self, scene, time: float) -> float:
+        """Return the opening (rad; m on a slide) prescribed at `time` (s). scene: has the curve."""
+        curve = scene.curve(self.curve)
+        distance = curve.integral(time) if self.by_rate else curve.value(time)
+        return float(self.start + self.turn * distance)
+
+    def rate_at_start(self, scene) -> float:
+        """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
+        where its curve (not by rate) is constant then. scene: has the curve."""
+        curve = scene.curve(self.curve)
+        if self.by_rate:
+            return float(self.turn * curve.value(0.0))
+        return curve.rate_after(0.0, self.turn)
+
+    def check(self, scene):
+        """Check the fields, and that what a motor prescribes exactly at time 0 is the hinge's joint
+        coordinate in the scene, within AT_START (rad, m); raises SceneError if not."""
+        super().check(scene)
+        hinge = scene.hinges[self.hinge]
+        if self.is_exact and abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
+            unit = unit_of(scene, self.hinge, "rad")
+            allowed = f"{hinge.opening:g} {unit}, where the hinge is then, or a drive train"
+            subject = f"opening of {self.title(scene)} at the start"
+            raise SceneError(subject, self.target(scene, 0.0), allowed)
+
+    def held_at_start(self, scene):
+        return scene.hinges[self.hinge].opening
 
     def topology(self):
         return *super().topology(), self.backlash is None

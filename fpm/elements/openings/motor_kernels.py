@@ -4,9 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.joints.joint_arrays import TARGET as TURN_TARGET
+from fpm.elements.joints.joint_arrays import Turns
+from fpm.elements.joints.turn_kernels import HOLD_MOMENT, end_work, register_work_due, work_on
 from fpm.elements.openings.losses_kernels import dead_band, follow_rate, onset
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.curves import travel_factor
+from fpm.kernels.curves import bend_after, travel_factor
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
 from fpm.kernels.vectors import kernel
@@ -22,29 +25,35 @@ ERROR = 4  # target less opening,
 ADVANCE = 5  # of the target over the last step
 TARGET = 6
 EXCESS = 7  # of the error outside the backlash
-STATE = 8
+WORKS = 8  # of turn_kernels, of one that holds exactly
+STATE = 10
 
 TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors (lanes: samples). hinge (m,): index of its hinge; curve (m,): index of
-    its curve of time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m,
-    4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes):
-    first, rate of the last step; state (m, 8, lanes): moment, a step ago, moment of damping, a step
-    ago (N m), target less opening, change of the target, target, what of the first is outside the
-    backlash (rad); openings: joint coordinates of all hinges; work_account, loss_account: indices
-    in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track ((instants + 1) m,
-    1, lanes): recorded moment (N m); backlash (m, 1, lanes): of each (rad), None: of none."""
+    """Arrays of all m motors (lanes: samples). hinge (m,): index of its hinge; turn (m,): index of
+    its condition in turns.state, -1: it has a drive train; curve (m,): index of its curve of time,
+    -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes): stiffness
+    (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes): first, rate of the last
+    step; state (m, 10, lanes): moment, a step ago, moment of damping, a step ago (N m), target less
+    opening, change of the target, target, what of the first is outside the backlash (rad), of one
+    that prescribes exactly its moment (N m) at the last positions, and work (J) of the half step up
+    to them; openings, turns: all joint coordinates, and those held exactly; account, loss_account:
+    indices in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track
+    ((instants + 1) m, 1, lanes): recorded moment (N m); backlash (m, 1, lanes): of each (rad),
+    None: of none."""
 
     hinge: np.ndarray
+    turn: np.ndarray
     curve: np.ndarray
     by_rate: np.ndarray
     numbers: np.ndarray
     rates: np.ndarray
     state: np.ndarray
     openings: Openings
-    work_account: int
+    turns: Turns
+    account: int
     loss_account: int
     rows: np.ndarray
     track: np.ndarray
@@ -74,6 +83,8 @@ def forces(part, world, timing):
     to the forces on particles; keep moments and targets in part.state. part: arrays of all motors
     (Motors); world (World): solver state, whose forces change; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
+        if part.turn[i] >= 0:
+            continue
         h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -107,17 +118,49 @@ def work_before(part, world, timing):
     in the step that ends at timing.time: means of the moments at both ends times the way, which is
     what the moments do on the hinges, so that the balance has no error of it. part: arrays of all
     motors (Motors); world (World): solver state; timing (StepTime): times of the step (s)."""
-    work = load(world.accounts, 0, part.work_account)
+    work = load(world.accounts, 0, part.account)
     loss = load(world.accounts, 0, part.loss_account)
     for i in range(part.hinge.shape[0]):
         advance, h = load(part.state, i, ADVANCE), part.hinge[i]
+        if part.turn[i] >= 0:  # the other half follows (`work_after`)
+            work = work + work_on(part.openings, h, load(part.state, i, WORKS + HOLD_MOMENT))
+            continue
         angle = load(part.openings.angles, h, NEW) - load(part.openings.angles, h, OLD)
         moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
         work = work + 0.5 * advance * moment
         viscous = load(part.state, i, VISCOUS) + load(part.state, i, VISCOUS_BEFORE)
         loss = loss + 0.5 * (advance - angle) * viscous
-    store(world.accounts, 0, part.work_account, work)
+    store(world.accounts, 0, part.account, work)
     store(world.accounts, 0, part.loss_account, loss)
+
+
+@hook(Motors)
+def prepare(part, world, timing):
+    """Store the joint coordinate (rad; m on slides) that a motor prescribes exactly for the end of
+    the step, as TARGET of its condition in part.turns.state; where its curve (not by rate) bends
+    within the step, the bend's time is stored in part.turns.impact as a share of the step: the rate
+    jumps there. part: Motors; world: solver state, with the curves; timing: StepTime (s)."""
+    for i in range(part.hinge.shape[0]):
+        if part.turn[i] < 0:
+            continue
+        if not part.by_rate[i]:
+            bend = bend_after(world, part.curve[i], timing.time)
+            if bend < timing.step:
+                store(part.turns.impact, 0, 0, bend / timing.step)
+        distance = travel_factor(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
+        target = load(part.numbers, i, START) + distance * load(part.numbers, i, TURN)
+        store(part.turns.state, part.turn[i], TURN_TARGET, target)
+
+
+@hook(Motors)
+def work_after(part, world, timing):
+    """Add half of the work (J) of the moments of this step by which motors prescribe exactly, over
+    the step that ends now, to part.account (`work_before` adds the rest). part: all motors
+    (Motors); world (World): solver state; timing: StepTime (s)."""
+    end_work(part, world, timing, WORKS, 1.0)
+
+
+register_work_due(Motors, WORKS)
 
 
 @hook(Motors)
@@ -135,3 +178,14 @@ def record(part, world, row):
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))
+
+
+@hook(Motors)
+def record_step(part, world, row, timing):
+    """Record the moment (N m) of each motor that prescribes exactly in part.track. part: arrays of
+    all motors (Motors); world, timing: not used; row: index of the recorded instant."""
+    count = part.hinge.shape[0]
+    for i in range(count):
+        if part.turn[i] >= 0:
+            moment = load(part.state, i, WORKS + HOLD_MOMENT)
+            store(part.track, row * count + i, 0, moment)

@@ -4,12 +4,20 @@ A kick at time t stands for the moment from half a step before t to half a step 
 the step before t leaves a share of -1/2 to 1/2 of the moment to the kick at t: what the kick before
 had too much is taken back. The motion depends smoothly on the time of release. A latch with a
 spring catches after the releases of a step were looked at: what watches it lets go a step later,
-with a share of -3/2 to -1/2."""
+with a share of -3/2 to -1/2. Of a release that holds exactly, that is a share of what held it."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.joints.joint_arrays import HOLDS as TURN_HOLDS
+from fpm.elements.joints.joint_arrays import Turns
+from fpm.elements.joints.turn_kernels import (
+    HOLD_MOMENT,
+    end_work,
+    register_work_due,
+    work_on,
+)
 from fpm.elements.openings.latch_kernels import CATCH_TIME, IS_CAUGHT
 from fpm.elements.openings.losses_kernels import follow_rate
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
@@ -28,29 +36,33 @@ MOMENT, MOMENT_BEFORE = 0, 1
 STEPS = 2  # when it let go, in steps before the forces at which it did; else below zero
 ENERGY, ENERGY_BEFORE = 3, 4
 HOLDS = 5  # -1 while it holds, then 1
-STATE = 6
+WORKS = 6  # of turn_kernels, of one that holds exactly
+STATE = 8
 
 
 class Releases(NamedTuple):
-    """Arrays of all r releases. hinge (r,): index of its hinge; watch (r,): of that whose opening
-    frees it, -1: none; latch_rows (r, 2): of the latch whose catch frees it, in `latches` or in
-    `rigid_latches`, -1: not there; these (l, n, lanes): states of the scene's latches, None where
-    no release watches one; numbers (r, 5, lanes): time (s) and level (rad) at which it lets go,
-    stiffness (N m/rad), damping (N m s/rad), opening held (rad); rates (r, 2, lanes): the hinge's
-    rate (rad/s) in the last step, and 0; state (r, 6, lanes): moment now and a step ago (N m),
-    steps since it let go (below 0: it did not in this step), energy now and a step ago (J), -1
-    while it holds and then 1; openings: of all hinges (Openings); account: index in World.accounts
-    of the loss; rows (r, 1, lanes): energy of each (J), to name the worst; log: of events (Log)."""
+    """Arrays of all r releases. hinge (r,): index of its hinge; turn (r,): of its condition in
+    turns.state, -1: it holds by a spring; watch (r,): of the hinge whose opening frees it, -1:
+    none; latch_row (r,): of the latch whose catch frees it, -1: none; latches (l, n, lanes): states
+    of the scene's latches, None where no release watches one; numbers (r, 5, lanes): time (s) and
+    level (rad) at which it lets go, stiffness (N m/rad), damping (N m s/rad), opening held (rad);
+    rates (r, 2, lanes): the hinge's rate (rad/s) in the last step, and 0; state (r, 8, lanes):
+    moment now and a step ago (N m), steps since it let go (below 0: it did not in this step),
+    energy now and a step ago (J), -1 while it holds and then 1; of one that holds exactly its last
+    moment (N m), and the loss of the half step up to it (J); openings: of all hinges; turns: those
+    held exactly; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each
+    (J), to name the worst; log: of events (Log)."""
 
     hinge: np.ndarray
+    turn: np.ndarray
     watch: np.ndarray
-    latch_rows: np.ndarray
+    latch_row: np.ndarray
     latches: np.ndarray | None
-    rigid_latches: np.ndarray | None
     numbers: np.ndarray
     rates: np.ndarray
     state: np.ndarray
     openings: Openings
+    turns: Turns
     account: int
     rows: np.ndarray
     log: Log
@@ -59,8 +71,8 @@ class Releases(NamedTuple):
 @kernel
 def steps_since_catch(states, row, timing, steps):
     """Return how many steps ago (lanes) a latch caught, if that is more than `steps`, else `steps`.
-    states (l, n, lanes): of latches (Latches.state or RigidLatches.state), or None; row: index of
-    the latch, -1: none; timing: times of this step (s)."""
+    states (l, n, lanes): of latches (Latches.state), or None; row: index of the latch, -1: none;
+    timing: times of this step (s)."""
     if states is None:
         return steps
     if row >= 0:
@@ -83,8 +95,7 @@ def let_go(part, timing, i):
         old = load(angles, part.watch[i], OLD) - level
         sides = where_negative(new, -1.0, 1.0) * where_negative(old, -1.0, 1.0)
         steps = larger(steps, where_negative(sides, new / (new - old), -1.0))
-    steps = steps_since_catch(part.latches, part.latch_rows[i, 0], timing, steps)
-    return steps_since_catch(part.rigid_latches, part.latch_rows[i, 1], timing, steps)
+    return steps_since_catch(part.latches, part.latch_row[i], timing, steps)
 
 
 @hook(Releases)
@@ -108,6 +119,11 @@ def forces(part, world, timing):
         moment = load(part.numbers, i, STIFFNESS) * angle - load(part.numbers, i, DAMPING) * speed
         moment = moment * where_negative(steps, 1.0, 0.5 - steps)
         moment = where_negative(hold, moment, 0.0)
+        if part.turn[i] >= 0:
+            old_moment = load(part.state, i, WORKS + HOLD_MOMENT)
+            moment = where_negative(steps, 0.0, (0.5 - steps) * old_moment)
+            is_held = load(part.turns.state, part.turn[i], TURN_HOLDS)
+            store(part.turns.state, part.turn[i], TURN_HOLDS, where_negative(steps, is_held, 1.0))
         hold = where_negative(hold, where_negative(steps, -1.0, 1.0), 1.0)
         energy = 0.5 * load(part.numbers, i, STIFFNESS) * gap * gap
         store(part.state, i, HOLDS, hold)
@@ -136,11 +152,29 @@ def work_before(part, world, timing):
     all releases (Releases); world: solver state (World); timing: step times (s)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
-        moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
         angles, h = part.openings.angles, part.hinge[i]
+        if part.turn[i] >= 0:  # the other half follows (`work_after`)
+            loss = loss - work_on(part.openings, h, load(part.state, i, WORKS + HOLD_MOMENT))
+            continue
+        moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
         work = 0.5 * (load(angles, h, NEW) - load(angles, h, OLD)) * moment
         loss = loss + (load(part.state, i, ENERGY_BEFORE) - load(part.state, i, ENERGY) - work)
     store(world.accounts, 0, part.account, loss)
+
+
+@hook(Releases)
+def work_after(part, world, timing):
+    """Add half of the loss (J) of the moments found in this step by which releases hold exactly,
+    over the step that ends now, to account part.account of World; `work_before` adds the rest.
+    part: all releases (Releases); world (World): solver state; timing: StepTime (s)."""
+    end_work(part, world, timing, WORKS, -1.0)
+    for i in range(part.hinge.shape[0]):
+        if part.turn[i] >= 0:
+            total = load(part.state, i, WORKS + HOLD_MOMENT) + load(part.state, i, MOMENT)
+            store(part.state, i, WORKS + HOLD_MOMENT, total)
+
+
+register_work_due(Releases, WORKS)
 
 
 @hook(Releases)

@@ -19,8 +19,16 @@ from fpm.elements.openings.opening import (
 )
 
 
+class AnyStop(Connector):
+    """Base class of stops and contacts, which act on one side of an opening. A subclass has the
+    attributes angle (rad; m), side, stiffness (N m/rad; N/m) and damping (N m s/rad; N s/m)."""
+
+    takes = JOINT_LOSS
+    resists_as = "S"
+
+
 @dataclass(frozen=True)
-class Stop(Connector):
+class Stop(AnyStop):
     """Stop of a hinge or slide: a spring and a damper that act beyond an opening (joint
     coordinate). hinge: index; angle: that opening (rad; m on slides); side: "above" or "below" it,
     where they act; stiffness (N m/rad; N/m), damping (N m s/rad; N s/m): of spring and damper."""
@@ -32,11 +40,9 @@ class Stop(Connector):
     damping: float = damping(default=0.0, text="moment for each radian a second, beyond")
 
     stores = Energy("stop", "stop_energy", "energy of the stops")
-    takes = JOINT_LOSS
     events = ("leaves", "hits")
     acts_as = "stop"
     noun = "stop"
-    resists_as = "S"
 
     @classmethod
     def names(cls, scene):

@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 
 from fpm import elements
-from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.journal import PIN
+from fpm.elements.openings.motor import AT_START
 from fpm.elements.openings.opening import unit_of
-from fpm.elements.openings.release import latch_rows
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
 from fpm.structures.statement import CLASS, JOINT, connector, element, key_of, statement, whole
 
@@ -21,12 +20,11 @@ def _at_start(build, hinge: int) -> float:
     return build.scene.hinges[hinge].opening
 
 
-def _rigid(build, args, **_) -> bool:
-    """Whether it holds exactly, having no stiffness; then it has none of what needs one either."""
-    for key, is_given in _.items() if args.stiffness is None else ():
-        if is_given:
+def _refuse_without_stiffness(build, args, **is_given: bool) -> None:
+    """Refuse what needs a spring where there is none, as it holds exactly."""
+    for key, is_wrong in is_given.items():
+        if is_wrong and args.stiffness is None:
             build.refuse(key, getattr(args, key), "none without a `stiffness`")
-    return args.stiffness is None
 
 
 def _of_slide(key: Any) -> NumberKey:
@@ -88,7 +86,7 @@ def friction(build, args):
             build.refuse("sticks", args.sticks, allowed)
         if slides:
             build.refuse("sticks", args.sticks, "bristle, on a slide")
-        build.scene.add(element(elements.RigidFriction, args))
+        build.scene.add(elements.Friction(args.joint, args.moment, None))
         return
     deflection = args.bristle_deflection or _deflection(build.scene, args.joint)
     build.scene.add(element(elements.Friction, args, bristle_deflection=deflection))
@@ -162,9 +160,8 @@ def stop(build, args):
 def latch(build, args):
     """Catches a joint at an opening and holds it from then on."""
     one_sided = args.holds == "one way"
-    rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
-    kind = elements.RigidLatch if rigid else elements.Latch
-    build.scene.add(element(kind, args, one_sided=one_sided))
+    _refuse_without_stiffness(build, args, damping=args.damping > 0, holds=one_sided)
+    build.scene.add(element(elements.Latch, args, one_sided=one_sided))
 
 
 MOMENTS = ListKey(
@@ -219,7 +216,6 @@ def loop(build, args):
     elements.Motor,
     exclusions=("by_rate",),
     default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
-    damping=key_of(elements.Motor, "damping", default=0.0),
     turn=NumberKey(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
     rate=NumberKey(None, "how fast it turns, times `curve`", unit="rad/s"),
     curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
@@ -229,11 +225,11 @@ def motor(build, args):
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
-    rigid = _rigid(build, args, damping=args.damping > 0, backlash=args.backlash is not None)
-    kind = elements.RigidMotor if rigid else elements.Motor
+    has_backlash = args.backlash is not None
+    _refuse_without_stiffness(build, args, damping=args.damping > 0, backlash=has_backlash)
     by_rate = args.turn is None
     turn = args.rate if by_rate else args.turn
-    build.scene.add(element(kind, args, start=start, turn=turn, by_rate=by_rate))
+    build.scene.add(element(elements.Motor, args, start=start, turn=turn, by_rate=by_rate))
 
 
 whole(elements.TorqueMotor)
@@ -243,7 +239,6 @@ whole(elements.TorqueMotor)
     elements.Release,
     exclusions=("latch",),
     default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},
-    damping=key_of(elements.Release, "damping", default=0.0),
     watch=WatchKey(
         None, "another joint, whose opening passes `level` then, or a latch, which catches then"
     ),
@@ -258,19 +253,21 @@ def release(build, args):
         build.refuse("level", args.level, f"none, as it watches the latch {latch}")
     if not latch and (args.watch is None) != (args.level is None):
         build.refuse("level", args.level, "an opening, with a joint to `watch`")
-    if latch and latch not in (labels := latch_rows(build.scene)):
+    labels = [e.label(build.scene) for e in elements.Latch.find(build.scene)]
+    if latch and latch not in labels:
         build.refuse("watch", latch, f"a joint, or a latch: {', '.join(labels) or 'there is none'}")
     start = _at_start(build, args.joint)
     hold = start if args.hold is None else args.hold
-    rigid = _rigid(build, args, damping=args.damping > 0)
-    if rigid and build.is_balanced:
+    _refuse_without_stiffness(build, args, damping=args.damping > 0)
+    is_exact = args.stiffness is None
+    if is_exact and build.is_balanced:
         build.openings[args.joint] = hold
-    elif rigid and abs(hold - start) > AT_START:
+    elif is_exact and abs(hold - start) > AT_START:
         unit = unit_of(build.scene, args.joint, "rad")
         allowed = (
             f"the opening at the start, {start:g} {unit}, a `stiffness`, or `start: equilibrium`"
         )
         build.refuse("hold", hold, allowed)
     watch = None if latch else args.watch
-    kind = elements.RigidRelease if rigid else elements.Release
-    build.scene.add(element(kind, args, hold=hold, watch=watch, latch=latch))
+    hold = None if is_exact else hold
+    build.scene.add(element(elements.Release, args, hold=hold, watch=watch, latch=latch))

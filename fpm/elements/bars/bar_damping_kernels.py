@@ -1,4 +1,4 @@
-"""Forces of damping in proportion to stiffness, and their losses (theory: stiffness_damping.py)."""
+"""Forces of the damping of bars, and their losses (theory: bar_damping.py)."""
 
 from typing import NamedTuple
 
@@ -16,8 +16,8 @@ HISTORY = 18
 
 
 class DampedElements(NamedTuple):
-    """Arrays of those d beam elements that are damped in proportion to their stiffness. bars: the
-    Straight- or FramedElements, with beta times the stiffness in the place of the stiffness;
+    """Arrays of those d beam elements that are damped. bars: the Straight- or FramedElements, with
+    their damping in the place of the stiffness;
     history (d, 18, lanes): of their deformations; account: index of the loss in World.accounts."""
 
     bars: beam.StraightElements | beam.FramedElements

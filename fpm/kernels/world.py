@@ -26,13 +26,14 @@ class World(NamedTuple):
     time, and the end; curve_time (s), curve_value, curve_power (points, k), curve_sum (s),
     curve_kink (s): of all points, as in fpm/scenes/curve.py; point_particle (p,), point_arm (p, 3,
     lanes): particles and arms (m) of named points; accounts (1, a, lanes): energy (J) given so far
-    by the first `givers`, taken by the others; sums (1, 2, lanes): total energy at t = 0, size of
-    energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far; most
-    (w, lanes): limits; unconditional (w,): whether one is a failure's cause even where energy does
-    not balance; watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1, lanes): of
-    the scene (m); resistance (1, 1, lanes): moments and forces over the impulses, divided by the
-    kick, by which joints act on damped particles; rows (e, 1, lanes): of each element, once a run
-    has failed, its energy (J) or watched quantity; undecided (1,): 1 where impulses are to be found
+    by the first `givers`, taken by the others; sums (1, 4, lanes): total energy at t = 0, size of
+    energies now, energy given up to the last check, its largest change since (J). Of w quantities
+    that types watch: peaks (1, w, lanes): largest so far; most (w, lanes): limits;
+    unconditional (w,): whether one is a failure's cause even where energy does not balance;
+    watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1, lanes): of the scene
+    (m); resistance (1, 1, lanes): moments and forces over the impulses, divided by the kick, by
+    which joints act on damped particles; rows (e, 1, lanes): of each element, once a run has
+    failed, its energy (J) or watched quantity; undecided (1,): 1 where impulses are to be found
     (again)."""
 
     state: np.ndarray  # (n, STATE, lanes)

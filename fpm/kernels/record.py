@@ -92,20 +92,20 @@ def record_after(parts, world, record, row, timing):
 
 
 @kernel
-def find_given(world):
+def find_supply(world):
     """Return the energy (J, lanes) given so far by all that gives. world: solver state (World)."""
-    given = 0.0 * load(world.sums, 0, layout.GIVEN)
+    supply = 0.0 * load(world.sums, 0, layout.SUPPLY)
     for k in range(world.givers):
-        given = given + load(world.accounts, 0, k)
-    return given
+        supply = supply + load(world.accounts, 0, k)
+    return supply
 
 
 @kernel
 def note_passage(world):
     """Raise World.sums to the energy that was given or taken back since the last check: pulses of
     drives, motors and loads pass between two checks. world: solver state (World), changed."""
-    change = absolute(find_given(world) - load(world.sums, 0, layout.GIVEN))
-    store(world.sums, 0, layout.PASSED, larger(load(world.sums, 0, layout.PASSED), change))
+    change = absolute(find_supply(world) - load(world.sums, 0, layout.SUPPLY))
+    store(world.sums, 0, layout.PASSAGE, larger(load(world.sums, 0, layout.PASSAGE), change))
 
 
 @kernel
@@ -135,7 +135,7 @@ def balance(world, energies, row, kinetic, kick):
         store(world.sums, 0, layout.TOTAL, total)
     else:
         store(energies, row, layout.BALANCE, total - load(world.sums, 0, layout.TOTAL))
-    passed = load(world.sums, 0, layout.PASSED)
-    store(world.sums, 0, layout.ENERGY_SIZE, larger(size + IMBALANCE_SHARE * kick, passed - kick))
-    store(world.sums, 0, layout.GIVEN, find_given(world))
-    store(world.sums, 0, layout.PASSED, 0.0 * passed)
+    passage = load(world.sums, 0, layout.PASSAGE)
+    store(world.sums, 0, layout.ENERGY_SIZE, larger(size + IMBALANCE_SHARE * kick, passage - kick))
+    store(world.sums, 0, layout.SUPPLY, find_supply(world))
+    store(world.sums, 0, layout.PASSAGE, 0.0 * passage)

@@ -82,7 +82,8 @@ class Record(NamedTuple):
     not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
     balance; failed_row: index in World.rows of the element of which that quantity, or the stored
     energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w, lanes):
-    World.peaks of all w watched quantities; failed_scale: scale (J). quiet
+    World.peaks of all w watched quantities; failed_scale: scale (J); failed_turns (n, lanes): angle
+    (rad) by which each particle turned in that step; turns (n, 1, lanes): memory for it. quiet
     (lanes,): checks since then without such an error. scale (lanes,): largest energy
     so far (J); worst (lanes,): largest error of the balance that is noted (J), infinite once the
     sample has failed for good."""
@@ -95,6 +96,8 @@ class Record(NamedTuple):
     failed_balance: np.ndarray  # (lanes,) J
     failed_peaks: np.ndarray  # (w, lanes) World.peaks then
     failed_scale: np.ndarray  # (lanes,) J
+    failed_turns: np.ndarray  # (n, lanes) rad in a step
+    turns: np.ndarray  # (n, 1, lanes)
     quiet: np.ndarray  # (lanes,) checks since the last with an error beyond the noted one's limit
     scale: np.ndarray  # (lanes,) largest energy so far
     worst: np.ndarray  # (lanes,) J; infinite: failed for good

@@ -152,9 +152,9 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
     missing = [name for name in parts if any(q.kind not in AT_INSTANTS for q in parts[name])]
     if missing and feature < spacing * (1 - 1e-9):
         yield (
-            f"solver.instants: {count} for {duration:g} s are {spacing:.4g} s apart, but a curve of "
-            f"time rises or falls in {feature:.3g} s: {', '.join(missing)} may miss a peak between "
-            f"two instants; take {int(np.ceil(duration / feature)) + 1} or more"
+            f"solver.instants: {count} for {duration:g} s are {spacing:.4g} s apart, but a curve "
+            f"of time rises or falls in {feature:.3g} s: {', '.join(missing)} may miss a peak "
+            f"between two instants; take {int(np.ceil(duration / feature)) + 1} or more"
         )
     for quantity in experiment.quantity_list:
         if isinstance(quantity.instant, float | int) and not 0 <= quantity.instant <= duration:

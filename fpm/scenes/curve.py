@@ -268,7 +268,7 @@ def _places_of(parts: Sequence[Callable[[float], float]]) -> np.ndarray:
     from scipy.optimize import bisect, minimize_scalar
 
     distances = np.append(0.0, 0.5 ** np.arange(1, FINEST + 1))
-    beside = np.append(-distances[:0:-1], distances)
+    offsets = np.append(-distances[:0:-1], distances)
     grid = np.unique([*np.linspace(0, 1, COARSE + 1), *distances, *(1 - distances)])
     for part in parts:
         values = np.array([part(u) for u in grid])
@@ -282,9 +282,9 @@ def _places_of(parts: Sequence[Callable[[float], float]]) -> np.ndarray:
             turn = minimize_scalar(lambda u, f=part, s=sign: s * f(u), bounds=bounds,
                                    method="bounded", options={"xatol": 1e-15})  # fmt: skip
             places.append(turn.x)
-        for place in places[: MOST_PLACES // len(beside)]:
+        for place in places[: MOST_PLACES // len(offsets)]:
             if len(grid) < MOST_PLACES and np.abs(grid - place).min() > 1e-15:
-                grid = np.append(grid, place + beside)
+                grid = np.append(grid, place + offsets)
         grid = np.unique(np.clip(grid, 0, 1))
     return grid
 

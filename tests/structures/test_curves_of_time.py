@@ -253,12 +253,51 @@ def test_impulses_of_pulses_shorter_than_a_step_are_exact_at_any_step(curve):
         assert step is not None or 0.8 * feature < outcome.step < 1.05 * feature
 
 
+RAIL = "joints: {rail: {type: prismatic, parts: [ground, ball], at: c, axis: x}}\n"
+MOTOR = "actions: {m: {type: motor, joint: rail, travel: 1 m, stiffness: 8 N/m, curve: f"
+WINCH = "cables: {w: {through: [{part: ground, at: d}, c], EA: 2 kN, curve: f, "
+LATE, EARLY = (
+    "times: [0.5012, 0.5018, 0.5024], values: [0, 1, 0]",
+    "times: [0, 0.0012], values: [1, 0]",
+)
+SPRUNG = {  # way at 1 s after a pulse of 6e-4 s, as an impulse; and the first force
+    "late": (LATE, MOTOR + "}}", lambda t: 2 * np.sin(2 * t), 0),
+    "early": (EARLY, MOTOR + "}}", lambda t: 2 * np.sin(2 * (t + 4e-4)), 8),
+    "damped": (LATE, MOTOR + ", damping: 1.6 N s/m}}", lambda t: np.exp(-0.4 * t) * (
+        0.8 * np.cos(np.sqrt(3.84) * t) + 3.68 / np.sqrt(3.84) * np.sin(np.sqrt(3.84) * t)), 0),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [None, 0.01, 0.003])
+@pytest.mark.parametrize("case", SPRUNG)
+def test_a_pulse_of_a_sprung_motor_is_an_impulse_at_any_step(case, step):
+    curve, actor, way, first = SPRUNG[case]
+    scene = loads(BALL.format(curve=curve, rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=1, instants=101, step=step)
+    right = 6e-4 * way(1 - (0.5018 if curve == LATE else 4e-4))
+    assert outcome.openings["rail"][-1] == pytest.approx(right, rel=0.01)
+    assert outcome.records["slide_motor_force"].values[0, 0] == pytest.approx(first)
+    assert np.abs(outcome.energies["balance"]).max() < 1e-11  # J, of 4 J in the drive train
+
+
+@pytest.mark.slow
+def test_a_winch_acts_by_its_mean_and_its_tension_at_the_start_is_as_stated():
+    actor = WINCH + "rest: 2 m, reel: 1 cm}}"
+    scene = loads(BALL.format(curve=LATE, rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=1, instants=101, step=0.003)
+    assert outcome.openings["rail"][-1] == pytest.approx(3e-3 * 0.4982, rel=0.01)
+    actor = WINCH + "preload: 100 N, reel: 1 m}}"
+    scene = loads(BALL.format(curve="times: [0, 9], values: [0, -9]", rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=0.1, instants=11, step=0.01)
+    assert outcome.records["cable_tension"].values[0, 0] == pytest.approx(100, rel=1e-9)
+
+
 PASSING = {
     "drives: {d: {part: ball, at: c, velocity: [1, 0, 0], curve: f, rotations: none}}": 1.0,
     "actions: {m: {type: motor, joint: rail, rate: 1 m/s, curve: f}}": 1.0,
     # Taut for 1.2 ms, by twice the mean of 5 mm: 1 kN/m give 2 kg a velocity of 3 mm/s.
-    "cables: {w: {through: [{part: ground, at: d}, c], EA: 2 kN, rest: 2 m, reel: 10 mm, "
-    "curve: f}}": 3e-3 * 0.4982 / 6e-4,
+    WINCH + "rest: 2 m, reel: 10 mm}}": 3e-3 * 0.4982 / 6e-4,
 }
 
 
@@ -266,9 +305,7 @@ PASSING = {
 @pytest.mark.parametrize("actor", PASSING)
 def test_energy_that_passes_between_two_checks_counts_in_the_balance(actor):
     """It is given and taken back within 1.2 ms, and what is left is rounding, or a 2000th of it."""
-    rail = "joints: {rail: {type: prismatic, parts: [ground, ball], at: c, axis: x}}\n"
-    curve = "times: [0.5012, 0.5018, 0.5024], values: [0, 1, 0]"
-    scene = loads(BALL.format(curve=curve, rest=rail + actor)).build()
+    scene = loads(BALL.format(curve=LATE, rest=RAIL + actor)).build()
     (outcome,) = simulate(scene, duration=1, instants=101, energy_tolerance=0.005, halvings=0)
     assert outcome.failure is None
     assert outcome.openings["rail"][-1] == pytest.approx(6e-4 * PASSING[actor], rel=5e-3)

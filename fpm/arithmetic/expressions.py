@@ -13,7 +13,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache, partial
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -113,12 +113,15 @@ class Expression:
     """An arithmetic expression with units of a structure file, parsed once. text: as written, such
     as `2 * P.x + 5 mm` or `P + 0.3*(Q - P)`. names: set of those in it (`P.x`: a coordinate of P);
     dimension(names): returns its physical dimension from theirs (by name), ExpressionError where
-    they clash. ExpressionError for text that is not arithmetic."""
+    they clash. parts: functions of the names' values, inner ones first, for what operations and
+    functions in it give, and for differences that vanish where `min`, `max`, `interpolate` bend.
+    ExpressionError for text that is not arithmetic."""
 
     def __init__(self, text: str):
         self.text = text
         self.names: set[str] = set()
         self.constants: dict[str, tuple[float, Unit]] = {}
+        self.parts: list[Evaluator] = []
         self._divisors: set[str] = set()  # those right behind a slash, but for rad
         if len(text) > LONGEST:
             raise ExpressionError(f"longer than {LONGEST} characters; allowed: several under `let`")
@@ -174,6 +177,12 @@ class Expression:
     # -- from a tree to functions of the names ------------------------------------------------
 
     def _compile(self, node: ast.AST) -> tuple[Evaluator, Measure]:
+        evaluator, measure = self._compile_node(node)
+        if isinstance(node, ast.BinOp | ast.Call):
+            self.parts.append(evaluator)
+        return evaluator, measure
+
+    def _compile_node(self, node: ast.AST) -> tuple[Evaluator, Measure]:
         match node:
             case ast.Constant(value=number) if type(number) in (int, float):
                 constant = float(str(number))  # infinite where an integer has too many digits
@@ -209,6 +218,11 @@ class Expression:
                     raise ExpressionError(f"{name} takes {count} value{plural}, not {len(args)}")
                 values, measures = zip(*map(self._compile, args), strict=True)
                 zero = isinstance(args[-1], ast.Constant) and args[-1].value == 0
+                if name in ("min", "max", "interpolate"):
+                    pairs = combinations(values, 2)
+                    if name == "interpolate":
+                        pairs = ((values[0], place) for place in values[1::2])
+                    self.parts += [partial(_difference, *pair) for pair in pairs]
                 return (
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _call_dimension(
@@ -241,6 +255,10 @@ class Expression:
                 return lambda u, w: _power(u, w, None if has_name else value)
         verb = "added" if isinstance(op, ast.Add) else "subtracted"
         return lambda u, w: _common_dimension((u, w), verb)
+
+
+def _difference(first: Evaluator, second: Evaluator, names: Mapping[str, Value]) -> Value:
+    return first(names) - second(names)
 
 
 def _product(first: Dimension, second: Dimension) -> Dimension:

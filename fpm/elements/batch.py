@@ -295,6 +295,8 @@ class Batch:
             failed_balance=np.zeros(width, dtype),
             failed_peaks=np.zeros((self.watches.count, width), dtype),
             failed_scale=np.zeros(width, dtype),
+            failed_turns=np.zeros((len(self.scene.position), width), dtype),
+            turns=self.blank(len(self.scene.position), 1),
             quiet=np.zeros(width, np.int64),
             scale=self._least_scale(step, steps),
             worst=worst,

@@ -36,7 +36,8 @@ class Watch(NamedTuple):
     run fails. name: its key; most: the limit, in the quantity's unit, or with of_size=True as a
     fraction of the scene's size (m); unconditional: whether it is named as the cause even where the
     energy balance is wrong, too (else that is the cause); failure(values): returns cause and
-    remedy, two texts; values: largest value of each criterion of the element type, by name;
+    remedy, two texts; values: largest value of each criterion of the element type, by name, `step`
+    (s), and, of a joint, `turn`, by which its bodies turn in a step (rad);
     remedy(element): returns the remedy where the energy does not balance and the element of
     that name is the worst; None: there is none."""
 

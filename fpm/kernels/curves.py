@@ -112,3 +112,13 @@ def travel_factor(world, curve, by_rate, t):
     if by_rate:
         return curve_integral(world, curve, t)
     return curve_value(world, curve, t)
+
+
+@kernel
+def travel_mean(world, curve, by_rate, timing):
+    """Return `travel_factor` as a mean over the kick of this step, or, if by_rate, that at
+    timing.time: no pulse of a rate is lost between two times. world: solver state (World); curve:
+    index, -1: the curve that is always 1; timing: times of this step (s)."""
+    if by_rate:
+        return curve_integral(world, curve, timing.time)
+    return kick_mean(world, curve, timing)

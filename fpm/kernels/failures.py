@@ -3,9 +3,10 @@
 import math
 
 from fpm.kernels import hooks
-from fpm.kernels.lanes import store
-from fpm.kernels.layout import BALANCE, ENERGY_SIZE
-from fpm.kernels.vectors import kernel
+from fpm.kernels.lanes import sqrt, store
+from fpm.kernels.layout import BALANCE, ENERGY_SIZE, HALF, P
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import dot, get3, kernel, times, to_local
 
 IMBALANCE = -1
 """Cause of a failure: no watched quantity, but the energy balance."""
@@ -63,6 +64,9 @@ def find_failures(parts, world, record, row, n, tolerance):
             # They grow on while the run goes on.
             for k in range(world.most.shape[0]):
                 record.failed_peaks[k, s] = world.peaks[0, k, s]
+            for i in range(world.state.shape[0]):
+                store(record.turns, i, 0, turn_in_step(world, i))
+                record.failed_turns[i, s] = record.turns[i, 0, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
         limit = min(GROWTH * abs(record.failed_balance[s]), EXCESS * record.scale[s])
         if cause == IMBALANCE and error <= limit:
@@ -71,6 +75,15 @@ def find_failures(parts, world, record, row, n, tolerance):
             record.worst[s] = math.inf
             count -= 1
     return count == 0
+
+
+@kernel
+def turn_in_step(world, i):
+    """Return the angle (rad, lanes) by which particle i turns in a step with the angular momentum
+    half a step before the instant. world: solver state (World), start_state that at the instant."""
+    body = to_local(frame(world.start_state, i), get3(world.start_state, i, P))
+    half = times(get3(world.particles, i, HALF), body)
+    return 2.0 * sqrt(dot(half, half))
 
 
 @kernel

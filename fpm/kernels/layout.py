@@ -31,5 +31,7 @@ KINETIC, BALANCE, ACCOUNTS = 0, 1, 2
 
 # Sums of energies from which the balance is found.
 TOTAL = 0  # at t = 0: stored, less what was given, and what was taken
-ENERGY_SIZE = 1  # sizes of what is stored now, with a little of the kick
-SUMS = 2
+ENERGY_SIZE = 1  # sizes of what is stored now, with a little of the kick, or of what passed
+SUPPLY = 2  # by all that gives, at the last check
+PASSAGE = 3  # largest change of that since
+SUMS = 4

@@ -3,7 +3,7 @@
 from fpm.kernels import hooks, layout
 from fpm.kernels.lanes import absolute, load, store
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local
+from fpm.kernels.vectors import cross, dot, get3, kernel, larger, put3, times, to_global, to_local
 
 IMBALANCE_SHARE = 1e-6
 """Share of a kick's energy that counts in what the balance is compared with: far above rounding,
@@ -92,14 +92,33 @@ def record_after(parts, world, record, row, timing):
 
 
 @kernel
+def find_supply(world):
+    """Return the energy (J, lanes) given so far by all that gives. world: solver state (World)."""
+    supply = 0.0 * load(world.sums, 0, layout.SUPPLY)
+    for k in range(world.givers):
+        supply = supply + load(world.accounts, 0, k)
+    return supply
+
+
+@kernel
+def note_passage(world):
+    """Raise World.sums to the energy that was given or taken back since the last check: pulses of
+    drives, motors and loads pass between two checks. world: solver state (World), changed."""
+    change = absolute(find_supply(world) - load(world.sums, 0, layout.SUPPLY))
+    store(world.sums, 0, layout.PASSAGE, larger(load(world.sums, 0, layout.PASSAGE), change))
+
+
+@kernel
 def balance(world, energies, row, kinetic, kick):
     """Store the error of the energy balance (J) since the start in column BALANCE of row `row` of
     `energies`: stored energy less work given, plus losses, less the same at the start. World.sums
     gets the scale of comparison (J): the `kinetic` energy of what no drive moves plus the sizes of
     all other stored energies (where such is zero, and so its sign, is a matter of definition) plus
-    1e-6 of `kick`. world: solver state; energies: Record.energies, whose other columns of the row
-    are read; row: index of the instant; kick: half the energy (J) of the change of momenta in the
-    step, as what an impact starts has no kinetic energy between its half steps yet."""
+    1e-6 of `kick`; or what passed since the last check (`note_passage`), if that is more, less
+    `kick`, by which an instability outgrows it. world: solver state; energies: Record.energies,
+    whose other columns of the row are read; row: index of the instant; kick: half the energy (J) of
+    the change of momenta in the step, as what an impact starts has no kinetic energy between its
+    half steps yet."""
     stored_energy = load(energies, row, layout.KINETIC)
     size = kinetic  # of either sign: where a step is not stable, velocities alternate
     accounts = layout.ACCOUNTS + world.accounts.shape[1]
@@ -116,4 +135,7 @@ def balance(world, energies, row, kinetic, kick):
         store(world.sums, 0, layout.TOTAL, total)
     else:
         store(energies, row, layout.BALANCE, total - load(world.sums, 0, layout.TOTAL))
-    store(world.sums, 0, layout.ENERGY_SIZE, size + IMBALANCE_SHARE * kick)
+    passage = load(world.sums, 0, layout.PASSAGE)
+    store(world.sums, 0, layout.ENERGY_SIZE, larger(size + IMBALANCE_SHARE * kick, passage - kick))
+    store(world.sums, 0, layout.SUPPLY, find_supply(world))
+    store(world.sums, 0, layout.PASSAGE, 0.0 * passage)

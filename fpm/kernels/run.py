@@ -7,7 +7,7 @@ from fpm.kernels import hooks
 from fpm.kernels.failures import find_failures
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
-from fpm.kernels.record import keep, record_after, record_before, reflect
+from fpm.kernels.record import keep, note_passage, record_after, record_before, reflect
 from fpm.kernels.rotation import frame, half_turn, normalise, turn_frame
 from fpm.kernels.vectors import get3, kernel, put3, to_local
 from fpm.kernels.world import StepTime
@@ -97,6 +97,7 @@ def run(parts, world, record, step, steps, output_steps, check_steps, tolerance)
             reflect(world)
             hooks.look_back(parts, world, timing)
         hooks.work_after(parts, world, timing)
+        note_passage(world)
         if check:
             record_after(parts, world, record, row, timing)
             if find_failures(parts, world, record, row, n, tolerance):

@@ -26,13 +26,14 @@ class World(NamedTuple):
     time, and the end; curve_time (s), curve_value, curve_power (points, k), curve_sum (s),
     curve_kink (s): of all points, as in fpm/scenes/curve.py; point_particle (p,), point_arm (p, 3,
     lanes): particles and arms (m) of named points; accounts (1, a, lanes): energy (J) given so far
-    by the first `givers`, taken by the others; sums (1, 2, lanes): total energy at t = 0, size of
-    energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far; most
-    (w, lanes): limits; unconditional (w,): whether one is a failure's cause even where energy does
-    not balance; watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1, lanes): of
-    the scene (m); resistance (1, 1, lanes): moments and forces over the impulses, divided by the
-    kick, by which joints act on damped particles; rows (e, 1, lanes): of each element, once a run
-    has failed, its energy (J) or watched quantity; undecided (1,): 1 where impulses are to be found
+    by the first `givers`, taken by the others; sums (1, 4, lanes): total energy at t = 0, size of
+    energies now, energy given up to the last check, its largest change since (J). Of w quantities
+    that types watch: peaks (1, w, lanes): largest so far; most (w, lanes): limits;
+    unconditional (w,): whether one is a failure's cause even where energy does not balance;
+    watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1, lanes): of the scene
+    (m); resistance (1, 1, lanes): moments and forces over the impulses, divided by the kick, by
+    which joints act on damped particles; rows (e, 1, lanes): of each element, once a run has
+    failed, its energy (J) or watched quantity; undecided (1,): 1 where impulses are to be found
     (again)."""
 
     state: np.ndarray  # (n, STATE, lanes)
@@ -81,7 +82,8 @@ class Record(NamedTuple):
     not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
     balance; failed_row: index in World.rows of the element of which that quantity, or the stored
     energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w, lanes):
-    World.peaks of all w watched quantities; failed_scale: scale (J). quiet
+    World.peaks of all w watched quantities; failed_scale: scale (J); failed_turns (n, lanes): angle
+    (rad) by which each particle turned in that step; turns (n, 1, lanes): memory for it. quiet
     (lanes,): checks since then without such an error. scale (lanes,): largest energy
     so far (J); worst (lanes,): largest error of the balance that is noted (J), infinite once the
     sample has failed for good."""
@@ -94,6 +96,8 @@ class Record(NamedTuple):
     failed_balance: np.ndarray  # (lanes,) J
     failed_peaks: np.ndarray  # (w, lanes) World.peaks then
     failed_scale: np.ndarray  # (lanes,) J
+    failed_turns: np.ndarray  # (n, lanes) rad in a step
+    turns: np.ndarray  # (n, 1, lanes)
     quiet: np.ndarray  # (lanes,) checks since the last with an error beyond the noted one's limit
     scale: np.ndarray  # (lanes,) largest energy so far
     worst: np.ndarray  # (lanes,) J; infinite: failed for good

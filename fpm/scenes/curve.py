@@ -10,7 +10,8 @@ Anal. 17, 1980), which pass no value between two points, as a natural spline wou
 at both ends, beyond which curves are constant. Functions become one polynomial, or as many as it
 takes, by interpolation at Chebyshev's points."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,6 +24,10 @@ TOL = 1e-12
 PLACES = 4000
 """Number of places at which a function is compared with its polynomials, at least."""
 
+COARSE, FINEST, MOST_PLACES = 256, 30, 20_000
+"""Of places where a function may bend: in how many intervals its parts are looked at first, how
+often the distance of the places beside such a place is halved, and how many places there may be."""
+
 MOST_PIECES = 4000
 """Number of polynomials of a curve, at most."""
 
@@ -33,9 +38,9 @@ function jumps there."""
 KINK = 1e-6
 """Jump of the rate of a smooth curve that counts as a kink, as a share of its largest rate."""
 
-SMALL, JUMP, PARTS = 0.02, 1e-5, 8
-"""Of features: the least height, as a share of the whole range; the length of a jump, as a share of
-the duration; and into how many parts of a polynomial its rises and falls are looked at."""
+SMALL, JUMP, IMPULSE, PARTS = 0.02, 1e-5, 1e-7, 8
+"""Of features: the least height, as a share of the whole range; the longest jump and the longest
+impulse, as shares of the duration; into how many parts of a polynomial they are looked at."""
 
 NODES = np.polynomial.chebyshev.chebpts1(12) / 2 + 0.5
 """Chebyshev's points, between 0 and 1, at which the deviation over f (1 - f) is interpolated."""
@@ -82,15 +87,26 @@ class Curve:
         return Curve(times, values, powers)
 
     @staticmethod
-    def fit(function: Callable[[float], float], start: float, end: float) -> "Curve":
+    def fit(
+        function: Callable[[float], float],
+        start: float,
+        end: float,
+        parts: Sequence[Callable[[float], float]] = (),
+    ) -> "Curve":
         """Return the curve that follows a function from time `start` to `end` (s), with errors of
         TOL times its largest absolute value: a polynomial up to the 13th degree exactly. function:
-        returns the value at u, which goes from 0 to 1 meanwhile. What is narrower than a 4000th
-        part of it may be missed. CurveError where it jumps, is infinitely steep, or takes too many
-        polynomials."""
+        returns the value at u, which goes from 0 to 1 meanwhile; parts: functions of u of which it
+        is made, inner ones first. What is narrower than a 4000th part of it may be missed where no
+        part vanishes or turns within twice its width. CurveError where it jumps, is too
+        steep, or takes too many polynomials."""
         places = (np.arange(PLACES) + 0.5) / PLACES
-        samples = np.array([function(u) for u in places])
+        values = {u: function(u) for u in places}
+        for u in _places_of(parts):
+            with suppress(CurveError):  # as where 0 is divided by 0
+                values[u] = function(u)
+        places, samples = np.transpose(sorted(values.items()))
         tol = TOL * max(np.abs(samples).max(), abs(function(0.0)), abs(function(1.0)))
+        rounding = 2e-16 * max(1.0, max(abs(start), abs(end)) / (end - start))
         shortest = max(SHORTEST, 8e-16 * max(abs(start), abs(end)) / (end - start))
         points, powers, rest = [(0.0, function(0.0))], [], [(1.0, function(1.0))]
         while rest:
@@ -106,11 +122,13 @@ class Curve:
             piece = np.append(coefficients, 0.0) - np.append(0.0, coefficients)
             values = fractions * np.polynomial.polynomial.polyval(fractions, piece)
             error = np.abs(values - deviations).max()
-            if error <= tol or (width < 2 * shortest and error <= STEEP / TOL * tol):
+            noise = 4 * rounding / width * np.ptp(deviations + fractions * (v1 - v0))
+            noise = min(noise, STEEP / TOL * tol)
+            if error <= tol + noise or (width < 2 * shortest and error <= STEEP / TOL * tol):
                 points.append(rest.pop())
                 powers.append(piece)
             elif width < 2 * shortest or len(points) + len(rest) > MOST_PIECES:
-                text = "jumps, or is infinitely steep"
+                text = "jumps, or is too steep"
                 if width >= 2 * shortest:
                     text = f"has taken {MOST_PIECES} polynomials already, the most there may be"
                 raise CurveError(f"at {start + u0 * (end - start):.9g} s it {text}")
@@ -183,8 +201,9 @@ class Curve:
     def find_feature(self, duration: float) -> float:
         """Return the length (s) of the finest feature from time 0 to `duration` (s); infinite:
         there is none. It is the least time in which the curve, at the steepest of a rise or a fall,
-        makes all of it. What is smaller than SMALL of the whole range is no feature, and what is
-        shorter than JUMP of the duration is a jump, which no step resolves."""
+        makes all of it, or that between the middles of a rise and of the fall beside it. What is
+        smaller than SMALL of the whole range is no feature, nor is a rise or fall in less than JUMP
+        of the duration, nor a pulse shorter than IMPULSE of it."""
         if len(self.times) < 2:
             return np.inf
         parts = PARTS if self.powers.size else 1
@@ -197,11 +216,15 @@ class Curve:
         first = np.flatnonzero(np.diff(np.sign(changes), prepend=np.nan) != 0)
         if not len(first):
             return np.inf
-        heights = np.abs(np.add.reduceat(changes, first))
-        rates = np.maximum.reduceat(np.abs(changes) / lengths, first)
+        sizes, middles = np.abs(changes), 0.5 * (times[1:] + times[:-1])[keep]
+        heights = np.add.reduceat(sizes, first)
         is_large = heights > SMALL * np.ptp(values)
-        spans = heights[is_large] / rates[is_large]
-        return float(spans[spans > JUMP * duration].min(initial=np.inf))
+        spans = heights[is_large] / np.maximum.reduceat(sizes / lengths, first)[is_large]
+        moments = np.add.reduceat(sizes * middles, first)[is_large] / heights[is_large]
+        is_return = np.diff(np.sign(changes[first][is_large])) != 0
+        pulses = np.diff(moments)[is_return]
+        spans, pulses = spans[spans > JUMP * duration], pulses[pulses > IMPULSE * duration]
+        return float(min(*spans, *pulses, np.inf, np.inf))
 
     @cached_property
     def kinks(self) -> np.ndarray:
@@ -237,6 +260,33 @@ class Curve:
             0.0 if abs(least) < rounding else least,
             0.0 if abs(largest) < rounding else largest,
         )
+
+
+def _places_of(parts: Sequence[Callable[[float], float]]) -> np.ndarray:
+    """Places between 0 and 1 at and beside which functions of u vanish or turn, to see what is
+    narrow there; where one does so at a narrow place of another, that one comes first."""
+    from scipy.optimize import bisect, minimize_scalar
+
+    distances = np.append(0.0, 0.5 ** np.arange(1, FINEST + 1))
+    offsets = np.append(-distances[:0:-1], distances)
+    grid = np.unique([*np.linspace(0, 1, COARSE + 1), *distances, *(1 - distances)])
+    for part in parts:
+        values = np.array([part(u) for u in grid])
+        places = []
+        for k in np.flatnonzero(values[:-1] * values[1:] < 0):
+            with suppress(ValueError):  # no number at a place between
+                places.append(bisect(part, grid[k], grid[k + 1], xtol=1e-17, rtol=1e-15))
+        steps = np.diff(values)
+        for k in np.flatnonzero(steps[:-1] * steps[1:] < 0):
+            sign, bounds = np.sign(steps[k + 1]), (grid[k], grid[k + 2])
+            turn = minimize_scalar(lambda u, f=part, s=sign: s * f(u), bounds=bounds,
+                                   method="bounded", options={"xatol": 1e-15})  # fmt: skip
+            places.append(turn.x)
+        for place in places[: MOST_PLACES // len(offsets)]:
+            if len(grid) < MOST_PLACES and np.abs(grid - place).min() > 1e-15:
+                grid = np.append(grid, place + offsets)
+        grid = np.unique(np.clip(grid, 0, 1))
+    return grid
 
 
 CONSTANT = Curve.table(np.zeros(1), np.ones(1))

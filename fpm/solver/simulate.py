@@ -20,9 +20,9 @@ CHECK_EVERY = 50
 """Number of steps from one check of the energy balance to the next, at most."""
 
 
-HALVINGS = 3
-"""How often a run whose balance of energy breaks is repeated with half the step, at most, where the
-step was not stated."""
+HALVINGS, AT_START, IN_STEPS = 3, 9, 50
+"""How often a run that a shorter step may mend is repeated with half of it, at most, where the step
+was not stated; how often one that fails so soon, in steps, since its step was far too long."""
 
 
 class Division(NamedTuple):
@@ -81,9 +81,10 @@ def simulate(
     dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
         motion, and what is always recorded, do not depend on them.
-    halvings: how often a run whose energy balance breaks, or whose numbers are not finite, is
-        repeated with half the step before it fails (`Outcome.step` is that of the last time); None:
-        HALVINGS if no step is given, else 0."""
+    halvings: how often a run whose energy balance breaks, whose numbers are not finite, or whose
+        joints open is repeated with half the step before it fails (`Outcome.step` is that of the
+        last time), of those that fail at once AT_START times; None: HALVINGS if no step is given,
+        else 0."""
     from fpm.kernels.lanes import width as lanes_of
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
@@ -112,7 +113,7 @@ def simulate(
 
     outcomes: dict[int, Outcome] = {}
     rows = list(range(len(scenes)))
-    for _ in range(1 + halvings):
+    for count in range(1 + max(halvings, AT_START)):
         groups: dict[tuple, list[int]] = {}
         for i in rows:
             groups.setdefault(pack.curve_bytes(scenes[i]), []).append(i)
@@ -125,14 +126,17 @@ def simulate(
             lane_limits = [limits[i] for i in lanes]
             lane_outcomes = outcomes_of(run, times, division, lane_limits, record)
             outcomes.update(zip(lanes, lane_outcomes, strict=True))
-        rows = [i for i in rows if _is_broken(outcomes[i].failure)]
+        failures = {i: outcomes[i].failure for i in rows}
+        rows = [i for i, f in failures.items() if _is_repeated(f, halvings, count)]
         division = divide_time(duration, instants, division.step / 2)
     return [outcomes[i] for i in range(len(scenes))]
 
 
-def _is_broken(failure) -> bool:
-    """Whether a run failed by its balance of energy, which a shorter step may mend."""
-    return isinstance(failure, InstabilityError) and failure.cause is None
+def _is_repeated(failure, halvings: int, count: int) -> bool:
+    """Whether a run is repeated with half the step, after `count` times, halvings being allowed."""
+    if not isinstance(failure, InstabilityError) or not failure.is_of_step:
+        return False
+    return count < halvings or (halvings > 0 and failure.time <= IN_STEPS * failure.step)
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):

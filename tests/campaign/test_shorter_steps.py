@@ -16,7 +16,7 @@ parameters: {play: {value: 0.1, unit: rad, range: [0, 1], description: of the dr
 points: {root: [0, 0, 0]}
 bodies: {arm: {mass: 1, centre: root, inertia: [1, 1, 1]}}
 joints: {hinge: {type: revolute, parts: [ground, arm], at: root, axis: z, opening: 0}}
-curves: {go: {times: [0, 10 ms], values: [0, 1], smooth: true}}
+curves: {go: {times: [0, 20 ms], values: [0, 1], smooth: true}}
 actions:
   drive: {type: motor, joint: hinge, curve: go, turn: 1 rad, stiffness: 2000, backlash: play}
 """
@@ -38,7 +38,7 @@ def opening(play: float) -> float:
     """The opening at 0.1 s, by another solver."""
 
     def slope(time, state):
-        u = min(time / 0.01, 1.0)
+        u = min(time / 0.02, 1.0)
         error = u * u * (3 - 2 * u) - state[0]
         return [state[1], 2000 * np.sign(error) * max(abs(error) - play / 2, 0.0)]
 
@@ -61,7 +61,7 @@ def test_such_runs_are_repeated_and_the_result_says_so(tmp_path, monkeypatch, ke
     facts = json.loads((tmp_path / "results/hit/summary.json").read_text())
     assert facts["finest_step"] < 0.6 * facts["time_step"]
     text = (tmp_path / "results/hit/summary.md").read_text()
-    assert "runs whose energy did not balance with it were repeated with" in text
+    assert "energy did not balance or whose joints opened with it were repeated" in text
     (quantity,) = facts["quantities"]
     exact = [opening(play) for play in (0.05, 0.1, 0.15)]
     error = 1.5 * quantity["error_whole"]

@@ -1,5 +1,7 @@
 """A run that breaks down says so, soon and clearly, and harms nobody."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -105,6 +107,23 @@ def test_what_strikes_a_contact_comes_back_as_fast_and_the_energy_balances(stiff
     assert outcome.energies["kinetic"][-1] == pytest.approx(1 / 6, rel=0.01)
 
 
+@pytest.mark.parametrize("factor", [0.98, 1.005, 1.2])
+def test_work_of_a_load_does_not_hide_an_instability_nor_fake_one(factor):
+    """A load swings a body about a spring; all is at rest again where the energy is checked."""
+    scene = fpm.Scene("swing")
+    ground, body = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, 1.0))
+    scene.fix(ground)
+    hinge = scene.add_hinge("A", (ground, body), (0, 0, 0), (0, 0, 1.0))
+    scene.add(fpm.elements.TorsionSpring(hinge, 100.0, 0.0))
+    scene.add(fpm.elements.Load(scene.arm_to(body), np.zeros(3), np.array([0, 0, 10.0]), -1))
+    (outcome,) = run(scene, factor=factor, steps=400)
+    if factor > 1:
+        assert outcome.failure.time <= 150 * outcome.step
+    else:
+        assert outcome.failure is None
+        assert outcome.openings["A"].max() == pytest.approx(0.2, rel=0.05)
+
+
 def test_a_mesh_too_coarse_for_the_bending_is_refused():
     """Links that springs bend double: the energy balances at a small step, on a wrong curve."""
     soft = {"E": 1e5, "start": 60.0}
@@ -204,11 +223,35 @@ def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     assert fine.failure is None
     assert fine.gap.max() < 1e-11
     coarse = fpm.simulate(scene, duration=1.0, instants=5, step=0.05)[0]
-    with pytest.raises(
-        fpm.InstabilityError, match=r"hinge is open by .* hinge axle; .* halve solver"
-    ):
+    words = r"hinge is open by .* rad in a step, at .* hinge axle; .* take a solver.step"
+    with pytest.raises(fpm.InstabilityError, match=words):
         coarse.dataset()
     assert coarse.failure.largest["gap"] > 1e-6
+
+
+@pytest.mark.parametrize("rate", [20.0, 100.0])
+def test_the_programs_own_step_is_halved_until_joints_close(rate):
+    """A wheel whose centre is 0.1 m off its pin, with 11 instants, turns by up to 10 rad between
+    two. A stated step stays, and the message names the rate and a step that helps."""
+    scene = fpm.Scene("wheel")
+    spins, velocities = np.zeros((2, 2, 3))
+    spins[1, 2], velocities[1, 1] = rate, 0.1 * rate
+    places = [(0, 0, 0), (0.1, 0, 0)]
+    particles = scene.add_particles(places, 1.0, (0.01, 0.01, 0.02), spin=spins)
+    ends = tuple(map(int, particles))
+    scene.velocity[ends[1]] = velocities[1]
+    scene.fix(ends[0])
+    scene.add_hinge("pin", ends, (0, 0, 0), (0, 0, 1.0))
+    times = {"duration": 1.0, "instants": 11}
+    (outcome,) = fpm.simulate(scene, **times)
+    assert outcome.failure is None
+    assert outcome.openings["pin"][-1] == pytest.approx(rate, rel=0.01)
+    (stated,) = fpm.simulate(scene, step=2.0 / rate, **times)
+    text = r"a body turns by 2.1 rad in a step, at (\d+) rad/s, .* a solver.step of at most (\S+) s"
+    told, step = map(float, re.search(text, str(stated.failure)).groups())
+    assert told == pytest.approx(rate, rel=0.1)
+    assert step == pytest.approx(0.25 / rate, rel=0.1)
+    assert fpm.simulate(scene, step=step, **times)[0].failure is None
 
 
 @pytest.mark.slow

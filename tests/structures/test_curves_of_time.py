@@ -48,6 +48,31 @@ def test_a_needle_of_a_few_ten_thousandths_is_seen(place):
     assert curve.integral(1.0) == pytest.approx(3e-4, rel=1e-9)
 
 
+ROOT_PI = np.sqrt(np.pi)
+NARROW = {  # integral and feature
+    "exp(-((t - 0.5013 s)/(1 us))**2)": (1e-6 * ROOT_PI, 1.77e-6),
+    "exp(-((u - 0.2)/1e-6)**2) - 2*exp(-((u - 0.2003)/2e-7)**2)": (0.6e-6 * ROOT_PI, 3.5e-7),
+    "1e6*max(0, u - 0.4)*max(0, 0.40004 - u)": (1e6 * 4e-5**3 / 6, 2.67e-5),
+    "max(0, u - 0.3)/1e-6*exp(-max(0, u - 0.3)/1e-6)": (1e-6, 2.7e-6),
+    "exp(-((max(0, 1 - abs(u - 0.3)/1e-5) - 0.523)/0.05)**2)": (1e-6 * ROOT_PI, 9e-7),
+    "interpolate(t, 0 s, 0, 0.5 s, 0, 0.500001 s, 1, 0.500002 s, 0, 1 s, 0)": (1e-6, 1e-6),
+    "max(0, min(1, (t - 0.3 s)/(1 us), (0.30001 s - t)/(1 us)))": (9e-6, 9e-6),
+    "min(1, max(0, (t - 0.3 s)/(1 us)))": (0.7 - 5e-7, np.inf),
+} | {
+    f"max(0, 1 - abs(t - {place} s)/({width} us))": (width * 1e-6, width * 1e-6)
+    for place, width in ((0.5013, 0.2), (0.5013, 20), (0.51234, 40), (0.5013, 70), (0.51234, 100))
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("expression", NARROW)
+def test_an_expression_narrower_than_its_sampling_is_followed_where_its_parts_turn(expression):
+    text = BALL.format(curve=f"expression: '{expression}', over: [0, 1 s]", rest="")
+    (curve,) = loads(text).build().curves
+    integral, feature = NARROW[expression]
+    assert curve.integral(1.0) == pytest.approx(integral, rel=1e-6)
+    assert curve.find_feature(1.0) == pytest.approx(feature, rel=0.15)
+
+
 def test_kinks_are_where_the_rate_jumps_and_nowhere_else():
     smooth, kink, hat = (
         Curve.fit(function, 0.0, 1.0)
@@ -228,11 +253,74 @@ def test_impulses_of_pulses_shorter_than_a_step_are_exact_at_any_step(curve):
         assert step is not None or 0.8 * feature < outcome.step < 1.05 * feature
 
 
-def test_a_jump_and_a_small_ripple_are_no_features():
+RAIL = "joints: {rail: {type: prismatic, parts: [ground, ball], at: c, axis: x}}\n"
+MOTOR = "actions: {m: {type: motor, joint: rail, travel: 1 m, stiffness: 8 N/m, curve: f"
+WINCH = "cables: {w: {through: [{part: ground, at: d}, c], EA: 2 kN, curve: f, "
+LATE, EARLY = (
+    "times: [0.5012, 0.5018, 0.5024], values: [0, 1, 0]",
+    "times: [0, 0.0012], values: [1, 0]",
+)
+SPRUNG = {  # way at 1 s after a pulse of 6e-4 s, as an impulse; and the first force
+    "late": (LATE, MOTOR + "}}", lambda t: 2 * np.sin(2 * t), 0),
+    "early": (EARLY, MOTOR + "}}", lambda t: 2 * np.sin(2 * (t + 4e-4)), 8),
+    "damped": (LATE, MOTOR + ", damping: 1.6 N s/m}}", lambda t: np.exp(-0.4 * t) * (
+        0.8 * np.cos(np.sqrt(3.84) * t) + 3.68 / np.sqrt(3.84) * np.sin(np.sqrt(3.84) * t)), 0),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [None, 0.01, 0.003])
+@pytest.mark.parametrize("case", SPRUNG)
+def test_a_pulse_of_a_sprung_motor_is_an_impulse_at_any_step(case, step):
+    curve, actor, way, first = SPRUNG[case]
+    scene = loads(BALL.format(curve=curve, rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=1, instants=101, step=step)
+    right = 6e-4 * way(1 - (0.5018 if curve == LATE else 4e-4))
+    assert outcome.openings["rail"][-1] == pytest.approx(right, rel=0.01)
+    assert outcome.records["slide_motor_force"].values[0, 0] == pytest.approx(first)
+    assert np.abs(outcome.energies["balance"]).max() < 1e-11  # J, of 4 J in the drive train
+
+
+@pytest.mark.slow
+def test_a_winch_acts_by_its_mean_and_its_tension_at_the_start_is_as_stated():
+    actor = WINCH + "rest: 2 m, reel: 1 cm}}"
+    scene = loads(BALL.format(curve=LATE, rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=1, instants=101, step=0.003)
+    assert outcome.openings["rail"][-1] == pytest.approx(3e-3 * 0.4982, rel=0.01)
+    actor = WINCH + "preload: 100 N, reel: 1 m}}"
+    scene = loads(BALL.format(curve="times: [0, 9], values: [0, -9]", rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=0.1, instants=11, step=0.01)
+    assert outcome.records["cable_tension"].values[0, 0] == pytest.approx(100, rel=1e-9)
+
+
+PASSING = {
+    "drives: {d: {part: ball, at: c, velocity: [1, 0, 0], curve: f, rotations: none}}": 1.0,
+    "actions: {m: {type: motor, joint: rail, rate: 1 m/s, curve: f}}": 1.0,
+    # Taut for 1.2 ms, by twice the mean of 5 mm: 1 kN/m give 2 kg a velocity of 3 mm/s.
+    WINCH + "rest: 2 m, reel: 10 mm}}": 3e-3 * 0.4982 / 6e-4,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("actor", PASSING)
+def test_energy_that_passes_between_two_checks_counts_in_the_balance(actor):
+    """It is given and taken back within 1.2 ms, and what is left is rounding, or a 2000th of it."""
+    scene = loads(BALL.format(curve=LATE, rest=RAIL + actor)).build()
+    (outcome,) = simulate(scene, duration=1, instants=101, energy_tolerance=0.005, halvings=0)
+    assert outcome.failure is None
+    assert outcome.openings["rail"][-1] == pytest.approx(6e-4 * PASSING[actor], rel=5e-3)
+
+
+def test_a_jump_and_a_small_ripple_are_no_features_but_a_pulse_is():
     jump = Curve.table(np.array([0.0, 1e-6]), np.array([1.0, 0.0]))
     times = np.linspace(0, 10, 10001)
     ripple = Curve.table(times, np.sin(times) + 1e-3 * (-1.0) ** np.arange(10001))
     assert jump.find_feature(1.0) == np.inf
+    pulse = Curve.table(np.array([0.1, 0.100001, 0.103, 0.103001]), np.array([0.0, 1.0, 1.0, 0.0]))
+    assert pulse.find_feature(1.0) == pytest.approx(3e-3, rel=1e-3)
+    doublet = Curve.table(0.5012 + 1e-6 * np.arange(5.0), np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
+    assert doublet.find_feature(1.0) == pytest.approx(1.5e-6, rel=0.1)
+    assert doublet.find_feature(100.0) == np.inf
     assert ripple.find_feature(10.0) > 0.1
 
 
@@ -257,8 +345,8 @@ def test_margins_and_the_step_count_curves_at_their_extremes_between_points():
         ("expression: u, over: [1 m, 2 m]", "over: '1 m' is m; allowed"),
         ("expression: t, over: [0, 1 s]", "expression: 't' is s; allowed: a number, by arithmetic"),
         ("expression: 1/u, over: [0, 1 s]", "expression: '1/u' .* at 0 s it is no finite number"),
-        ("expression: sqrt(u), over: [3 s, 4 s]", r"'sqrt\(u\)' .* at 3 s .* infinitely steep"),
-        ("expression: 1/(u - 0.3), over: [0, 1 s]", r"at 0\.299\d* s it has taken 4000"),
+        ("expression: sqrt(u), over: [3 s, 4 s]", r"'sqrt\(u\)' .* at 3 s .* is too steep"),
+        ("expression: 1/(u - 0.3), over: [0, 1 s]", "at 0.3 s it jumps, or is too steep"),
         ("expression: sin(1e5*pi*u), over: [0, 1 s]", "it has taken 4000 polynomials"),
         ("expression: v, over: [0, 1 s]", "there is no number called 'v'"),
         ("expression: u, over: [0, 1 s], smooth: true", "smooth: 'true' is not allowed"),

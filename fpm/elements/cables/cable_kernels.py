@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, Openings, turn
-from fpm.kernels.curves import curve_value
+from fpm.kernels.curves import curve_value, kick_mean
 from fpm.kernels.events import edge, note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store, where_negative
@@ -32,7 +32,8 @@ LONGER_BEFORE = 1
 UNSTRAINED = 2  # its length
 UNSTRAINED_BEFORE = 3
 WINCH, WINCH_BEFORE = 4, 5  # force that the winch works against
-STATE = 6
+SURPLUS, SURPLUS_BEFORE = 6, 7  # unstrained length at the instant, less its mean over the kick
+STATE = 8
 
 TAUT = 1e-9
 """Strain from which a cable counts as tight: one at rest without preload has no events."""
@@ -48,13 +49,14 @@ class Cables(NamedTuple):
     to points, in the particles' frames (m); cables (c, 6, lanes): EA (N), unstrained length, length
     that the winch takes in where its curve is 1 (m), radius of the drum (m), opening at which the
     unstrained length is outside it (rad), length down to which it winds (m); stretches (p, 8,
-    lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6, lanes):
-    elongation, unstrained length (m), winch force (N), each now and a step ago; account: index of
-    the winches' work in World.accounts;
-    peaks (1, 2, lanes): largest crowding and drum ratio so far; rows (c, 1, lanes): the larger one
-    of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length
-    (m); stretch_track ((instants + 1) p, 2, lanes): those of the stretch that begins at each point;
-    drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no drums."""
+    lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 8, lanes):
+    elongation, unstrained length, as a mean over the kick (m), winch force (N), that length at the
+    instant less the mean (m), each now and a step ago; account: index of the winches' work in
+    World.accounts; peaks (1, 2, lanes): largest crowding and drum ratio so far; rows (c, 1, lanes):
+    the larger one of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N)
+    and length (m); stretch_track ((instants + 1) p, 2, lanes): those of the stretch that begins at
+    each point; drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no
+    drums."""
 
     start: np.ndarray  # (c + 1,) first point of each
     particle: np.ndarray  # (p,) particles
@@ -95,12 +97,13 @@ def measure_path(part, state, c):
 
 @kernel
 def find_unstrained_length(part, world, timing, c):
-    """Return the unstrained length (m, lanes) of cable c (index) at timing.time, less what its
-    winch or drum has taken in. part: Cables or RubbingCables; world: with curves."""
-    rest = load(part.cables, c, REST)
-    if part.curve[c] >= 0:
-        rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
-    return find_length_outside(part.openings, part, c, rest)
+    """Return the unstrained length (m, lanes) of cable c (index) now, less what its drum, or, as a
+    mean over the kick, its winch has taken in; keep by how much it is longer at timing.time. part:
+    Cables or RubbingCables; world: with curves."""
+    mean, reel = kick_mean(world, part.curve[c], timing), load(part.cables, c, REEL)
+    store(part.state, c, SURPLUS_BEFORE, load(part.state, c, SURPLUS))
+    store(part.state, c, SURPLUS, (mean - curve_value(world, part.curve[c], timing.time)) * reel)
+    return find_length_outside(part.openings, part, c, load(part.cables, c, REST) - mean * reel)
 
 
 @kernel
@@ -175,6 +178,7 @@ def note_events(part, world, timing):
     for c in range(part.curve.shape[0]):
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
+        old, new = old - load(part.state, c, SURPLUS_BEFORE), new - load(part.state, c, SURPLUS)
         note_crossings(part.log, c, old, new, timing)
 
 
@@ -258,7 +262,9 @@ def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in part.track, of its stretches in
     part.stretch_track, and raise part.peaks to its crowding and drum ratio. part: Cables or
     RubbingCables; row: index of the recorded instant."""
-    index, tension = row * part.curve.shape[0] + c, load(part.cables, c, EA) * strain_of(part, c)
+    surplus, index = load(part.state, c, SURPLUS), row * part.curve.shape[0] + c
+    strain = (load(part.state, c, LONGER) - surplus) / (load(part.state, c, UNSTRAINED) + surplus)
+    tension = load(part.cables, c, EA) * where_negative(strain, 0.0, strain)
     store(part.track, index, 0, tension)
     store(part.track, index, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding_of(part, c)))

@@ -37,6 +37,9 @@ from fpm.errors import SceneError
 _BURST = 1.0
 """Gap (m) of a joint that no drift reaches in a step: nothing closes it any more."""
 
+_MOST_TURN = 0.25
+"""Turn of a body in a step (rad) at which its joints surely close."""
+
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
     """Return two failure criteria (Watch): for the gaps (m, as a share of the scene's size) and for
@@ -49,7 +52,12 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
                 "a loop of rigid bodies is at the end of its way there: change its lengths or its "
                 "motion, or state joints whose lengths and axes fit"
             )
-        return f"a {noun} is open by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
+        cause = f"a {noun} is open by {values[gap]:.2g} m and {values[tilt]:.2g} rad"
+        turn, step = values["turn"], values["step"]
+        if not _MOST_TURN < turn < math.inf:
+            return cause, remedy
+        cause += f", as a body turns by {turn:.2g} rad in a step, at {turn / step:.3g} rad/s"
+        return cause, f"take a solver.step of at most {_MOST_TURN * step / turn:.2g} s"
 
     return Watch(gap, MOST_GAP, True, failure, True), Watch(tilt, MOST_TILT, True, failure)
 
@@ -148,7 +156,7 @@ class Hinge(JointBase):
         "hinge",
         "gap",
         "tilt",
-        "halve solver.step: the particles of the hinge turn too far in a step",
+        "halve solver.step",
     )
 
     @staticmethod

@@ -73,8 +73,8 @@ class Joint(JointBase):
         "joint",
         "joint_gap",
         "joint_tilt",
-        "halve solver.step if bodies turn far in a step; or the joints contradict each other: "
-        "rigid bodies in a loop can only move if lengths and axes fit",
+        "halve solver.step; or the joints contradict each other: rigid bodies in a loop can only "
+        "move if lengths and axes fit",
     )
 
     @staticmethod

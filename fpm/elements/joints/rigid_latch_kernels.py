@@ -2,14 +2,17 @@
 
 import math
 
-from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET
+from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET
 from fpm.elements.joints.turn_kernels import end_work, moment_of, register_losses
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
+    CATCH_IMPULSE,
+    FREE_END,
     IMPACT,
     PREDICTION,
     SEARCH_END,
+    SEARCH_SHARE,
     WORKS,
     Latches,
 )
@@ -23,6 +26,9 @@ from fpm.kernels.vectors import kernel
 SAME_TIME = 1e-9
 """Share of a step within which latches catch at one time."""
 
+KNOWN_AGE = 9.0
+"""Age of a latch whose impulse of the catch is known."""
+
 
 register_losses(Latches, WORKS)
 
@@ -30,12 +36,16 @@ register_losses(Latches, WORKS)
 @hook(Latches)
 def prepare(part, world, timing):
     """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' joint coordinates
-    in the step that ended, before the next is solved; nothing at the start of a run. part: all
-    rigid latches (Latches); world: not used; timing (StepTime): times of the step (s)."""
+    in the step that ended, after the last catch in it, before the next is solved; nothing at the
+    start of a run. part: all rigid latches; world: not used; timing (StepTime): step times (s)."""
     if timing.time > 0.0:
         for i in range(part.hinge.shape[0]):
-            if part.turn[i] >= 0:
-                store(part.rates, i, LAST, half_rate(part.openings, part.hinge[i], timing))
+            if part.turn[i] < 0:
+                continue
+            share, rate = load(part.state, i, SEARCH_SHARE), load(part.rates, i, LAST)
+            mean = half_rate(part.openings, part.hinge[i], timing)
+            store(part.rates, i, LAST, where_negative(-share, rate, mean))
+            store(part.state, i, SEARCH_SHARE, 0.0 * share)
 
 
 @kernel
@@ -51,11 +61,13 @@ def decide(part, world, timing):
     """Catch the joint coordinates that would enter their capture range in this step; where any
     does, sets world.undecided, and the joints are solved again. part: Latches; world (World):
     solver state; timing: StepTime (s). The search begins at the coordinate predicted in the step
-    before, since the real one, which differs in its last digits, might slip through."""
+    before, since the real one, which differs in its last digits, might slip through; or, where
+    another latch caught in this step, at that of its time: the path bends there."""
     is_any_caught = False
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
+        find_catch_impulse(part, world, timing, i)
         start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
         reach = latch.reach_of(part, i, start, prediction)
@@ -65,11 +77,14 @@ def decide(part, world, timing):
             for s in range(part.state.shape[2]):
                 if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
                     first, last = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
-                    rate = part.rates[i, LAST, s]
+                    rate, span = part.rates[i, LAST, s], timing.step
+                    if part.state[i, SEARCH_SHARE, s] > 0.0:
+                        span *= max(1.0 - part.state[i, SEARCH_SHARE, s], SAME_TIME)
+                        rate = (last - first) / span
                     if timing.time == 0.0:
                         latch.pass_by(part, i, s, first, first, rate, 0.0, timing.step)
                     if part.state[i, latch.IS_CAUGHT, s] + part.state[i, latch.NEWS, s] == 0.0:
-                        latch.pass_by(part, i, s, first, last, rate, end, timing.step)
+                        latch.pass_by(part, i, s, first, last, rate, end, span)
                     if part.state[i, latch.IS_CAUGHT, s] > 0.0:
                         is_any_caught = True
     if is_any_caught:
@@ -78,31 +93,71 @@ def decide(part, world, timing):
 
 
 @kernel
+def find_catch_impulse(part, world, timing, i):
+    """Store the impulse (N m s) by which latch i stopped its joint coordinate, in the samples where
+    it is the last that caught in this step: that of the last solution, times the rate at the catch
+    over the mean rate that it took away. part: Latches; world: World; timing: StepTime (s)."""
+    if any_negative(0.5 - load(part.state, i, latch.NEWS)):
+        for s in range(part.state.shape[2]):
+            change = part.state[i, FREE_END, s] - part.state[i, latch.HOLD_ANGLE, s]
+            distance = part.state[i, latch.CATCH_RATE, s] * timing.step
+            is_held = part.turns.state[part.turn[i], HOLDS, s] < 0.0
+            is_new = part.state[i, AGE, s] == 0.0 and part.state[i, CATCH_IMPULSE, s] == 0.0
+            if is_held and is_new and abs(change) > 1e-6 * abs(distance):
+                impulse = distance / change * solved_impulse(part, world, i, s)
+                part.state[i, CATCH_IMPULSE, s] = impulse
+
+
+@kernel
+def solved_impulse(part, world, i, s):
+    """Return the impulse (N m s) of latch i as the joints were last solved, of one sample. part:
+    Latches; world: World; s: index of the sample (its lane)."""
+    return world.resistance[0, 0, s] * part.turns.state[part.turn[i], SOLVED_IMPULSE, s]
+
+
+@kernel
 def hold_first(part, world, timing, s):
     """Hold the joint coordinate of the latch of one sample that catches first in this step, or of
     several at that time, and forget what latches would do later: the impact changes the rates, by
-    which they are looked at again. part: Latches; world: solver state (World); timing:
-    StepTime (s); s: index of the sample (its lane)."""
-    first, last = math.inf, timing.time  # those to come, and that which caught before
+    which they are looked at again, from that time on. What those that caught just before bear of
+    this impact is none of theirs. part: Latches; world: solver state (World); timing: StepTime
+    (s); s: index of the sample (its lane)."""
+    first = math.inf
     for i in range(part.hinge.shape[0]):
-        if part.turn[i] >= 0 and part.state[i, latch.NEWS, s] == 1.0:
-            time = part.state[i, latch.CATCH_TIME, s]
-            if part.turns.state[part.turn[i], HOLDS, s] < 0:
-                last = max(last, time)
-            else:
-                first = min(first, time)
+        if part.turn[i] < 0:
+            continue
+        is_free = part.turns.state[part.turn[i], HOLDS, s] > 0
+        if part.state[i, latch.NEWS, s] == 1.0 and is_free:
+            first = min(first, part.state[i, latch.CATCH_TIME, s])
+    if first == math.inf:
+        return
+    share = (first - timing.time) / timing.step
     for i in range(part.hinge.shape[0]):
         t, time = part.turn[i], part.state[i, latch.CATCH_TIME, s]
-        if t < 0 or part.state[i, latch.NEWS, s] == 0.0 or part.turns.state[t, HOLDS, s] < 0:
+        if t < 0:
             continue
-        if time > first + SAME_TIME * timing.step:
+        if part.turns.state[t, HOLDS, s] < 0:
+            if part.state[i, latch.IS_CAUGHT, s] > 0.0 and part.state[i, AGE, s] < 3.5:
+                impulse = part.state[i, CATCH_IMPULSE, s]
+                if impulse == 0.0:
+                    impulse = part.state[i, IMPACT, s] + solved_impulse(part, world, i, s)
+                part.state[i, IMPACT, s], part.state[i, AGE, s] = impulse, KNOWN_AGE
+            continue
+        if part.state[i, latch.NEWS, s] > 0.0 and time > first + SAME_TIME * timing.step:
             part.state[i, latch.IS_CAUGHT, s] = part.state[i, latch.NEWS, s] = 0.0
-        elif part.state[i, latch.IS_CAUGHT, s] > 0.0:
-            time = part.state[i, latch.CATCH_TIME, s] = max(time, last)
+        if part.state[i, latch.IS_CAUGHT, s] > 0.0:
             part.turns.state[t, HOLDS, s] = -1.0
             part.turns.state[t, TARGET, s] = part.state[i, latch.HOLD_ANGLE, s]
-            part.turns.impact[0, 0, s] = (time - timing.time) / timing.step
+            part.state[i, FREE_END, s] = part.state[i, PREDICTION, s]
+            part.turns.impact[0, 0, s] = share
             world.undecided[0] = 1
+        else:
+            last_share, last = part.state[i, SEARCH_SHARE, s], part.state[i, SEARCH_END, s]
+            if last_share < 1.0:
+                part_of_rest = (share - last_share) / (1.0 - last_share)
+                last += part_of_rest * (part.state[i, PREDICTION, s] - last)
+            part.state[i, SEARCH_END, s] = last
+            part.state[i, SEARCH_SHARE, s] = share
 
 
 @hook(Latches)
@@ -110,7 +165,7 @@ def work_after(part, world, timing):
     """Add half of the losses (J) of the moments found in this step, over the step that ends now, to
     part.account, and sum the impulses (N m s). The impulse of catching is that of three steps: two
     share it, and dampers extrapolate their rate into the third; less what the moment of the fourth
-    gives in the time since. part: all latches (Latches); world (World): solver state;
+    gives in the time since. part: all rigid latches (Latches); world (World): solver state;
     timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
@@ -122,7 +177,11 @@ def work_after(part, world, timing):
         store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)
         age = load(part.state, i, AGE) + load(part.state, i, latch.IS_CAUGHT)
         store(part.state, i, AGE, age)
-        store(part.state, i, SEARCH_END, predict(part, i, timing))
+        end, rest = predict(part, i, timing), 1.0 - load(part.state, i, SEARCH_SHARE)
+        rest = where_negative(rest - SAME_TIME, SAME_TIME, rest)
+        rate = (end - load(part.state, i, SEARCH_END)) / (timing.step * rest)
+        store(part.rates, i, LAST, rate)
+        store(part.state, i, SEARCH_END, end)
         time = timing.time - 0.5 * timing.step - load(part.state, i, latch.CATCH_TIME)
         impact = where_negative(age - 3.5, impulse, -1.0 * time * moment)
         impact = where_negative(age - 4.5, impact, 0.0)

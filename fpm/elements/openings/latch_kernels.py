@@ -32,7 +32,10 @@ AGE = WORKS + 2  # steps in which it has held
 IMPACT = AGE + 1  # impulse with which it caught
 PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
 SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
-STATE = SEARCH_END + 1
+SEARCH_SHARE = SEARCH_END + 1  # share of this step after which that is: others caught then
+FREE_END = SEARCH_SHARE + 1  # opening that was foreseen for the end of the step in which it catches
+CATCH_IMPULSE = FREE_END + 1  # that of the catch, by what it takes to hold it, 0: not known
+STATE = CATCH_IMPULSE + 1
 
 TRACK = 4  # recorded: moment, impulse, rate when it caught, impulse with which it caught
 
@@ -49,13 +52,14 @@ class Latches(NamedTuple):
     capture range (rad), sign of the rate at which it catches (0: both), largest rate (rad/s),
     stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all hinges; turns: joint
     coordinates held exactly; rates (l, 2, lanes): rate and damper's moment of the last step; state
-    (l, 14, lanes): 1 once it has caught, joint coordinate (rad) and sign of the rate then, news of
+    (l, 17, lanes): 1 once it has caught, joint coordinate (rad) and sign of the rate then, news of
     this step (1 caught, 2 missed), their time (s), rate at the catch (rad/s), moment (N m), impulse
     so far (N m s); of those that hold exactly moment held (N m), its work due (J), steps held,
-    impulse of the catch (N m s), coordinates foreseen at the step's end, and searched so far (rad);
-    account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
-    events; track ((instants + 1) l, 4, lanes): recorded moment (N m), impulse (N m s) so far, rate
-    (rad/s) and impulse (N m s) of the catch."""
+    impulse of the catch (N m s), coordinates foreseen at the step's end, and searched so far (rad),
+    share of the step for that, coordinate foreseen without the catch (rad), impulse of the catch
+    alone (N m s); account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each;
+    log: of events; track ((instants + 1) l, 4, lanes): recorded moment (N m), impulse (N m s) so
+    far, rate (rad/s) and impulse (N m s) of the catch."""
 
     hinge: np.ndarray
     turn: np.ndarray

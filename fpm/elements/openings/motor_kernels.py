@@ -9,7 +9,7 @@ from fpm.elements.joints.joint_arrays import Turns
 from fpm.elements.joints.turn_kernels import HOLD_MOMENT, end_work, register_work_due, work_on
 from fpm.elements.openings.losses_kernels import dead_band, follow_rate, onset
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.curves import bend_after, travel_factor
+from fpm.kernels.curves import bend_after, travel_factor, travel_mean
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
 from fpm.kernels.vectors import kernel
@@ -25,8 +25,9 @@ ERROR = 4  # target less opening,
 ADVANCE = 5  # of the target over the last step
 TARGET = 6
 EXCESS = 7  # of the error outside the backlash
-WORKS = 8  # of turn_kernels, of one that holds exactly
-STATE = 10
+AT_INSTANT = 8  # moment at the instant of the last forces
+WORKS = 9  # of turn_kernels, of one that holds exactly
+STATE = 11
 
 TRACK = 1
 
@@ -36,9 +37,10 @@ class Motors(NamedTuple):
     its condition in turns.state, -1: it has a drive train; curve (m,): index of its curve of time,
     -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes): stiffness
     (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes): first, rate of the last
-    step; state (m, 10, lanes): moment, a step ago, moment of damping, a step ago (N m), target less
-    opening, change of the target, target, what of the first is outside the backlash (rad), of one
-    that prescribes exactly its moment (N m) at the last positions, and work (J) of the half step up
+    step; state (m, 11, lanes): moment, a step ago, moment of damping, a step ago (N m), target less
+    opening, change of the target, target, what of the first is outside the backlash (rad), all with
+    the mean target over a kick, moment with that of the instant (N m), of one that prescribes
+    exactly its moment (N m) at the last positions, and work (J) of the half step up
     to them; openings, turns: all joint coordinates, and those held exactly; account, loss_account:
     indices in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track
     ((instants + 1) m, 1, lanes): recorded moment (N m); backlash (m, 1, lanes): of each (rad),
@@ -88,8 +90,11 @@ def forces(part, world, timing):
         h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
-        distance = travel_factor(world, part.curve[i], part.by_rate[i], timing.time)
-        target = load(part.numbers, i, START) + distance * load(part.numbers, i, TURN)
+        curve, by_rate = part.curve[i], part.by_rate[i]
+        mean = travel_mean(world, curve, by_rate, timing)
+        target = load(part.numbers, i, START) + mean * load(part.numbers, i, TURN)
+        lead = travel_factor(world, curve, by_rate, timing.time) - mean
+        lead = lead * load(part.numbers, i, TURN)  # of the instant before its mean
         error = target - load(part.openings.angles, h, NEW)
         advance = target - load(part.state, i, TARGET)
         if timing.time == 0.0:
@@ -103,6 +108,10 @@ def forces(part, world, timing):
         excess, force_excess = dead_band(part.backlash, i, error, old)
         viscous = grip(part.backlash, i, viscous, stiffness * excess, error, old)
         moment = stiffness * force_excess + viscous
+        _, excess_now = dead_band(part.backlash, i, error + lead, old)
+        store(part.state, i, AT_INSTANT, stiffness * excess_now + viscous)
+        if timing.time == 0.0:
+            advance = 2.0 * lead  # so that the rate in the next kick makes up for it
         store(part.state, i, EXCESS, excess)
         store(part.state, i, ERROR, error)
         store(part.state, i, ADVANCE, advance)
@@ -177,7 +186,7 @@ def record(part, world, row):
     (Motors); world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
-        store(part.track, row * count + i, 0, load(part.state, i, MOMENT))
+        store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))
 
 
 @hook(Motors)

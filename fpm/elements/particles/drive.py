@@ -45,6 +45,8 @@ class Drive(ElementType):
 
     @classmethod
     def array(cls, name, batch):
+        if name == "kinetic":
+            return batch.blank(1, 1)
         if name != "inertia":
             return super().array(name, batch)
         particles = cls.moved_particles(batch.scene)

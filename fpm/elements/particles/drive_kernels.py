@@ -7,7 +7,7 @@ import numpy as np
 from fpm.kernels.curves import curve_mean, curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import ACCOUNTS, BY_SPIN, KINETIC, MASS, VELOCITY, F, M, P, V, X
+from fpm.kernels.layout import BY_SPIN, KINETIC, MASS, VELOCITY, F, M, P, V, X
 from fpm.kernels.rotation import frame, turn_frame
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, times, to_global, to_local
 
@@ -18,13 +18,15 @@ LINEAR, SPIN = 0, 3
 class Drives(NamedTuple):
     """Arrays of all d drives. particle (d,): index of its particle; curve (d,): index of its curve
     of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes;
-    inertia (d, 3, lanes): of its particle (kg m²); account: index of their work in World.accounts.
-    Those of one particle add up."""
+    inertia (d, 3, lanes): of its particle (kg m²); kinetic (1, 1, lanes): energy of all driven
+    particles now (J); account: index of their work in World.accounts. Drives of one particle add
+    up."""
 
     particle: np.ndarray
     curve: np.ndarray
     numbers: np.ndarray
     inertia: np.ndarray
+    kinetic: np.ndarray
     account: int
 
 
@@ -43,6 +45,30 @@ def add_work(part, world, timing, start):
         total = total - factor * (power + dot(get3(state, i, M), get3(part.numbers, n, SPIN)))
     work = load(world.accounts, 0, part.account) + 0.5 * timing.step * total
     store(world.accounts, 0, part.account, work)
+
+
+@hook(Drives)
+def forces(part, world, timing):
+    """Add what the kinetic energy (J) of driven particles has changed by since the last step to the
+    work of their drives, which give it. part: arrays of all drives (Drives), whose `kinetic`
+    changes; world: solver state (World); timing: times of this step (s)."""
+    total = 0.0 * load(world.state, 0, X)
+    for n in range(part.particle.shape[0]):
+        i, is_first, zero = part.particle[n], True, 0.0 * get3(world.state, part.particle[n], X)
+        v, spin = zero, zero
+        for k in range(part.particle.shape[0]):
+            if part.particle[k] == i:
+                is_first = is_first and k >= n
+                factor = curve_value(world, part.curve[k], timing.time)
+                v = v + factor * get3(part.numbers, k, LINEAR)
+                spin = spin + factor * get3(part.numbers, k, SPIN)
+        if is_first:
+            spin = to_local(frame(world.state, i), spin)
+            turn = dot(spin, times(get3(part.inertia, n, 0), spin))
+            total = total + 0.5 * (load(world.particles, i, MASS) * dot(v, v) + turn)
+    work = load(world.accounts, 0, part.account) + (total - load(part.kinetic, 0, 0))
+    store(world.accounts, 0, part.account, work)
+    store(part.kinetic, 0, 0, total)
 
 
 @hook(Drives)
@@ -104,25 +130,9 @@ def look_back(part, world, timing):
 
 @hook(Drives)
 def work_due(part, world, energies, row, timing):
-    """Add the kinetic energy (J) of driven particles to the recorded one, and to the work of their
-    drives, which gave it. part: arrays of all drives (Drives); world: solver state; energies:
-    Record.energies; row: index of the recorded instant; timing: times of this step (s)."""
-    total = 0.0 * load(world.state, 0, X)
-    for n in range(part.particle.shape[0]):
-        i, is_first, zero = part.particle[n], True, 0.0 * get3(world.state, part.particle[n], X)
-        v, spin = zero, zero
-        for k in range(part.particle.shape[0]):
-            if part.particle[k] == i:
-                is_first = is_first and k >= n
-                factor = curve_value(world, part.curve[k], timing.time)
-                v = v + factor * get3(part.numbers, k, LINEAR)
-                spin = spin + factor * get3(part.numbers, k, SPIN)
-        if is_first:
-            spin = to_local(frame(world.start_state, i), spin)
-            turn = dot(spin, times(get3(part.inertia, n, 0), spin))
-            total = total + 0.5 * (load(world.particles, i, MASS) * dot(v, v) + turn)
-    for column in (KINETIC, ACCOUNTS + part.account):
-        store(energies, row, column, load(energies, row, column) + total)
+    """Add the kinetic energy (J) of driven particles to the recorded one. part: arrays of all
+    drives (Drives); world, timing: not used; energies: Record.energies; row: recorded instant."""
+    store(energies, row, KINETIC, load(energies, row, KINETIC) + load(part.kinetic, 0, 0))
 
 
 @hook(Drives)

@@ -1,7 +1,8 @@
 """What comes from outside or moves: loads, prescribed motion, cables, motion at the start; and the
 points whose motion is recorded."""
 
-from functools import lru_cache
+from contextlib import suppress
+from functools import lru_cache, partial
 from itertools import compress
 from typing import Any
 
@@ -111,7 +112,12 @@ def _fit(expression: Expression, numbers: tuple, start: float, end: float) -> Cu
         except ExpressionError as error:
             raise CurveError(f"at {time:.9g} s it is {error}") from None
 
-    return Curve.fit(value, start, end)
+    def part_value(part, u: float) -> float:
+        with suppress(ArithmeticError, ValueError, TypeError):  # it may be a vector
+            return float(part({**numbers_by_name, "u": u, "t": start + u * (end - start)}))
+        return np.nan
+
+    return Curve.fit(value, start, end, [partial(part_value, part) for part in expression.parts])
 
 
 def _index(curve: int | None) -> int:

@@ -118,6 +118,10 @@ def _check(options: argparse.Namespace) -> int:
             if campaign.cases:
                 count = f"{len(campaign.cases)} cases"
                 print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
+            workflow = Workflow(campaign)
+            workflow.stale()
+            for text in workflow.describe_replaced():
+                print(f"{path}: warning: {text}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
                 _print_variant(f"{path}: {case}", variant, folder)

@@ -336,7 +336,7 @@ class Campaign:
     name of the standard that the review sheet follows, None for no sheet; requirements: limits by
     requirement, quantity and kind; cases: what each case changes, by name, as in the config;
     case_campaigns: the campaigns of the cases, by name, which are run in the place of this one;
-    measured: tests with measured curves, by name."""
+    measured: tests with measured curves, by name; sources: paths of the files it was read from."""
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -351,6 +351,7 @@ class Campaign:
     cases: dict[str, dict] = field(default_factory=dict)
     case_campaigns: dict[str, Campaign] = field(default_factory=dict)
     measured: dict[str, ResolvedTest] = field(default_factory=dict)
+    sources: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

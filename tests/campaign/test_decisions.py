@@ -313,3 +313,6 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(leve
     assert goal["value"] == pytest.approx(worst, abs=1e-3) and worst < 0.317
     assert goal["error"] < 0.01 and abs(best["value"] - 0.17) < 0.01
     assert choice["runs"] < 120
+    rows = choice["goals"] + choice["limits"]
+    assert all(row["ran"] and row["simulated"] == pytest.approx(worst, abs=1e-6) for row in rows)
+    assert all(goal["value"] >= row["simulated"] for row in rows)

@@ -21,8 +21,8 @@ CHECK_EVERY = 50
 
 
 HALVINGS = 3
-"""How often a run whose balance of energy breaks is repeated with half the step, at most, where the
-step was not stated."""
+"""How often a run whose balance of energy breaks, or whose joints open, is repeated with half the
+step, at most, where the step was not stated."""
 
 
 class Division(NamedTuple):
@@ -81,9 +81,9 @@ def simulate(
     dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
         motion, and what is always recorded, do not depend on them.
-    halvings: how often a run whose energy balance breaks, or whose numbers are not finite, is
-        repeated with half the step before it fails (`Outcome.step` is that of the last time); None:
-        HALVINGS if no step is given, else 0."""
+    halvings: how often a run whose energy balance breaks, whose joints open, or whose numbers are
+        not finite, is repeated with half the step before it fails (`Outcome.step` is that of the
+        last time); None: HALVINGS if no step is given, else 0."""
     from fpm.kernels.lanes import width as lanes_of
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
@@ -111,8 +111,8 @@ def simulate(
     times = duration / (instants - 1) * np.arange(instants)
 
     outcomes: dict[int, Outcome] = {}
-    rows = list(range(len(scenes)))
-    for _ in range(1 + halvings):
+    rows, previous_failures = list(range(len(scenes))), {}
+    for halving in range(1 + halvings):
         groups: dict[tuple, list[int]] = {}
         for i in rows:
             groups.setdefault(pack.curve_bytes(scenes[i]), []).append(i)
@@ -125,14 +125,29 @@ def simulate(
             lane_limits = [limits[i] for i in lanes]
             lane_outcomes = outcomes_of(run, times, division, lane_limits, record)
             outcomes.update(zip(lanes, lane_outcomes, strict=True))
-        rows = [i for i in rows if _is_broken(outcomes[i].failure)]
+        failures = {i: outcomes[i].failure for i in rows}
+        rows = [i for i in rows if _is_broken(failures[i])]
+        for i in rows if halving == halvings else ():
+            _note_dead_end(previous_failures.get(i), failures[i], division)
+        previous_failures = failures
         division = divide_time(duration, instants, division.step / 2)
     return [outcomes[i] for i in range(len(scenes))]
 
 
 def _is_broken(failure) -> bool:
-    """Whether a run failed by its balance of energy, which a shorter step may mend."""
-    return isinstance(failure, InstabilityError) and failure.cause is None
+    """Whether a run failed by its balance of energy, or an open joint: a shorter step may help."""
+    is_unstable = isinstance(failure, InstabilityError)
+    return is_unstable and (failure.cause is None or failure.final_words is not None)
+
+
+def _note_dead_end(previous_failure, failure, division: Division) -> None:
+    """Say that a shorter step does not help where joints open, and a run fails with the longer step
+    before at the same time, to that between checks; not where it does so from the start on."""
+    if previous_failure is not None:
+        failure.final_words = failure.final_words or previous_failure.final_words
+        reach = 3 * division.check_steps * division.step
+        if failure.final_words and abs(failure.time - previous_failure.time) < reach < failure.time:
+            failure.as_final()
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):

@@ -61,7 +61,7 @@ if "--report" in sys.argv and not CONFIG_FILES and not IS_MODULE:
 STALE = WORKFLOW.stale() if workflow.is_main_process else {}
 for reason in STALE.values():
     print(f"{reason}; it is made again", file=sys.stderr)
-for text in WORKFLOW.describe_replaced():
+for text in WORKFLOW.describe_foreign_results():
     print(f"warning: {text}", file=sys.stderr)
 if not IS_MODULE:
     os.environ[CONFIG] = WORKFLOW.config

@@ -120,7 +120,7 @@ def _check(options: argparse.Namespace) -> int:
                 print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
             workflow = Workflow(campaign)
             workflow.stale()
-            for text in workflow.describe_replaced():
+            for text in workflow.describe_foreign_results():
                 print(f"{path}: warning: {text}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):

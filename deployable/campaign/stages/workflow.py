@@ -36,7 +36,7 @@ class Workflow:
         }
         self.config = ", ".join(os.path.relpath(path, results) for path in campaign.sources)
         self.damage: dict[str, DamagedError] = {}  # of what `stale` found
-        self.replaced: set[str] = set()  # configs whose results `stale` found
+        self.foreign_configs: set[str] = set()  # configs whose results `stale` found
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
@@ -96,14 +96,14 @@ class Workflow:
                 if is_stale:
                     reasons[str(path)] = f"{path} was made from something else"
                 if is_stale or self.cases:  # which may differ in what they share
-                    self.replaced |= {facts.get("config", "")} - {"", self.config}
+                    self.foreign_configs |= {facts.get("config", "")} - {"", self.config}
         return reasons
 
-    def describe_replaced(self) -> list[str]:
+    def describe_foreign_results(self) -> list[str]:
         """Say that results of other configs, which are still there, will be replaced: sentences
         about what `stale` found."""
         place, texts = self.folder.path.parent, []
-        for config in sorted(self.replaced) if self.config else ():
+        for config in sorted(self.foreign_configs) if self.config else ():
             paths = [Path(os.path.relpath(place / name)) for name in config.split(", ")]
             if all(path.exists() for path in paths):  # else it was renamed
                 texts.append(
@@ -251,7 +251,7 @@ def complete(
     has the same arguments and errors, in a process whose linear algebra has one thread."""
     notify, workflow = notify or MessagePrinter(sys.stderr), Workflow(campaign, results)
     workflow.stale()
-    for text in workflow.describe_replaced():
+    for text in workflow.describe_foreign_results():
         notify(f"warning: {text}")
     with results_of({"config": workflow.config}):
         (_run_cases if campaign.cases else _run)(campaign, results, figures, notify)

@@ -220,6 +220,22 @@ def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
         assert type(row["level"]) is type(level) and row["kind"] == asked.kind
 
 
+def test_the_places_that_decide_a_limit_are_simulated_before_a_statement_about_them():
+    """Also where the iterations for bounds end before: of exp(a + b − 2), which is at most 0.7 in
+    a box of 1 + ln(0.7)/2 of the widths."""
+    model = ClosedBench(Closed("limit", 2, 11, 0.0), 9)
+    model.of = SimpleNamespace(
+        told=lambda unit, plan: (np.exp(unit.sum(axis=1) - 2), np.full(len(unit), np.nan))
+    )
+    model.numbers, _ = model.evaluate(model.plan, model.points)
+    asked = LimitSpec("low", 0, "at_most", 0.7)
+    converge_bounds(model, 1, [asked])
+    found = assess_limits(model, model.surrogates(), [asked])
+    assert model.find_missing(found.points) == []
+    assert found.largest[0] == pytest.approx(1 + np.log(0.7) / 2, abs=1e-4)
+    assert np.exp(found.failure_point.sum() - 2) > 0.7
+
+
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
     """All runs have it, and that at an end no longer with half the step."""
     model = ClosedBench(Closed("latch", 1, 11, 0.0), 9)

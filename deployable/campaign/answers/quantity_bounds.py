@@ -87,13 +87,14 @@ def converge_bounds(
     where the limits `specs` are worst, then refits; where none is to be added, it ends.
     tolerances (q): errors, as fractions of widths, that are asked for (`accuracy`): where one is
     exceeded, and falls with runs, iterations go on with runs spread over the box, too, as long as
-    the evaluator allows any."""
+    the evaluator allows any. At the end come up to twice as many iterations for the limits alone,
+    until the places that decide them are simulated."""
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
     if max_iterations > 0:
         model.add(_turning_points(model))
-    climbs, progress = _Climbs(model), _Progress(tolerances)
+    climbs, progress, confirmations = _Climbs(model), _Progress(tolerances), 2 * max_iterations
     is_searched = max_iterations > 0 and bool(climbs.climbs)
     for iteration in itertools.count():
         is_extra = iteration >= max_iterations
@@ -104,9 +105,14 @@ def converge_bounds(
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
-        points = _infill(model, *((unmet, ()) if is_extra else (bounds, specs)))
+        points = _infill(model, unmet if is_extra else bounds)
+        if not is_extra:
+            points += _find_deciding(model, bounds, specs)
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
+        if is_extra and not points and confirmations > 0:
+            confirmations -= 1
+            points = _find_deciding(model, bounds, specs)
         if not points or not _grow(model, points):
             return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
@@ -280,19 +286,23 @@ def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
     return estimate._replace(value=value, error=error)
 
 
-def _infill(
-    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
-) -> list[np.ndarray]:
-    """Unit points (k) of the next runs for some quantities, and for limits of all of them."""
+def _infill(model: ModelEvaluator, bounds: Sequence[QuantityBounds]) -> list[np.ndarray]:
+    """Unit points (k) of the next runs for some quantities."""
     points = []
     for b in bounds:
         points += [point for estimate in b.estimates for point in estimate.points]
         if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
             points += list(b.surrogate.occurrence.infill_points(_SURFACE))
-    if specs:
-        surrogates = [b.surrogate for b in bounds]
-        points += model.find_missing(assess_limits(model, surrogates, specs).points)
     return points
+
+
+def _find_deciding(
+    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
+) -> list[np.ndarray]:
+    """Unit points (k) that decide limits of all quantities, where no run was made."""
+    if not specs:
+        return []
+    return model.find_missing(assess_limits(model, [b.surrogate for b in bounds], specs).points)
 
 
 def _mispredictions(

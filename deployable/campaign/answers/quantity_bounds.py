@@ -13,7 +13,7 @@ from deployable.campaign.plan.jobs import LANES
 from deployable.campaign.plan.plan import ROUNDING
 from deployable.intervals.box import MOST_FULL
 from deployable.intervals.designs import scan_points
-from deployable.intervals.scalars import TOLERANCE, Climb, estimate_bounds
+from deployable.intervals.scalars import TOLERANCE, Climb, FittedOccurrence, estimate_bounds
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
@@ -23,6 +23,7 @@ _PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where o
 _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
 _MOST_SPREAD = 4  # times as many where a quantity has no value
 _CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
+_OPEN = 0.05  # of the width: error of an upper bound that may not exist
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
@@ -62,6 +63,15 @@ class QuantityBounds:
         bound; NaN without a value."""
         errors = [e.error for e in self.estimates]
         return max([*errors, *self.remainders]) if errors else np.nan
+
+    @property
+    def may_be_endless(self) -> bool:
+        """Whether the quantity, a time, may have no upper bound: the runs leave open how far it
+        grows towards where it ceases, and no performance function tells where that is."""
+        occurrence, (lower, upper) = self.surrogate.occurrence, self.outer
+        is_blind = occurrence.is_mixed and not isinstance(occurrence, FittedOccurrence)
+        is_below = is_blind and upper < self.surrogate.latest < np.inf
+        return bool(is_below and self.estimates[1].error > _OPEN * (upper - lower))
 
     @property
     def relative_error(self) -> float:

@@ -29,7 +29,7 @@ def answers(folder: Path) -> SimpleNamespace:
         one["name"]: share(one["share"], one["share_uncertainty"])
         for one in [*told.get("requirements", []), {"name": "all", **told.get("together", _NONE)}]
     }
-    found["choice"] = told.get("choice")
+    found |= {key: told.get(key) for key in ("choice", "requirements", "together")}
     found["runs"] = told["runs"]["all"]
     return SimpleNamespace(**found)
 
@@ -102,6 +102,10 @@ def written(page: str) -> str:
     return " ".join((ROOT / page).read_text(encoding="utf-8").split())
 
 
+def decimals(text: str) -> set[str]:
+    return set(re.findall(r"\d+\.\d+", text))
+
+
 def run(config: Path, results: Path) -> SimpleNamespace:
     assert main(["run", str(config), "--results", str(results), "--no-figures"]) == 0
     return answers(results / config.stem)
@@ -114,6 +118,10 @@ def test_a_page_tells_what_its_campaign_answers(name, tmp_path):
     for page, texts in TOLD[name].items():
         missing = [text for text in texts(found) if text not in written(page)]
         assert not missing, f"{page} does not say {missing}"
+        _, _, section = written(page).partition("## The campaign")
+        config = (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
+        unchecked = decimals(section) - decimals(" ".join(texts(found)) + config)
+        assert not unchecked, f"nothing tells {unchecked} of {page}"
 
 
 @pytest.fixture

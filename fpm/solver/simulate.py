@@ -111,7 +111,7 @@ def simulate(
     times = duration / (instants - 1) * np.arange(instants)
 
     outcomes: dict[int, Outcome] = {}
-    rows, previous_failures = list(range(len(scenes))), {}
+    rows, previous_failures = list(range(len(scenes))), dict.fromkeys(range(len(scenes)))
     for halving in range(1 + halvings):
         groups: dict[tuple, list[int]] = {}
         for i in rows:

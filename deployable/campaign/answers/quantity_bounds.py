@@ -117,12 +117,12 @@ def converge_bounds(
         unmet = progress.find_unmet(bounds, len(model.points))
         points = _infill(model, unmet if is_extra else bounds)
         if not is_extra:
-            points += _find_deciding(model, bounds, specs)
+            points += _find_deciding_points(model, bounds, specs)
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
         if is_extra and not points and confirmations > 0:
             confirmations -= 1
-            points = _find_deciding(model, bounds, specs)
+            points = _find_deciding_points(model, bounds, specs)
         if not points or not _grow(model, points):
             return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
@@ -306,7 +306,7 @@ def _infill(model: ModelEvaluator, bounds: Sequence[QuantityBounds]) -> list[np.
     return points
 
 
-def _find_deciding(
+def _find_deciding_points(
     model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
 ) -> list[np.ndarray]:
     """Unit points (k) that decide limits of all quantities, where no run was made."""

@@ -497,16 +497,15 @@ class ChoiceProblem:
 
     def weigh(self, choice: Choice, goals: Sequence, margins: Sequence) -> Choice:
         """Return a choice with other `goals` (g) and `margins` (l), and what follows from them."""
-        margins = np.array(margins, dtype=float)
+        margin_array, goal_array = np.array(margins, dtype=float), np.array(goals, dtype=float)
         errors = np.array(
             [0.0 if limit.kind == "happens" else limit.error for limit in self.limits]
         )
-        has_error = np.isfinite(margins) & ~np.isnan(errors)
+        has_error = np.isfinite(margin_array) & ~np.isnan(errors)
         sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
-        safety = float((margins[has_error] / sizes).min(initial=np.inf))
-        least = float(margins.min(initial=np.inf))
-        goals = np.array(goals, dtype=float)
-        return replace(choice, goals=goals, margins=margins, margin=least, safety=safety)
+        safety = float((margin_array[has_error] / sizes).min(initial=np.inf))
+        least = float(margin_array.min(initial=np.inf))
+        return replace(choice, goals=goal_array, margins=margin_array, margin=least, safety=safety)
 
     def find_best(self) -> tuple[Choice, list[Choice]]:
         """Choose values that satisfy every limit by its error with the best first goal; if none do,

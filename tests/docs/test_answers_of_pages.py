@@ -98,12 +98,12 @@ TOLD = {
         "k = {k:.3f}, c = {c:.2f}, friction {dry:.2f}".format(**a.together["fails"]["at"]),
         f"latches after {a.together['fails']['simulated']:.1f} s",
         f"{100 * a.t_open.influence['dry']['share']:.0f} % of the interval of the time",
-        f"interval of {a.t_open.upper - a.t_open.lower:.1f} s becomes "
+        f"more than {a.t_open.upper - a.t_open.lower:.1f} s to "
         f"{a.t_open.influence['dry']['fixed']:.1f} s",
         f"in {100 * a.together['halved']['dry']['share']:.1f} % of the box",
         f"error of {a.choice['goals'][1]['error']:.1f} s",
-        f"worst {a.choice['goals'][1]['simulated']:.1f} s",
-        f"arrives with {a.choice['goals'][0]['simulated']:.2f} m/s",
+        f"worst case is {a.choice['goals'][1]['simulated']:.1f} s",
+        f"the largest speed {a.choice['goals'][0]['simulated']:.2f} m/s",
     ], "README.md": lambda a: [
         f"in {a.meet['opens']} of the box",
         f"after {a.t_open.lower:.1f} s to more than {a.t_open.censored_at:g} s",

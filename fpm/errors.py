@@ -27,15 +27,17 @@ class InstabilityError(RuntimeError):
     of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J), largest
     energy so far; `cause`, name of the watched quantity too large (None: the balance broke);
     `largest`, all watched quantities by name; `words`, two texts, cause and remedy (None: no
-    cause); `remedy`, of the type of `element` where the balance broke ("": it knows none)."""
+    cause); `remedy`, of the type of `element` where the balance broke ("": it knows none);
+    `final_words`, two such texts for a failure that no shorter step mends (None: one may)."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
-        remedy="",
+        remedy="", final_words=None,
     ):  # fmt: skip
         self.time, self.element, self.step, self.limit = time, element, step, limit
         self.balance, self.scale, self.cause = balance, scale, cause
         self.largest, self.words, self.remedy = largest or {}, words, remedy
+        self.final_words = final_words
         text = (
             f"the energy balance has an error of {balance:.3g} J in {scale:.3g} J"
             if isfinite(balance)
@@ -66,8 +68,14 @@ class InstabilityError(RuntimeError):
     def __reduce__(self):
         return type(self), (
             self.time, self.element, self.step, self.limit, self.balance, self.scale,
-            self.cause, self.largest, self.words, self.remedy,
+            self.cause, self.largest, self.words, self.remedy, self.final_words,
         )  # fmt: skip
+
+    def as_final(self) -> "InstabilityError":
+        """Return this error with its `final_words`, as no shorter step mends the failure."""
+        self.words = self.final_words
+        self.args = (f"stopped at t = {self.time:.6g} s: {'; '.join(self.final_words or ())}",)
+        return self
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:

@@ -4,6 +4,7 @@ netCDF files have it as the attribute `provenance`; seals of all results have it
 that the same results are the same but for their seals."""
 
 import json
+import os
 import platform
 import subprocess
 from contextlib import suppress
@@ -16,6 +17,9 @@ import deployable
 from fpm.kernels import sources
 
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
+CONFIG = "DEPLOYABLE_CONFIG"
+"""Environment variable by which a workflow tells its jobs which config file they are of."""
+
 _ROOT = Path(__file__).parents[2]
 
 
@@ -47,9 +51,11 @@ def as_attribute() -> str:
 
 
 def stamp() -> dict[str, str]:
-    """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC)."""
+    """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC), and
+    `config`, paths of the config's files as seen from the folder of all results."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
-    return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
+    facts = {key: program()[key] for key in ("program", "commit", "processor")}
+    return facts | {"made": moment, "config": os.environ.get(CONFIG, "")}
 
 
 def _commit() -> str:

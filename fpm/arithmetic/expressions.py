@@ -219,9 +219,9 @@ class Expression:
                 values, measures = zip(*map(self._compile, args), strict=True)
                 zero = isinstance(args[-1], ast.Constant) and args[-1].value == 0
                 if name in ("min", "max", "interpolate"):
-                    pairs = combinations(values, 2)
+                    pairs = list(combinations(values, 2))
                     if name == "interpolate":
-                        pairs = ((values[0], place) for place in values[1::2])
+                        pairs = [(values[0], place) for place in values[1::2]]
                     self.parts += [partial(_difference, *pair) for pair in pairs]
                 return (
                     lambda names: function(*[value(names) for value in values]),

@@ -37,7 +37,9 @@ class Watch(NamedTuple):
     fraction of the scene's size (m); unconditional: whether it is named as the cause even where the
     energy balance is wrong, too (else that is the cause); failure(values): returns cause and
     remedy, two texts; values: largest value of each criterion of the element type, by name, `step`
-    (s), and, of a joint, `turn`, by which its bodies turn in a step (rad);
+    (s), and, of a joint, `turn`, by which its bodies turn in a step (rad); dead_end(scene, element,
+    values): returns both texts for where shorter steps fail at the same time, and whether that is
+    sure without these; None: no shorter step is tried;
     remedy(element): returns the remedy where the energy does not balance and the element of
     that name is the worst; None: there is none."""
 
@@ -47,6 +49,7 @@ class Watch(NamedTuple):
     failure: Callable[[dict[str, float]], tuple[str, str]]
     of_size: bool = False
     remedy: Callable[[str], str] | None = None
+    dead_end: Callable[[Any, str, dict[str, float]], tuple[str, str, bool]] | None = None
 
 
 class Series(NamedTuple):

@@ -100,11 +100,11 @@ class Curve:
         part vanishes or turns within twice its width. CurveError where it jumps, is too
         steep, or takes too many polynomials."""
         places = (np.arange(PLACES) + 0.5) / PLACES
-        values = {u: function(u) for u in places}
+        sample_values = {u: function(u) for u in places}
         for u in _places_of(parts):
             with suppress(CurveError):  # as where 0 is divided by 0
-                values[u] = function(u)
-        places, samples = np.transpose(sorted(values.items()))
+                sample_values[u] = function(u)
+        places, samples = np.transpose(sorted(sample_values.items()))
         tol = TOL * max(np.abs(samples).max(), abs(function(0.0)), abs(function(1.0)))
         rounding = 2e-16 * max(1.0, max(abs(start), abs(end)) / (end - start))
         shortest = max(SHORTEST, 8e-16 * max(abs(start), abs(end)) / (end - start))

@@ -113,6 +113,7 @@ def simulate(
 
     outcomes: dict[int, Outcome] = {}
     rows = list(range(len(scenes)))
+    previous_failures: dict[int, Any] = {}
     for count in range(1 + max(halvings, AT_START)):
         groups: dict[tuple, list[int]] = {}
         for i in rows:
@@ -128,6 +129,9 @@ def simulate(
             outcomes.update(zip(lanes, lane_outcomes, strict=True))
         failures = {i: outcomes[i].failure for i in rows}
         rows = [i for i, f in failures.items() if _is_repeated(f, halvings, count)]
+        for i in previous_failures.keys() - rows:
+            _note_dead_end(previous_failures[i], failures[i], division)
+        previous_failures = {i: failures[i] for i in rows}
         division = divide_time(duration, instants, division.step / 2)
     return [outcomes[i] for i in range(len(scenes))]
 
@@ -137,6 +141,16 @@ def _is_repeated(failure, halvings: int, count: int) -> bool:
     if not isinstance(failure, InstabilityError) or not failure.is_of_step:
         return False
     return count < halvings or (halvings > 0 and failure.time <= IN_STEPS * failure.step)
+
+
+def _note_dead_end(previous_failure, failure, division: Division) -> None:
+    """Say that a shorter step does not help where joints open, and a run fails with the longer step
+    before at the same time, to that between checks; not where it does so from the start on."""
+    if isinstance(failure, InstabilityError):
+        failure.final_words = failure.final_words or previous_failure.final_words
+        reach = 3 * division.check_steps * division.step
+        if failure.final_words and abs(failure.time - previous_failure.time) < reach < failure.time:
+            failure.as_final()
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):

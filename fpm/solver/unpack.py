@@ -121,7 +121,10 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
         element = limit.element  # all elements broke down since the last check; this began it
     watches = [watch for kind in batch.kinds for watch in kind.watches]
     watch = watches[cause] if cause >= 0 else None
-    return InstabilityError(
+    *final_words, is_sure = (
+        watch.dead_end(scene, element, largest) if watch and watch.dead_end else (False,)
+    )
+    error = InstabilityError(
         time=record.failed_step[lane] * step,
         element=element,
         step=step,
@@ -132,7 +135,9 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
         largest=largest,
         words=watch and watch.failure(largest | {"turn": turn, "step": step}),
         remedy="; ".join(remedies),
+        final_words=final_words or None,
     )
+    return error.as_final() if is_sure and error.time > 0 and step <= limit.step else error
 
 
 def _final(batch, world, time: float) -> list[Motion]:

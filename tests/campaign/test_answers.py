@@ -254,7 +254,7 @@ def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, mon
         lambda climbs, *_: SimpleNamespace(relative_error=fall**bench.iterations),
     )  # fmt: skip
     points = [np.zeros(1)]
-    monkeypatch.setattr(quantity_bounds, "_infill", lambda bench, ends, specs: points * len(ends))
+    monkeypatch.setattr(quantity_bounds, "_infill", lambda bench, ends: points * len(ends))
     monkeypatch.setattr(quantity_bounds, "_spread", lambda *_: points)
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
@@ -282,7 +282,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
 
     monkeypatch.setattr(quantity_bounds, "_bounds", lambda climbs, *_: len(bench.points))
     monkeypatch.setattr(
-        quantity_bounds, "_infill", lambda bench, ends, specs: [np.array([float(x)]) for x in ends]
+        quantity_bounds, "_infill", lambda bench, ends: [np.array([float(x)]) for x in ends]
     )
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])

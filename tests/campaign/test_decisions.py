@@ -128,7 +128,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 @pytest.mark.parametrize(
     ("ran", "simulated", "kept", "text"),
     [
-        (False, None, False, "By the surrogate the nearest failure is of there"),
+        (False, None, False, "No run was made there, and the surrogate's error is 0.2 s."),
         (True, None, False, "simulated there: t = does not happen."),
         (True, 2.5, False, "simulated there: t = 2.5 s."),
         (True, 1.5, True, "simulated there: t = 1.5 s, which meets it"),
@@ -136,11 +136,24 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 )
 def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
     fails = {"requirement": "there", "quantity": "t", "units": "s", "kind": "at_most", "level": 2.0,
-             "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept}  # fmt: skip
+             "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept,
+             "error": 0.2}  # fmt: skip
     together = {"fails": fails, "max_interval_scale": 0.5}
     line = sentence("nearest", together, [{"name": "k", "units": "N"}])
     assert text in line
     assert ("simulated" in line) == ran
+    line = sentence("nearest", {"fails": None, "max_interval_scale": 0.5}, [])
+    assert "50 %" in line and line.endswith("At their border lies a run that failed.")
+
+
+@pytest.mark.parametrize("further", [0, 2])
+def test_further_runs_are_told_only_where_there_are_some(further):
+    facts = {"together": {"met": "some", "share": 0.5, "share_uncertainty": 0.1, "runs": 9,
+                          "failures": 3, "fails": None}, "quantities": [], "requirements": [],
+             "runs": {"further": further}}  # fmt: skip
+    line = sentence("required", facts)
+    assert "In 3 of 9 runs some requirement fails" in line
+    assert ("Further runs" in line) == bool(further)
 
 
 def test_shares_say_which_error_they_do_not_have():
@@ -313,3 +326,6 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(leve
     assert goal["value"] == pytest.approx(worst, abs=1e-3) and worst < 0.317
     assert goal["error"] < 0.01 and abs(best["value"] - 0.17) < 0.01
     assert choice["runs"] < 120
+    rows = choice["goals"] + choice["limits"]
+    assert all(row["ran"] and row["simulated"] == pytest.approx(worst, abs=1e-6) for row in rows)
+    assert all(goal["value"] >= row["simulated"] for row in rows)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import resource
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -63,6 +66,19 @@ def test_the_time_foretold_is_what_is_taken(name):
     steps = step.output_steps * (instants - 1)
     expected = LANES * machine() * _of(experiment, steps, instants)
     assert expected / RIGHT < taken < RIGHT * BUSY * expected
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["small", "latch", "deploys"])
+def test_the_price_of_a_campaign_is_what_all_of_it_takes(name, tmp_path):
+    """By processor time, as others may be busy beside it; of the last a half is the choice."""
+    found = estimate(loaded(name))
+    command = [sys.executable, "-m", "deployable", "run", str(CONFIG / f"{name}.yaml")]
+    begun = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([*command, "--results", str(tmp_path)], check=True)
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    taken = ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime
+    assert found.seconds / RIGHT < taken < RIGHT * BUSY * found.seconds
 
 
 def _of(experiment, steps: int, instants: int) -> float:

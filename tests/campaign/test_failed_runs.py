@@ -8,7 +8,9 @@ import json
 import numpy as np
 import pytest
 
+import fpm
 from deployable import campaign
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.run_samples import open_samples
@@ -38,6 +40,10 @@ actions:
 record:
   B: {part: block, at: B}
 """
+
+
+NAMES = "axle", "pin", "wrist", "guide"
+T = np.linspace(0, 2, 4001)
 
 
 def angle(t):
@@ -72,6 +78,22 @@ def run(config, tmp_path):
     return bounds, json.loads((folder / "summary.json").read_text()), folder
 
 
+@pytest.mark.parametrize("instants", [21, 41, 101])
+def test_a_singular_position_is_told_at_the_programs_own_step(tmp_path, instants):
+    """Whatever the gap is then: which joints, when, and that no shorter step helps."""
+    (path := tmp_path / "crank.yaml").write_text(STRUCTURE)
+    lengths = np.linspace(0.5, 0.99, 8)
+    scenes = [scene_type(str(path), str(path)).build(L=float(length)) for length in lengths]
+    step = 2 / (instants - 1)
+    for length, outcome in zip(
+        lengths, fpm.simulate(scenes, duration=2, instants=instants), strict=True
+    ):
+        text, reached = str(outcome.failure), np.interp(np.arcsin(length), angle(T), T)
+        assert "reaches a singular position" in text and "halve" not in text
+        assert all(name in text.split("of joints")[1] for name in NAMES)
+        assert reached - step / 2 < outcome.failure.time < reached + step
+
+
 @pytest.mark.parametrize("keep", ["trajectories", "responses"])
 def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_path, keep):
     config["jobs"] = {"keep": keep}
@@ -81,7 +103,7 @@ def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_
     planned = {round(x, 9) for x in (*nodes[nodes < 1], 0.95)}
     assert planned <= {round(row["at"]["L"], 9) for row in facts["failures"]}
     for row in facts["failures"]:  # noticed at the next recorded instant
-        reached = np.interp(np.arcsin(row["at"]["L"]), angle(t := np.linspace(0, 2, 4001)), t)
+        reached = np.interp(np.arcsin(row["at"]["L"]), angle(T), T)
         assert reached < row["time"] < reached + 0.051
         assert "singular position" in row["reason"]
     assert facts["runs"]["failed"] == len(facts["failures"])

@@ -6,10 +6,12 @@ import copy
 from pathlib import Path
 
 import pytest
+import yaml
 
 from deployable import campaign
 from deployable.campaign import stages
 from deployable.campaign.config import sections
+from deployable.campaign.files import results_of, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
 from deployable.campaign.stages.workflow import Workflow
@@ -112,3 +114,23 @@ def test_an_edited_config_finds_what_was_made_from_it(whole, section, changed, f
 def test_edited_mechanics_find_the_plan(whole, monkeypatch):
     monkeypatch.setattr(sections, "program_digest", lambda: "another")
     assert "plan.json" in stale(whole, asked())
+
+
+def test_results_of_another_config_are_named_before_they_are_replaced(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, top in (("a.yaml", 10.0), ("b.yaml", 9.0)):
+        raw = {**RAW, **ASKED, "requirements": {"short": {"top": {"at_most": top}}}}
+        Path(name).write_text(yaml.safe_dump(raw))
+    first, other = (Workflow.from_files([name]) for name in ("a.yaml", "b.yaml"))
+    with results_of({"config": first.config}):
+        write_result(first.folder.plan, "{\n}\n", basis="of the first")
+
+    def texts(workflow: Workflow) -> list[str]:
+        workflow.stale()
+        return workflow.describe_foreign_results()
+
+    (text,) = texts(other)
+    assert f"results in {first.folder.path} belong to another config, a.yaml, and" in text
+    assert texts(first) == []
+    Path("a.yaml").rename("renamed.yaml")  # which is no other one
+    assert texts(Workflow.from_files(["b.yaml"])) == []

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from closed_boxes import Closed, ClosedBench, without_runs
+from closed_boxes import LATEST, Closed, ClosedBench, without_runs
 
 from deployable.campaign.answers import limit_states, limits, requirements
 from deployable.campaign.answers.discretization import (
@@ -17,6 +17,7 @@ from deployable.campaign.answers.discretization import (
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.answers.quantity_bounds import converge_bounds
 from deployable.campaign.plan.runs import RunAccount
+from deployable.campaign.text.numbers import interval
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
@@ -218,6 +219,44 @@ def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
         row = limits.describe_limit(model, asked)
         assert row["level"] is level or (row["level"] == level and isinstance(level, float))
         assert type(row["level"]) is type(level) and row["kind"] == asked.kind
+
+
+def test_the_places_that_decide_a_limit_are_simulated_before_a_statement_about_them():
+    """Also where the iterations for bounds end before: of exp(a + b − 2), which is at most 0.7 in
+    a box of 1 + ln(0.7)/2 of the widths."""
+    model = ClosedBench(Closed("limit", 2, 11, 0.0), 9)
+    model.of = SimpleNamespace(
+        told=lambda unit, plan: (np.exp(unit.sum(axis=1) - 2), np.full(len(unit), np.nan))
+    )
+    model.numbers, _ = model.evaluate(model.plan, model.points)
+    asked = LimitSpec("low", 0, "at_most", 0.7)
+    converge_bounds(model, 1, [asked])
+    found = assess_limits(model, model.surrogates(), [asked])
+    assert model.find_missing(found.points) == []
+    assert found.largest[0] == pytest.approx(1 + np.log(0.7) / 2, abs=1e-4)
+    assert np.exp(found.failure_point.sum() - 2) > 0.7
+
+
+@pytest.mark.parametrize("iterations", [0, 1, 2])
+def test_a_time_that_grows_towards_where_it_ceases_is_never_told_an_upper_end(iterations):
+    """Beside a separatrix, however few runs there are: minus the logarithm of the distance from it,
+    which no margin tells."""
+    model = ClosedBench(Closed("late", 2, 11, 0.0), 12)
+
+    def told(unit, plan):
+        energy = unit[:, 0] + 0.3 * unit[:, 1] ** 2 - 0.2
+        with np.errstate(invalid="ignore"):
+            time = 0.6 - 0.05 * np.log(np.where(energy > 0, energy, np.nan))
+        return time, np.full(len(unit), np.nan)
+
+    model.of = SimpleNamespace(told=told)
+    model.numbers, model.margins = model.evaluate(model.plan, model.points)
+    (end,) = converge_bounds(model, iterations)
+    is_told = end.outer[1] == LATEST
+    assert is_told or end.may_be_endless
+    assert is_told == (iterations == 2)
+    row = {"lower": 0.6, "upper": 1.8, "error": 0.6, "units": "s", "may_be_endless": True}
+    assert interval(row) == "0.6 to 1.8 s (it may have no upper end)"
 
 
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():

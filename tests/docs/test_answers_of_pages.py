@@ -29,7 +29,7 @@ def answers(folder: Path) -> SimpleNamespace:
         one["name"]: share(one["share"], one["share_uncertainty"])
         for one in [*told.get("requirements", []), {"name": "all", **told.get("together", _NONE)}]
     }
-    found["choice"] = told.get("choice")
+    found |= {key: told.get(key) for key in ("choice", "parameters", "requirements", "together")}
     found["runs"] = told["runs"]["all"]
     return SimpleNamespace(**found)
 
@@ -89,6 +89,21 @@ TOLD = {
         f"{a.t_open.lower:.1f} s to more than the {a.t_open.censored_at:g} s",
         f"at most {a.v_open.upper:.2f} m/s",
         f"k = {a.choice['parameters'][0]['value']:.3f} N m/rad",
+        f"some {round(a.runs, -1)} runs",
+        "{lower:.1f} to {upper:.1f} N m".format(**a.parameters[2]),
+        "k = {k:.2f} N m/rad, c = {c:.2f} N m s/rad, friction {dry:.1f} N m".format(
+            **a.requirements[0]["limits"][0]["at"]
+        ),
+        f"Intervals of {100 * a.together['max_interval_scale']:.0f} % of their widths",
+        "k = {k:.3f}, c = {c:.2f}, friction {dry:.2f}".format(**a.together["fails"]["at"]),
+        f"latches after {a.together['fails']['simulated']:.1f} s",
+        f"{100 * a.t_open.influence['dry']['share']:.0f} % of the interval of the time",
+        f"more than {a.t_open.upper - a.t_open.lower:.1f} s to "
+        f"{a.t_open.influence['dry']['fixed']:.1f} s",
+        f"in {100 * a.together['halved']['dry']['share']:.1f} % of the box",
+        f"error of {a.choice['goals'][1]['error']:.1f} s",
+        f"worst case is {a.choice['goals'][1]['simulated']:.1f} s",
+        f"the largest speed {a.choice['goals'][0]['simulated']:.2f} m/s",
     ], "README.md": lambda a: [
         f"in {a.meet['opens']} of the box",
         f"after {a.t_open.lower:.1f} s to more than {a.t_open.censored_at:g} s",
@@ -100,6 +115,10 @@ TOLD = {
 def written(page: str) -> str:
     """The text of a page, its lines joined."""
     return " ".join((ROOT / page).read_text(encoding="utf-8").split())
+
+
+def decimals(text: str) -> set[str]:
+    return set(re.findall(r"\d+\.\d+", text))
 
 
 def run(config: Path, results: Path) -> SimpleNamespace:
@@ -114,6 +133,11 @@ def test_a_page_tells_what_its_campaign_answers(name, tmp_path):
     for page, texts in TOLD[name].items():
         missing = [text for text in texts(found) if text not in written(page)]
         assert not missing, f"{page} does not say {missing}"
+        _, _, section = written(page).partition("## The campaign")
+        section = section or (written(page) if page == "docs/will-it-latch.md" else "")
+        config = (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
+        unchecked = decimals(section) - decimals(" ".join(texts(found)) + config)
+        assert not unchecked, f"nothing tells {unchecked} of {page}"
 
 
 @pytest.fixture

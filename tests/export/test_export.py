@@ -1,6 +1,7 @@
 """`python -m deployable export`: which run it is, and what is written where."""
 
 import csv
+import os
 import shutil
 
 import numpy as np
@@ -12,6 +13,7 @@ from swing import CONFIG
 from deployable.campaign.cli import main
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import FORMATS, choose, export
+from deployable.campaign.program_data import list_structures
 
 
 def read(path):
@@ -81,6 +83,23 @@ def test_quantities_are_a_table_with_empty_cells_where_there_is_no_number(result
         numbers = samples["quantities"].sel(quantity="passes").values
     assert cells == ["" if np.isnan(number) else repr(number.item()) for number in numbers]
     assert "" in cells and any(cells)
+
+
+def test_results_are_exported_from_any_folder_with_the_structure_beside_the_config(
+    tmp_path, monkeypatch
+):
+    folder = tmp_path / "results/swing"
+    for place in ("config", "elsewhere"):
+        (tmp_path / place).mkdir()
+    shutil.copy(list_structures()["pendulum"], tmp_path / "config/bar.yaml")
+    raw = {**CONFIG, "scene": {"file": "bar.yaml", "parameters": CONFIG["scene"]["parameters"]}}
+    (tmp_path / "config/swing.yaml").write_text(yaml.safe_dump(raw), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "config/swing.yaml", "--no-figures"]) == 0
+    for place in (tmp_path, tmp_path / "elsewhere", folder):
+        monkeypatch.chdir(place)
+        assert main(["export", os.path.relpath(folder), "--to", "csv"]) == 0
+        (folder / "exports/nominal.csv").unlink()
 
 
 def test_a_configs_nominal_run_is_that_of_its_campaign(results, tmp_path):

@@ -19,7 +19,7 @@ os.environ.update(
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.jobs import CORES
-from deployable.campaign.provenance import program_digest
+from deployable.campaign.provenance import CONFIG, program_digest
 from deployable.campaign.stages.workflow import Workflow
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
@@ -56,6 +56,10 @@ except CampaignError as error:
 STALE = WORKFLOW.stale() if workflow.is_main_process else {}
 for reason in STALE.values():
     print(f"{reason}; it is made again", file=sys.stderr)
+for text in WORKFLOW.describe_foreign_results():
+    print(f"warning: {text}", file=sys.stderr)
+if not IS_MODULE:
+    os.environ[CONFIG] = WORKFLOW.config
 
 
 # With these as `params` rules run again when the program, or what decides about runs, changes.

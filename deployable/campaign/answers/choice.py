@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
+from deployable.campaign.answers.evaluations import SAME_RUN, FurtherRuns, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import (
     Choose,
@@ -117,7 +117,8 @@ def answer(
 def _search(
     model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
-    """What `_best` finds once the places that decide are simulated, or after so many iterations."""
+    """What `_best` finds once the places that decide are simulated, or after so many iterations;
+    the best choice as judged with runs at its worst places."""
     start = time.monotonic()
     for iteration in range(iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base, choose, specs)
@@ -132,7 +133,47 @@ def _search(
             f"{base.name}: choosing, {len(model.points)} runs, round {iteration + 1} of at most "
             f"{iterations}, at most {duration_text(max(1.0, seconds))} left"
         )
-    return best, safest, safe_ranges, trials
+    best = _confirm(model, base, choose, specs, best, iterations)
+    return best, safest if best.is_safe else None, safe_ranges, trials
+
+
+def _confirm(
+    model: ModelEvaluator,
+    base: Experiment,
+    choose: Choose,
+    specs: list[LimitSpec],
+    best: Any,
+    iterations: int,
+) -> Any:
+    """Judge the values of a choice again with runs at its worst places, until these stay where runs
+    are, or so many times. A goal or limit is what the run there has if that is worse."""
+    problem = _problem(model, base, choose, specs)
+    for _ in range(iterations):
+        count = len(model.points)
+        model.add(model.find_missing([*np.concatenate(best.goal_points), *best.worst]))
+        if len(model.points) == count:
+            break
+        problem = _problem(model, base, choose, specs)
+        best = problem.judge(best.values)
+
+    def value(point: np.ndarray, q: int) -> float:
+        row, distance = model.nearest(point)
+        return float(model.numbers[row, q]) if distance <= SAME_RUN else np.nan
+
+    names, goals, margins = list(model.experiment.quantities), [], []
+    for (_, end, name), goal, points in zip(
+        choose.goals, best.goals, best.goal_points, strict=True
+    ):
+        *low, high = (value(point, names.index(name)) for point in points)
+        worse = np.fmin if end == "lower" else np.fmax
+        goals.append(worse(goal, high - sum(low)))
+    for spec, limit, margin, point in zip(
+        specs, problem.limits, best.margins, best.worst, strict=True
+    ):
+        has_run = model.nearest(point)[1] <= SAME_RUN
+        number = np.array(value(point, spec.quantity))
+        margins.append(min(margin, limit.find_margins(number)) if has_run else margin)
+    return problem.weigh(best, goals, margins)
 
 
 def _zoom(
@@ -150,7 +191,7 @@ def _zoom(
         part = replace(choose, parameters={name: tuple(end) for name, end in names}, order=2)
         local = model.narrow(widen_intervals(base, part))
         local.add(design_points(local.experiment, part))
-        best, *_ = _search(local, base, part, specs, iterations=1)
+        best, *_ = _search(local, base, part, specs, iterations=2)
         model.absorb(local)
         values = best.values
         is_end = np.abs(values[:, None] - ends) < 1e-3 * reach[:, None]
@@ -194,18 +235,23 @@ def _best(
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
     that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
-    surrogates = [s.trend for s in model.surrogates()]
-    names = list(model.experiment.quantities)
-    goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
-    limits = [Limit(surrogates[spec.quantity], spec.kind, spec.level) for spec in specs]
-
-    subbox = partial(_subbox, model, experiment, choose)
-    problem = ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
+    problem = _problem(model, experiment, choose, specs)
     best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
     ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
     return best, problem.find_safest(trials), ranges, trials
+
+
+def _problem(
+    model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
+) -> ChoiceProblem:
+    surrogates = [s.trend for s in model.surrogates()]
+    names = list(model.experiment.quantities)
+    goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
+    limits = [Limit(surrogates[spec.quantity], spec.kind, spec.level) for spec in specs]
+    subbox = partial(_subbox, model, experiment, choose)
+    return ChoiceProblem(goals, limits, list(choose.parameters.values()), subbox)
 
 
 def _subbox(

@@ -47,7 +47,7 @@ draw a response, by itself and as a panel."""
 QUANTITY, RANGE = 0.6, 0.3
 """Seconds to bound a quantity, and to draw it or show it on the page."""
 
-LIMIT, CHOICE = 2.2, 3.0
+LIMIT, CHOICE = 2.2, 1.2
 """Seconds to find what of the box keeps a limit, and where it decides; to find the best choice of
 one parameter by one goal, once, for each goal and limit whose worst case it takes."""
 

@@ -89,10 +89,13 @@ def assess_limits(
     failing_rows = np.flatnonzero(margins.min(axis=0) < 0)
     scales = find_least_scales(model.nominal, model.points[failing_rows])
     failure_point = None
-    if len(failing_rows) and scales.min() < largest[0]:  # a run fails where the surrogates do not
-        run = failing_rows[scales.argmin()]
+    if len(failing_rows) and scales.min() <= (1 + 2 * _OVERSHOOT) * largest[0]:
+        run = failing_rows[
+            scales.argmin()
+        ]  # which fails nearer than, or at, the surrogates' border
         failure_point = model.points[run]
-        largest = float(scales.min()), int(margins[:, run].argmin()), failure_point
+        scale = min(largest[0], float(scales.min()))
+        largest = scale, int(margins[:, run].argmin()), failure_point
     elif largest[2] is not None:
         # A little beyond the border, so that the run there fails and does not only touch it.
         farther = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)

@@ -143,7 +143,7 @@ def _row(
         "argmin": box.from_unit(bounds.argmin), "argmax": box.from_unit(bounds.argmax),
         "nominal": surrogate.evaluate(model.nominal[None])[0],
         "error": error if np.isfinite(error) else np.nan,
-        "is_time": int(quantity.is_time),
+        "is_time": int(quantity.is_time), "may_be_endless": int(bounds.may_be_endless),
         "least": np.nan if quantity.least is None else quantity.least,
         "fit": surrogate.fit.kind if surrogate.fit else "none",
         # The search over a part may find more than that over the whole has.

@@ -13,7 +13,7 @@ from deployable.campaign.plan.jobs import LANES
 from deployable.campaign.plan.plan import ROUNDING
 from deployable.intervals.box import MOST_FULL
 from deployable.intervals.designs import scan_points
-from deployable.intervals.scalars import TOLERANCE, Climb, estimate_bounds
+from deployable.intervals.scalars import TOLERANCE, Climb, FittedOccurrence, estimate_bounds
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
@@ -23,6 +23,7 @@ _PARAMETER_RUNS = 8  # runs for each parameter before the surrogate says where o
 _ROUGH = 0.02  # of the width of the runs: error of a fit that is not close
 _MOST_SPREAD = 4  # times as many where a quantity has no value
 _CORNER_DIRECTIONS = 3  # parameters whose corners are run at once
+_OPEN = 0.05  # of the width: error of an upper bound that may not exist
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
@@ -64,6 +65,15 @@ class QuantityBounds:
         return max([*errors, *self.remainders]) if errors else np.nan
 
     @property
+    def may_be_endless(self) -> bool:
+        """Whether the quantity, a time, may have no upper bound: the runs leave open how far it
+        grows towards where it ceases, and no performance function tells where that is."""
+        occurrence, (lower, upper) = self.surrogate.occurrence, self.outer
+        is_blind = occurrence.is_mixed and not isinstance(occurrence, FittedOccurrence)
+        is_below = is_blind and upper < self.surrogate.latest < np.inf
+        return bool(is_below and self.estimates[1].error > _OPEN * (upper - lower))
+
+    @property
     def relative_error(self) -> float:
         """Error of the bounds where runs were sampled adaptively, the larger of `error` and the
         surrogate's `bound_error`, over the width; infinite without a width, 0 if all is equal but
@@ -87,13 +97,14 @@ def converge_bounds(
     where the limits `specs` are worst, then refits; where none is to be added, it ends.
     tolerances (q): errors, as fractions of widths, that are asked for (`accuracy`): where one is
     exceeded, and falls with runs, iterations go on with runs spread over the box, too, as long as
-    the evaluator allows any."""
+    the evaluator allows any. At the end come up to twice as many iterations for the limits alone,
+    until the places that decide them are simulated."""
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
     if max_iterations > 0:
         model.add(_turning_points(model))
-    climbs, progress = _Climbs(model), _Progress(tolerances)
+    climbs, progress, confirmations = _Climbs(model), _Progress(tolerances), 2 * max_iterations
     is_searched = max_iterations > 0 and bool(climbs.climbs)
     for iteration in itertools.count():
         is_extra = iteration >= max_iterations
@@ -104,9 +115,14 @@ def converge_bounds(
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
-        points = _infill(model, *((unmet, ()) if is_extra else (bounds, specs)))
+        points = _infill(model, unmet if is_extra else bounds)
+        if not is_extra:
+            points += _find_deciding_points(model, bounds, specs)
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
+        if is_extra and not points and confirmations > 0:
+            confirmations -= 1
+            points = _find_deciding_points(model, bounds, specs)
         if not points or not _grow(model, points):
             return bounds
         mispredictions = _mispredictions(model, bounds, mispredictions)
@@ -280,19 +296,23 @@ def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
     return estimate._replace(value=value, error=error)
 
 
-def _infill(
-    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
-) -> list[np.ndarray]:
-    """Unit points (k) of the next runs for some quantities, and for limits of all of them."""
+def _infill(model: ModelEvaluator, bounds: Sequence[QuantityBounds]) -> list[np.ndarray]:
+    """Unit points (k) of the next runs for some quantities."""
     points = []
     for b in bounds:
         points += [point for estimate in b.estimates for point in estimate.points]
         if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
             points += list(b.surrogate.occurrence.infill_points(_SURFACE))
-    if specs:
-        surrogates = [b.surrogate for b in bounds]
-        points += model.find_missing(assess_limits(model, surrogates, specs).points)
     return points
+
+
+def _find_deciding_points(
+    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
+) -> list[np.ndarray]:
+    """Unit points (k) that decide limits of all quantities, where no run was made."""
+    if not specs:
+        return []
+    return model.find_missing(assess_limits(model, [b.surrogate for b in bounds], specs).points)
 
 
 def _mispredictions(

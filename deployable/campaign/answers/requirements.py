@@ -128,7 +128,9 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
 
 def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) -> dict:
     largest, index, _ = result.largest
-    largest = min([largest, *find_least_scales(model.nominal, model.failed_points)])
+    failed_scales = find_least_scales(model.nominal, model.failed_points)
+    is_failed_nearer = len(failed_scales) > 0 and failed_scales.min() < largest
+    largest = min([largest, *failed_scales])
     row = {
         **_judge_limits(model, result, tuple(range(len(result.specs))), shares),
         "max_interval_scale": largest,
@@ -137,12 +139,13 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
     count = int(is_broken.sum()) + len(model.failed_points)
     row["failures"] = None if model.rest_count else count
-    if index is None:
+    if index is None or is_failed_nearer:
         return {**row, "fails": None}
     spec = result.specs[index]
     fails = {"requirement": spec.requirement, **describe_limit(model, spec)}
     point: Any = result.failure_point
     fails |= model.describe_point(point, spec.quantity)
+    fails["error"] = number(result.limits[index].error)
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
     fails["kept"] = bool(fails["ran"] and result.limits[index].find_margins(simulated) >= 0)
     return {**row, "fails": fails}

@@ -111,6 +111,10 @@ def _check(options: argparse.Namespace) -> int:
             if campaign.cases:
                 count = f"{len(campaign.cases)} cases"
                 print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
+            workflow = Workflow(campaign)
+            workflow.stale()
+            for text in workflow.describe_foreign_results():
+                print(f"{path}: warning: {text}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
                 prefix, experiment = f"{path}: {case}", variant.experiment

@@ -58,7 +58,8 @@ def load_config(
     _add(config, anchor_paths(overrides or {}, "."))
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
-        return check_config(config, source or ", ".join(str(path) for path in paths))
+        campaign = check_config(config, source or ", ".join(str(path) for path in paths))
+        return replace(campaign, sources=tuple(map(str, paths)))
     except ConfigError as error:
         problems = [_place(problem, lines) + problem for problem in error.problems]
         raise ConfigError(error.source, problems) from None

@@ -314,7 +314,8 @@ class Campaign:
     """A whole config, checked and resolved: the experiment, and the sections on what is made of the
     runs. published: largest width in the literature, by response; review: name of the standard of
     the review sheet; requirements: limits by requirement, quantity and kind; cases: what each case
-    changes; case_campaigns: the campaigns of the cases, which are run in the place of this one."""
+    changes; case_campaigns: the campaigns of the cases, which are run in the place of this one;
+    sources: paths of the files it was read from."""
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -329,6 +330,7 @@ class Campaign:
     cases: dict[str, dict] = field(default_factory=dict)
     case_campaigns: dict[str, Campaign] = field(default_factory=dict)
     measured: dict[str, ResolvedTest] = field(default_factory=dict)
+    sources: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

@@ -112,7 +112,8 @@ def choose(
         try:
             return _select_results_run(Folder(path), run)
         except SceneError as error:
-            text = f"{Folder(path).samples}: {error}; run the campaign again"
+            remedy = "run the campaign again, or export in the folder where it was run"
+            text = f"{Folder(path).samples}: {error}; {remedy}"
             raise CampaignError(text) from error
     if run != "nominal":
         raise CampaignError(

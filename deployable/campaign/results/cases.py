@@ -152,7 +152,10 @@ def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float])
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """The interval of each quantity in each case, and over all."""
-    keys = "lower upper error units happens happens_uncertainty runs_without predicted_ends"
+    keys = (
+        "lower upper error units happens happens_uncertainty runs_without predicted_ends "
+        "may_be_endless"
+    )
     rows = []
     for name, by_case in _group(summaries, "quantities").items():
         first = next(iter(by_case.values()))

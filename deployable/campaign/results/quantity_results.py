@@ -28,7 +28,8 @@ class QuantityResults(NamedTuple):
     """Quantities of a campaign over the box. rows: a dict of each, as in `summary.json`: interval,
     errors, numbers of runs with and without it, parameter values at both bounds, and the influence
     of each parameter, None where there is no number; `censored_at`: the end of the runs (s) of a
-    time that some runs lack and whose upper bound reaches it, else None. parameters: dicts of name,
+    time that some runs lack and whose upper bound reaches it, else None; `may_be_endless`: whether
+    the runs leave open if a time has an upper bound. parameters: dicts of name,
     units, lower, nominal, upper; further_runs, check_runs: how many runs the search for the bounds
     added, and the estimate of errors made; errors (2, q): by mesh and step, of values and of event
     margins, by which shares of the box are uncertain; None where these were not estimated.
@@ -77,6 +78,7 @@ def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float
     ]  # fmt: skip
     is_late = data["is_time"][i] and row["runs_without"] and (row["upper"] or 0.0) >= duration
     row["censored_at"] = duration if is_late else None
+    row["may_be_endless"] = bool(data["may_be_endless"][i])
     for key in ("argmin", "argmax"):
         row[key] = dict(zip(parameters, map(number, data[key][i]), strict=True))
     row["influence"] = {

@@ -3,7 +3,9 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,7 +77,14 @@ def open_samples(folder: Folder) -> "Iterator[RunSamples]":
     """Context manager that gives the runs of a campaign, with any `jobs.keep`. folder: of the
     results. Raises `DamagedError` where `samples.nc` is not as written."""
     with open_netcdf(folder.samples) as file:
-        yield RunSamples(file)
+        samples = RunSamples(file)
+        scene = samples.experiment.scene
+        # Its path is as seen from the folder where the campaign was run, above the results.
+        paths = (place / scene.file for place in (Path(), *folder.path.absolute().parents))
+        if scene.file and (path := next((p for p in paths if p.is_file()), None)):
+            scene = replace(scene, file=str(path))
+            samples.experiment = replace(samples.experiment, scene=scene)
+        yield samples
 
 
 class RunSamples:

@@ -14,7 +14,7 @@ from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import restore_types
 from deployable.campaign.config.sections import Campaign, as_json, count_runs
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_dataset, read_json
+from deployable.campaign.files import open_dataset, read_json, results_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan
@@ -34,7 +34,9 @@ class Workflow:
         self.cases = {
             name: Workflow(case, self.folder.path) for name, case in campaign.case_campaigns.items()
         }
+        self.config = ", ".join(os.path.relpath(path, results) for path in campaign.sources)
         self.damage: dict[str, DamagedError] = {}  # of what `stale` found
+        self.foreign_configs: set[str] = set()  # configs whose results `stale` found
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
@@ -96,9 +98,26 @@ class Workflow:
                 if (facts := read_seal(path, path)) is None:
                     continue
                 plan = plan or facts.get("plan")
-                if (facts.get("basis"), facts.get("plan")) != (basis, plan):
+                is_stale = (facts.get("basis"), facts.get("plan")) != (basis, plan)
+                if is_stale:
                     reasons[str(path)] = f"{path} was made from something else"
+                if is_stale or self.cases:  # which may differ in what they share
+                    self.foreign_configs |= {facts.get("config", "")} - {"", self.config}
         return reasons
+
+    def describe_foreign_results(self) -> list[str]:
+        """Say that results of other configs, which are still there, will be replaced: sentences
+        about what `stale` found."""
+        place, texts = self.folder.path.parent, []
+        for config in sorted(self.foreign_configs) if self.config else ():
+            paths = [Path(os.path.relpath(place / name)) for name in config.split(", ")]
+            if all(path.exists() for path in paths):  # else it was renamed
+                texts.append(
+                    f"the results in {self.folder.path} belong to another config, "
+                    f"{', '.join(map(str, paths))}, and will be replaced: to keep them, give one "
+                    "of the configs another name (`campaign`)"
+                )
+        return texts
 
     def list_stages(self, is_incomplete: bool, figures: bool = True) -> list[str]:
         """List the names of the stages that `run` would do by the results that are there.
@@ -210,8 +229,12 @@ def complete(
 ) -> None:
     """Make the results of a campaign that are missing or not of its config, as `run` does, which
     has the same arguments and errors, in a process whose linear algebra has one thread."""
-    notify = notify or MessagePrinter(sys.stderr)
-    (_run_cases if campaign.cases else _run)(campaign, results, figures, notify)
+    notify, workflow = notify or MessagePrinter(sys.stderr), Workflow(campaign, results)
+    workflow.stale()
+    for text in workflow.describe_foreign_results():
+        notify(f"warning: {text}")
+    with results_of({"config": workflow.config}):
+        (_run_cases if campaign.cases else _run)(campaign, results, figures, notify)
 
 
 def _run_cases(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> None:

@@ -93,6 +93,7 @@ OPEN = 0.05  # per cent of the box from which it is said how large the error of 
 def interval(row: Mapping[str, Any]) -> str:
     """Write a quantity's interval (its dict) with its unit, `0.31 to 0.34 s`; "" where there is
     none, and `0.31 to more than 2 s (the end of the runs)` of a time that some runs do not reach.
+    may_be_endless: whether to say that a time may have no upper end.
     Both bounds are rounded to the place of the first digit of their error, or of a tenth of their
     difference if that is less; never more than two places beyond the first digit of their
     difference."""
@@ -102,7 +103,8 @@ def interval(row: Mapping[str, Any]) -> str:
     if row.get("censored_at"):
         most = quantity(row["censored_at"], row["units"])
         return f"{ends[0]} to more than {most} (the end of the runs)"
-    return with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+    text = with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+    return f"{text} (it may have no upper end)" if row.get("may_be_endless") else text
 
 
 def _ends(row: Mapping[str, Any]) -> list[str]:

@@ -5,7 +5,7 @@ directly. Where what it is of does not happen in a run, that run has none (NaN).
 
 from .climb import Climb
 from .fits import Fit, choose_fit
-from .occurrence import Occurrence
+from .occurrence import FittedOccurrence, Occurrence
 from .requirements import (
     Choice,
     ChoiceProblem,

@@ -483,21 +483,29 @@ class ChoiceProblem:
         lower, upper = self.box(values)
         goal_values = [goal.value(lower, upper) for goal in self.goals]
         limit_values = [limit.worst(lower, upper) for limit in self.limits]
-        margins = np.array([margin for margin, _ in limit_values])
+        worst = [point for _, point in limit_values]
+        choice = Choice(
+            values,
+            np.zeros(0),
+            np.inf,
+            np.zeros(0),
+            np.array(worst).reshape(len(limit_values), len(lower)),
+            [point for _, point in goal_values],
+        )
+        goals, margins = ([value for value, _ in rows] for rows in (goal_values, limit_values))
+        return self.weigh(choice, goals, margins)
+
+    def weigh(self, choice: Choice, goals: Sequence, margins: Sequence) -> Choice:
+        """Return a choice with other `goals` (g) and `margins` (l), and what follows from them."""
+        margin_array, goal_array = np.array(margins, dtype=float), np.array(goals, dtype=float)
         errors = np.array(
             [0.0 if limit.kind == "happens" else limit.error for limit in self.limits]
         )
-        has_error = np.isfinite(margins) & ~np.isnan(errors)
+        has_error = np.isfinite(margin_array) & ~np.isnan(errors)
         sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
-        return Choice(
-            values,
-            np.array([value for value, _ in goal_values]),
-            float(margins.min(initial=np.inf)),
-            margins,
-            np.array([point for _, point in limit_values]).reshape(len(limit_values), len(lower)),
-            [point for _, point in goal_values],
-            float((margins[has_error] / sizes).min(initial=np.inf)),
-        )
+        safety = float((margin_array[has_error] / sizes).min(initial=np.inf))
+        least = float(margin_array.min(initial=np.inf))
+        return replace(choice, goals=goal_array, margins=margin_array, margin=least, safety=safety)
 
     def find_best(self) -> tuple[Choice, list[Choice]]:
         """Choose values that satisfy every limit by its error with the best first goal; if none do,

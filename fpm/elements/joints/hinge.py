@@ -34,24 +34,17 @@ from fpm.elements.kind import AXES, ElementType, Series, Watch
 from fpm.elements.openings.opening import opening_angle
 from fpm.errors import SceneError
 
-_BURST = 1.0
-"""Gap (m) of a joint that no drift reaches in a step: nothing closes it any more."""
-
 _MOST_TURN = 0.25
 """Turn of a body in a step (rad) at which its joints surely close."""
 
 
-def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
+def gap_watches(noun: str, gap: str, tilt: str, remedy: str, dead_end=None) -> tuple[Watch, Watch]:
     """Return two failure criteria (Watch): for the gaps (m, as a share of the scene's size) and for
     the tilts (rad) of hinges or joints, above which a run fails. noun: "hinge" or "joint"; gap,
-    tilt: keys of the two; remedy: the sentence that tells the user what to do."""
+    tilt: keys of the two; remedy: the sentence that tells the user what to do; dead_end: that
+    of both (Watch)."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
-        if not values[gap] < _BURST:
-            return "the joints can no longer be closed, as bodies reach a singular position", (
-                "a loop of rigid bodies is at the end of its way there: change its lengths or its "
-                "motion, or state joints whose lengths and axes fit"
-            )
         cause = f"a {noun} is open by {values[gap]:.2g} m and {values[tilt]:.2g} rad"
         turn, step = values["turn"], values["step"]
         if not _MOST_TURN < turn < math.inf:
@@ -59,7 +52,10 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
         cause += f", as a body turns by {turn:.2g} rad in a step, at {turn / step:.3g} rad/s"
         return cause, f"take a solver.step of at most {_MOST_TURN * step / turn:.2g} s"
 
-    return Watch(gap, MOST_GAP, True, failure, True), Watch(tilt, MOST_TILT, True, failure)
+    return (
+        Watch(gap, MOST_GAP, True, failure, True, dead_end=dead_end),
+        Watch(tilt, MOST_TILT, True, failure, dead_end=dead_end),
+    )
 
 
 class JointBase(ElementType):

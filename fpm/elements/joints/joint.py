@@ -46,6 +46,41 @@ EASE = {8: 1e-10, 4: 1e-5}
 """Share by which the diagonal is raised, by the bytes of a number."""
 
 
+_BURST = 1.0
+"""Gap (m) of a joint that no drift reaches in a step: nothing closes it any more."""
+
+
+def _describe_singularity(scene, element: str, values: dict[str, float]) -> tuple[str, str, bool]:
+    """Describe a loop of joints that no longer closes (Watch.dead_end): the shortest that the
+    joint `element` forms, in which fixed particles count as one body."""
+    name = element.removeprefix("joint ")
+    ground = {p for p in range(len(scene.mass)) if scene.fixed[p].all()}
+    sides = {
+        joint.name: [-1 if p in ground else p for p in (*joint.particles, -1)[:2]]
+        for joint in Joint.find(scene)
+        if not joint.holds_opening
+    }
+    start, goal = sides.pop(name, (-1, -1))
+    paths, bodies = {start: [name]}, [start]
+    for body in bodies:  # which grows
+        for other_name, pair in sides.items():
+            if body in pair and (neighbour := pair[pair[0] == body]) not in paths:
+                paths[neighbour] = [*paths[body], other_name]
+                bodies.append(neighbour)
+    *joints, last = paths.get(goal, [name])
+    subject = f"joint {last}"
+    if joints:
+        subject = (
+            f"the loop of joints {', '.join(joints)} and {last} reaches a singular position and"
+        )
+    return (
+        f"{subject} can no longer be closed",
+        "no shorter step helps: change the loop's lengths or its motion, or state joints whose "
+        "lengths and axes fit",
+        bool(joints) and not values["joint_gap"] < _BURST,
+    )
+
+
 @dataclass(frozen=True)
 class Joint(JointBase):
     """A joint between the free ends of two virtual beams (rigid arms from particles). name: no
@@ -75,6 +110,7 @@ class Joint(JointBase):
         "joint_tilt",
         "halve solver.step; or the joints contradict each other: rigid bodies in a loop can only "
         "move if lengths and axes fit",
+        _describe_singularity,
     )
 
     @staticmethod

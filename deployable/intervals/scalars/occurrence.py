@@ -110,6 +110,12 @@ class Occurrence:
         spread = self._spread()
         return float((np.abs(self.decision(spread)) < self.band(spread)).mean())
 
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """Volume fractions (N) of the box that are nearest to each run, by 8192 points."""
+        rows = scipy.spatial.cKDTree(self.points).query(self._spread())[1]
+        return np.bincount(rows, minlength=len(self.points)) / _POINTS
+
     def infill_points(self, count: int) -> np.ndarray:
         """Points (at most `count`, k) in [-1, 1]^k for further runs, near the border of where the
         event occurs, as far from all runs and each other as can be; none where all runs agree."""
@@ -234,7 +240,7 @@ class FittedOccurrence(Occurrence):
     an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
     event's time, is not above that. The decision function is that margin, or the time left. error:
     that of the fit, in its unit, half the width of the undecided band; volume fractions are
-    uncertain by `Fit.median_errors`; points, happens: as in `Occurrence`. A margin or time locates
+    uncertain by `Fit.usual_errors`; points, happens: as in `Occurrence`. A margin or time locates
     the border better than whether the event occurs."""
 
     fit: Fit
@@ -263,4 +269,4 @@ class FittedOccurrence(Occurrence):
         return np.full(len(points), self.error)
 
     def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
-        return self.fit.median_errors(points)
+        return self.fit.usual_errors(points)

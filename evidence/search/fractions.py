@@ -54,7 +54,7 @@ class ClosedBox:
         rows = [np.broadcast_to(margins.get(name, np.nan), len(x)) for name in values]
         return np.column_stack([*values.values()]), np.column_stack(rows)
 
-    def kept(self, x: np.ndarray) -> dict[str, np.ndarray]:
+    def masks(self, x: np.ndarray) -> dict[str, np.ndarray]:
         """Masks (P) of where each requirement is kept, and all are (`together`)."""
         values, masks = self.function(x), {}
         for name, limits in self.limits.items():
@@ -84,52 +84,52 @@ class ClosedBox:
 
     def _masks(self, x: np.ndarray) -> dict[str, np.ndarray]:
         with np.errstate(all="ignore"):
-            parts = [self.kept(x[i : i + CHUNK]) for i in range(0, len(x), CHUNK)]
+            parts = [self.masks(x[i : i + CHUNK]) for i in range(0, len(x), CHUNK)]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 class ClosedEvaluator(ModelEvaluator):
     """An evaluator whose runs are evaluations of a `ClosedBox`."""
 
-    def __init__(self, closed: ClosedBox, points: np.ndarray, most: float) -> None:
-        names, k = list(closed.function(np.zeros((1, closed.k)))), closed.k
-        self.closed, self.account = closed, RunAccount()
+    def __init__(self, box: ClosedBox, points: np.ndarray, most: float) -> None:
+        names, k = list(box.function(np.zeros((1, box.k)))), box.k
+        self.form, self.account = box, RunAccount()
         quantities = [
             SimpleNamespace(
                 name=name, long_name=name, unit="1", kind="largest", is_time=False, least=None,
                 response=SimpleNamespace(long_name=name), number=1, instant=None,
-                always_exists=not (closed.latest or self._comes_and_goes(name)),
+                always_exists=not (box.latest or self._comes_and_goes(name)),
             ) for name in names
         ]  # fmt: skip
         for quantity in quantities:
-            quantity.is_time = bool(closed.latest) and not quantity.always_exists
-        self.around = SimpleNamespace(
+            quantity.is_time = bool(box.latest) and not quantity.always_exists
+        self.setup = SimpleNamespace(
             box=Box([f"p{j}" for j in range(k)], -np.ones(k), np.ones(k)), intervals={}, name="",
             quantity_list=quantities, quantities={name: {} for name in names}, nominal=[],
-            solver=SimpleNamespace(duration=closed.latest),
+            solver=SimpleNamespace(duration=box.latest),
         )  # fmt: skip
         self.points = points
-        self.numbers, self.margins = closed.columns(points)
+        self.numbers, self.margins = box.columns(points)
         self.refinements, self.rest_count, self.max_refinements = [], 0, most
 
     def _comes_and_goes(self, name: str) -> bool:
-        x = 2 * qmc.Sobol(self.closed.k, seed=1).random(1024) - 1
-        return not np.isfinite(self.closed.function(x)[name]).all()
+        x = 2 * qmc.Sobol(self.form.k, seed=1).random(1024) - 1
+        return not np.isfinite(self.form.function(x)[name]).all()
 
     @property
     def experiment(self) -> Any:
-        return self.around
+        return self.setup
 
     @property
     def nominal(self) -> np.ndarray:
-        return np.zeros(self.closed.k)
+        return np.zeros(self.form.k)
 
     def add(self, points: Iterable[np.ndarray]) -> np.ndarray:
         points = list(points)
         for point in points:
             is_new = np.abs(self.points - point).max(axis=1).min() > 1e-6
             if is_new and len(self.refinements) < self.max_refinements:
-                numbers, margins = self.closed.columns(np.asarray(point)[None])
+                numbers, margins = self.form.columns(np.asarray(point)[None])
                 self.points = np.concatenate([self.points, np.asarray(point)[None]])
                 self.numbers = np.concatenate([self.numbers, numbers])
                 self.margins = np.concatenate([self.margins, margins])
@@ -137,23 +137,23 @@ class ClosedEvaluator(ModelEvaluator):
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
 
-def play(closed: ClosedBox, mode: str, truth: Mapping[str, float]) -> list[dict[str, Any]]:
+def play(box: ClosedBox, mode: str, truth: Mapping[str, float]) -> list[dict[str, Any]]:
     """What is said of a box, beside the truth: by a sparse grid ("default") or "accuracy"."""
-    k, tolerances = closed.k, []
+    k, tolerances = box.k, []
     if mode == "default":
         nodes = make_design("smolyak", k, 2 if k < 6 else 1).points
         points = np.concatenate([nodes, held_out_points(np.ones(k, dtype=bool), 4, nodes)])
-        model = ClosedEvaluator(closed, points, np.inf)
+        model = ClosedEvaluator(box, points, np.inf)
     else:
         points = make_design("sobol", k, samples=8 * k - 1).points
         points = np.concatenate([np.zeros((1, k)), points])
-        model = ClosedEvaluator(closed, points, MAX_RUNS - len(points))
+        model = ClosedEvaluator(box, points, MAX_RUNS - len(points))
         tolerances = [TOLERANCE] * len(model.experiment.quantity_list)
-    specs = list_limits(closed.limits, list(model.experiment.quantities))
+    specs = list_limits(box.limits, list(model.experiment.quantities))
     converge_bounds(model, 4, specs, tolerances)
-    rows = judge(model, closed.limits)
+    rows = judge(model, box.limits)
     answers = {row["name"]: row for row in rows["requirements"]}
-    if all(truth["together"] != truth[name] for name in closed.limits):
+    if all(truth["together"] != truth[name] for name in box.limits):
         answers["together"] = rows["together"]
     fractions = [
         {"fraction": name, "true": truth[name], "said": row["share"],
@@ -168,7 +168,7 @@ def play(closed: ClosedBox, mode: str, truth: Mapping[str, float]) -> list[dict[
             {"fraction": f"gain {j}", "true": truth[f"gain {j}"], "said": row["gain"],
              "open": row["gain_uncertainty"], "met": "some", "kind": "gain"},
         ]  # fmt: skip
-    return [{"box": closed.name, "by": mode, "runs": len(model.points), **row}
+    return [{"box": box.name, "by": mode, "runs": len(model.points), **row}
             for row in fractions]  # fmt: skip
 
 
@@ -188,8 +188,8 @@ def measure(quick: bool = False) -> list[dict[str, Any]]:
 def is_covered(row: Mapping[str, Any]) -> bool:
     """Whether a true fraction lies within what is said of it: of what no run breaks, what so many
     runs in any places miss with a chance of 5 % counts, as the verdict tells it."""
-    unseen = 3 / row["runs"] if row["met"] == "all" else 0.0
-    return bool(abs(row["said"] - row["true"]) <= row["open"] + unseen + RESOLUTION)
+    blind_share = 3 / row["runs"] if row["met"] == "all" else 0.0
+    return bool(abs(row["said"] - row["true"]) <= row["open"] + blind_share + RESOLUTION)
 
 
 def report(answers: Sequence[Mapping[str, Any]]) -> Report:
@@ -199,13 +199,15 @@ def report(answers: Sequence[Mapping[str, Any]]) -> Report:
         ("fraction", "fractions"), ("halved", "fractions with one interval halved"),
         ("gain", "gains by halving one interval"),
     ):  # fmt: skip
-        some = [row for row in answers if row["kind"] == kind]
-        missed = [(row["open"], abs(row["said"] - row["true"])) for row in some]
-        ratios = [open_ / miss for open_, miss in missed if miss > MISS]
-        covered = [is_covered(row) for row in some]
-        note = f"{sum(covered)} of {len(covered)}"
+        group = [row for row in answers if row["kind"] == kind]
+        pairs = [(row["open"], abs(row["said"] - row["true"])) for row in group]
+        ratios = [open_ / miss for open_, miss in pairs if miss > MISS]
+        successes = [is_covered(row) for row in group]
+        note = f"{sum(successes)} of {len(successes)}"
         rows += [
-            at_least(f"{name} within their uncertainty", float(np.mean(covered)), 0.95, note=note),
+            at_least(
+                f"{name} within their uncertainty", float(np.mean(successes)), 0.95, note=note
+            ),
             at_most(
                 f"{name}: uncertainty over error, median", float(np.median(ratios or [0.0])), 3
             ),
@@ -223,14 +225,14 @@ def report(answers: Sequence[Mapping[str, Any]]) -> Report:
 # -- boxes ----------------------------------------------------------------------------------------
 
 
-def scaled(x: np.ndarray, *ends: tuple[float, float]) -> list[np.ndarray]:
+def scale(x: np.ndarray, *ends: tuple[float, float]) -> list[np.ndarray]:
     """Parameters (P) from their least and largest values."""
     return [
         low + (column + 1) / 2 * (high - low) for column, (low, high) in zip(x.T, ends, strict=True)
     ]
 
 
-def one(name: str, k: int, function: Callable, *levels: float, **options: Any) -> ClosedBox:
+def one_number(name: str, k: int, function: Callable, *levels: float, **options: Any) -> ClosedBox:
     """A box of one number q with requirements that it is at most each level; +inf: it happens."""
     limits = {
         f"at most {level:g}" if np.isfinite(level) else "happens": {
@@ -245,7 +247,7 @@ def one(name: str, k: int, function: Callable, *levels: float, **options: Any) -
 
 def bungee(x: np.ndarray) -> dict[str, np.ndarray]:
     """Peak tension and length of a cord of which a mass falls, 0.75 m below its end, in 1 s."""
-    stiffness, rest, mass = (p[:, None] for p in scaled(x, (210, 390), (0.7, 1.3), (0.9, 1.1)))
+    stiffness, rest, mass = (p[:, None] for p in scale(x, (210, 390), (0.7, 1.3), (0.9, 1.1)))
     fall = np.maximum(rest - 0.75, 0.0)
     start, speed = np.sqrt(2 * fall / G), np.sqrt(2 * G * fall)
     rate = stiffness / rest
@@ -254,9 +256,9 @@ def bungee(x: np.ndarray) -> dict[str, np.ndarray]:
     first = np.maximum(0.75, rest)
 
     def place(t: np.ndarray) -> np.ndarray:
-        later = np.maximum(t - start, 0.0)
-        held = middle + swing(later, first - middle, speed, w, 0 * w)
-        return np.where(t < start, 0.75 + G * t**2 / 2, held)
+        delay = np.maximum(t - start, 0.0)
+        length = middle + swing(delay, first - middle, speed, w, 0 * w)
+        return np.where(t < start, 0.75 + G * t**2 / 2, length)
 
     times = np.linspace(0, 1.0, 201)
     tension = np.maximum(rate * (place(times[None]) - rest), 0.0).max(axis=1)
@@ -266,7 +268,7 @@ def bungee(x: np.ndarray) -> dict[str, np.ndarray]:
 def race(x: np.ndarray) -> dict[str, np.ndarray]:
     """When two damped hinges reach 90 of 120 degrees, and where the second is at the first time."""
     k1, c1, k2, c2 = (
-        p[:, None] for p in scaled(x, (0.8, 1.2), (0.21, 0.39), (0.72, 1.08), (0.21, 0.39))
+        p[:, None] for p in scale(x, (0.8, 1.2), (0.21, 0.39), (0.72, 1.08), (0.21, 0.39))
     )
     rest, times = np.radians(120), np.linspace(0, 4.0, 41)
 
@@ -281,27 +283,29 @@ def race(x: np.ndarray) -> dict[str, np.ndarray]:
 
 def brake(x: np.ndarray) -> np.ndarray:
     """Square of the rate at which a hinge slowed by friction comes upon its latch."""
-    inertia, speed, moment = scaled(x, (0.8, 1.2), (1.12, 2.08), (1.8, 2.2))
+    inertia, speed, moment = scale(x, (0.8, 1.2), (1.12, 2.08), (1.8, 2.2))
     return speed**2 - 2 * moment * 0.6 / inertia
 
 
 def rare(x: np.ndarray) -> dict[str, np.ndarray]:
     """When it comes upon a latch that catches up to 0.4 rad/s."""
-    inertia, speed, moment = scaled(x, (0.8, 1.2), (1.12, 2.08), (1.8, 2.2))
-    left = brake(x)
-    time = (speed - np.sqrt(np.maximum(left, 0.0))) / (moment / inertia)
-    return {"t": np.where((left > 0) & (left <= 0.16), time, np.nan)}
+    inertia, speed, moment = scale(x, (0.8, 1.2), (1.12, 2.08), (1.8, 2.2))
+    square = brake(x)
+    time = (speed - np.sqrt(np.maximum(square, 0.0))) / (moment / inertia)
+    return {"t": np.where((square > 0) & (square <= 0.16), time, np.nan)}
 
 
 def rare_margin(x: np.ndarray) -> dict[str, np.ndarray]:
-    left = brake(x)
-    return {"t": np.minimum(np.sqrt(np.abs(left)) * np.sign(left), 0.4 - np.sqrt(np.abs(left)))}
+    square = brake(x)
+    return {
+        "t": np.minimum(np.sqrt(np.abs(square)) * np.sign(square), 0.4 - np.sqrt(np.abs(square)))
+    }
 
 
 def slack(x: np.ndarray) -> dict[str, np.ndarray]:
     """Flight of a mass on a taut damped rope thrown up: slackens where it rises above its rest."""
     speed, mass, stiffness, c = (
-        p[:, None] for p in scaled(x, (0.9, 2.1), (1.6, 2.4), (160, 240), (0.75, 2.25))
+        p[:, None] for p in scale(x, (0.9, 2.1), (1.6, 2.4), (160, 240), (0.75, 2.25))
     )
     w, d = np.sqrt(stiffness / mass), c / (2 * mass)
     rest = mass * G / stiffness  # so far up the rope is slack
@@ -327,7 +331,7 @@ def slack(x: np.ndarray) -> dict[str, np.ndarray]:
 
 def sail(x: np.ndarray) -> dict[str, np.ndarray]:
     """Rate and time at the end of a stroke that springs push, a brake and friction hold."""
-    a, b, oil, rub = scaled(x, (0.9, 1.1), (0.9, 1.1), (0.48, 0.72), (0.05, 0.25))
+    a, b, oil, rub = scale(x, (0.9, 1.1), (0.9, 1.1), (0.48, 0.72), (0.05, 0.25))
     ends = []
     for strength in (a, b):
         push, tau = 1.0 * strength - rub, 0.12 / oil
@@ -346,9 +350,9 @@ def needle(x: np.ndarray) -> np.ndarray:
     return 0.1 * x[:, 0] + np.exp(-((x[:, 0] - 0.63) ** 2 + (x[:, 1] + 0.41) ** 2) / 0.0016)
 
 
-def over(x: np.ndarray) -> dict[str, np.ndarray]:
-    """Whether, and when, a body on a hinge passes its top: beside the separatrix ever later."""
-    speed, length = scaled(x, (5.67, 6.93), (0.95, 1.05))
+def passage(x: np.ndarray) -> dict[str, np.ndarray]:
+    """Whether, and when, a body on a hinge passes its top: beside the separatrix ever delay."""
+    speed, length = scale(x, (5.67, 6.93), (0.95, 1.05))
     energy = speed**2 / 2 - 2 * G / length
     angle = np.linspace(0, np.pi, 201)[None]
     rate = 2 * (energy[:, None] + G / length[:, None] * (1 + np.cos(angle)))
@@ -357,18 +361,18 @@ def over(x: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def peaks(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    k, c, inertia, rest = scaled(x, (0.7, 1.3), (0.05, 0.15), (0.7, 1.3), (0.72, 0.88))
+    k, c, inertia, rest = scale(x, (0.7, 1.3), (0.05, 0.15), (0.7, 1.3), (0.72, 0.88))
     d = c / (2 * inertia)
     w = np.sqrt(k / inertia - d * d)
-    later = np.minimum(np.pi / w, 2.8)
-    value = rest * (1 - np.exp(-d * later) * (np.cos(w * later) + d / w * np.sin(w * later)))
-    return value, later
+    delay = np.minimum(np.pi / w, 2.8)
+    value = rest * (1 - np.exp(-d * delay) * (np.cos(w * delay) + d / w * np.sin(w * delay)))
+    return value, delay
 
 
 def twoborder(x: np.ndarray) -> dict[str, np.ndarray]:
     """When an oscillation reaches 1.4 within 2.8 s: too low, or too late."""
     k, c, inertia, rest = (
-        p[:, None] for p in scaled(x, (0.7, 1.3), (0.05, 0.15), (0.7, 1.3), (0.72, 0.88))
+        p[:, None] for p in scale(x, (0.7, 1.3), (0.05, 0.15), (0.7, 1.3), (0.72, 0.88))
     )
     d = c / (2 * inertia)
     f = lambda t: rest + swing(t, -rest, 0.0, np.sqrt(k / inertia), d) - 1.4  # noqa: E731
@@ -376,10 +380,10 @@ def twoborder(x: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def third(x: np.ndarray) -> dict[str, np.ndarray]:
-    value, later = peaks(x)
+    value, delay = peaks(x)
     value = value - 0.02 * x[:, 0]
-    there = value > 1.38
-    return {"t": np.where(there, later - np.sqrt(np.maximum(value - 1.38, 0)), np.nan)}
+    exists = value > 1.38
+    return {"t": np.where(exists, delay - np.sqrt(np.maximum(value - 1.38, 0)), np.nan)}
 
 
 def plane(x: np.ndarray) -> np.ndarray:
@@ -395,7 +399,7 @@ def margin_of(function: Callable[[np.ndarray], np.ndarray]) -> Callable:
     )
 
 
-def caught(function: Callable[[np.ndarray], np.ndarray]) -> Callable:
+def catch(function: Callable[[np.ndarray], np.ndarray]) -> Callable:
     """A number that exists where a function is above 0, and does not tell how near that is."""
     return lambda x: np.where(function(x) > 0, 1.0 + 0.2 * x[:, -1] - 0.1 * x[:, 0] ** 2, np.nan)
 
@@ -408,7 +412,7 @@ INF = np.inf
 STEP = lambda x: np.interp(x[:, 0] + x[:, 1], [0.3, 0.3001], [0, 1]) + 0.05 * x[:, 0]  # noqa: E731
 BOXES = [
     *(
-        one(f"plane {k}", k, plane, *levels)
+        one_number(f"plane {k}", k, plane, *levels)
         for k, levels in (
             (1, (0.2, 0.97)),
             (2, (0.0, 0.9)),
@@ -419,73 +423,75 @@ BOXES = [
             (8, (0.0, -0.45)),
         )
     ),
-    one("sum 8", 8, lambda x: x.sum(axis=1), 3.0, 5.0, -4.5),
-    one("shims 4", 4, lambda x: x.sum(axis=1), 3.3),
-    one("two", 2, lambda x: x.sum(axis=1), 1.5, 1.49),
-    one("ball 2", 2, ball, 0.81),
-    one("ball 3", 3, ball, 1.0, 0.05),
-    one("ball 5", 5, ball, 1.21),
-    one("product", 3, lambda x: np.prod(1 + 0.2 * x, axis=1), 1.5, 0.9),
-    one("root", 1, lambda x: 1.9 / np.sqrt(1 + 0.05 * x[:, 0]), 1.89),
-    one(
+    one_number("sum 8", 8, lambda x: x.sum(axis=1), 3.0, 5.0, -4.5),
+    one_number("shims 4", 4, lambda x: x.sum(axis=1), 3.3),
+    one_number("two", 2, lambda x: x.sum(axis=1), 1.5, 1.49),
+    one_number("ball 2", 2, ball, 0.81),
+    one_number("ball 3", 3, ball, 1.0, 0.05),
+    one_number("ball 5", 5, ball, 1.21),
+    one_number("product", 3, lambda x: np.prod(1 + 0.2 * x, axis=1), 1.5, 0.9),
+    one_number("root", 1, lambda x: 1.9 / np.sqrt(1 + 0.05 * x[:, 0]), 1.89),
+    one_number(
         "curved 2",
         2,
         lambda x: np.exp(0.3 * x[:, 0]) * (1 + 0.2 * x[:, 1] ** 2) + x[:, 1] / 2,
         1.2,
         1.95,
     ),
-    one("wave", 2, lambda x: x[:, 1] - 0.3 * np.sin(5 * x[:, 0]), 0.3),
-    one(
+    one_number("wave", 2, lambda x: x[:, 1] - 0.3 * np.sin(5 * x[:, 0]), 0.3),
+    one_number(
         "ratio 4",
         4,
         lambda x: (1 + 0.4 * x[:, 0]) / (1 + 0.3 * x[:, 1] + 0.2 * x[:, 2] * x[:, 3]),
         1.1,
         1.6,
     ),
-    one("kink 1", 1, lambda x: np.maximum(x[:, 0] - 0.13, 0.0), 0.05, 0.7),
-    one("kink 3", 3, lambda x: x.max(axis=1), 0.7, 0.0),
-    one("roof 2", 2, lambda x: np.abs(x.sum(axis=1)), 0.5, 1.8),
-    one("flat top 2", 2, lambda x: -np.minimum(x @ [1.0, 0.4], 0.3), -0.28),
-    one("kink 5", 5, lambda x: np.maximum(plane(x), 0.3 * x[:, 4]), 0.15, 0.4),
-    one(
+    one_number("kink 1", 1, lambda x: np.maximum(x[:, 0] - 0.13, 0.0), 0.05, 0.7),
+    one_number("kink 3", 3, lambda x: x.max(axis=1), 0.7, 0.0),
+    one_number("roof 2", 2, lambda x: np.abs(x.sum(axis=1)), 0.5, 1.8),
+    one_number("flat top 2", 2, lambda x: -np.minimum(x @ [1.0, 0.4], 0.3), -0.28),
+    one_number("kink 5", 5, lambda x: np.maximum(plane(x), 0.3 * x[:, 4]), 0.15, 0.4),
+    one_number(
         "bent 4",
         4,
         lambda x: x[:, 0] + 2 * np.maximum(x[:, 1] + 0.5 * x[:, 2] - 0.2 * x[:, 3], 0.0),
         0.6,
     ),
-    one("step 2", 2, STEP, 0.5),
-    one("step 1", 1, lambda x: np.where(x[:, 0] > 0.37, 1.0, 0.0) + 0.3 * x[:, 0], 0.5),
-    one("step 3", 3, lambda x: np.where(plane(x) > 0.2, 1.0, 0.0) + 0.2 * x[:, 1], 0.5),
-    one("step 5", 5, lambda x: np.where(plane(x) > -0.1, 1.0, 0.0) + 0.2 * x[:, 1], 0.5),
-    one(
+    one_number("step 2", 2, STEP, 0.5),
+    one_number("step 1", 1, lambda x: np.where(x[:, 0] > 0.37, 1.0, 0.0) + 0.3 * x[:, 0], 0.5),
+    one_number("step 3", 3, lambda x: np.where(plane(x) > 0.2, 1.0, 0.0) + 0.2 * x[:, 1], 0.5),
+    one_number("step 5", 5, lambda x: np.where(plane(x) > -0.1, 1.0, 0.0) + 0.2 * x[:, 1], 0.5),
+    one_number(
         "disc step",
         2,
         lambda x: np.where(ball(x - [0.2, -0.3]) < 0.5, 0.4, 0.0) + 0.5 * x[:, 0],
         0.3,
     ),
-    one("small step", 3, lambda x: plane(x) + 0.1 * (x[:, 0] > 0.25), 0.2, 0.5),
-    one("plateau", 2, lambda x: np.maximum(x @ [1.0, 0.6], 0.0) + 0.2 * (x @ [1.0, 0.6] > 0), 0.01),
-    one("needle", 2, needle, 0.5),
-    one("latch 1", 1, caught(lambda x: x[:, 0] + 0.43), INF, 1.05),
-    one("latch 2", 2, caught(lambda x: 0.3 + 0.2 * x[:, 0] - x[:, 1]), INF, 1.05),
-    one("latch 3", 3, caught(lambda x: plane(x) + 0.15), INF, 0.95),
-    one("latch ball", 3, caught(lambda x: 1.6**2 - ball(x - [-0.8, 0.6, 0.3])), INF),
-    one("latch 5", 5, caught(lambda x: plane(x) + 0.1), INF, 1.0),
-    one(
+    one_number("small step", 3, lambda x: plane(x) + 0.1 * (x[:, 0] > 0.25), 0.2, 0.5),
+    one_number(
+        "plateau", 2, lambda x: np.maximum(x @ [1.0, 0.6], 0.0) + 0.2 * (x @ [1.0, 0.6] > 0), 0.01
+    ),
+    one_number("needle", 2, needle, 0.5),
+    one_number("latch 1", 1, catch(lambda x: x[:, 0] + 0.43), INF, 1.05),
+    one_number("latch 2", 2, catch(lambda x: 0.3 + 0.2 * x[:, 0] - x[:, 1]), INF, 1.05),
+    one_number("latch 3", 3, catch(lambda x: plane(x) + 0.15), INF, 0.95),
+    one_number("latch ball", 3, catch(lambda x: 1.6**2 - ball(x - [-0.8, 0.6, 0.3])), INF),
+    one_number("latch 5", 5, catch(lambda x: plane(x) + 0.1), INF, 1.0),
+    one_number(
         "latch corner",
         2,
-        caught(lambda x: np.minimum(0.6 - x[:, 0] - 0.3 * x[:, 1], x[:, 1] + 0.4)),
+        catch(lambda x: np.minimum(0.6 - x[:, 0] - 0.3 * x[:, 1], x[:, 1] + 0.4)),
         INF,
     ),
-    one("latch rare", 3, caught(lambda x: plane(x) - 0.78), INF),
+    one_number("latch rare", 3, catch(lambda x: plane(x) - 0.78), INF),
     *(
-        one(f"reach {k}", k, margin_of(f), INF, level, margin=f)
+        one_number(f"reach {k}", k, margin_of(f), INF, level, margin=f)
         for k, f, level in (
             (2, lambda x: 0.3 + x[:, 0] - 0.3 * x[:, 1] ** 2, 1.2),
             (4, lambda x: plane(x) + 0.5 - 0.1 * ball(x), 1.4),
         )
     ),
-    one(
+    one_number(
         "late 2",
         2,
         lambda x: np.where((t := 2 + x[:, 0] * x[:, 1] + x[:, 0]) <= 2.5, t, np.nan),
@@ -524,7 +530,7 @@ BOXES = [
     ClosedBox(
         "over",
         2,
-        over,
+        passage,
         {"over": {"t": {"happens": True}}, "quick": {"t": {"at_most": 1.2}}},
         latest=3.0,
     ),
@@ -557,7 +563,7 @@ BOXES = [
     ClosedBox(
         "joint event",
         3,
-        lambda x: {"t": caught(lambda y: plane(y) + 0.15)(x), "m": np.maximum(x[:, 0], x[:, 1])},
+        lambda x: {"t": catch(lambda y: plane(y) + 0.15)(x), "m": np.maximum(x[:, 0], x[:, 1])},
         {"t": {"t": {"happens": True}}, "m": {"m": {"at_most": 0.5}}},
     ),
     ClosedBox(

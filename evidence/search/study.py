@@ -21,5 +21,6 @@ def report(parts: Mapping[str, list]) -> Report:
     checks = [check for name, part in parts.items() if name != "fractions" for check in part]
     reports = [mechanisms.report(checks)] if checks else []
     reports += [fractions.report(parts["fractions"])] if "fractions" in parts else []
-    extra = {key: value for one in reports for key, value in one.extra.items()}
-    return Report([r for one in reports for r in one.rows], extra, "".join(o.text for o in reports))
+    extra = {key: value for report in reports for key, value in report.extra.items()}
+    rows = [row for report in reports for row in report.rows]
+    return Report(rows, extra, "".join(report.text for report in reports))

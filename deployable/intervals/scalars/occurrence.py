@@ -81,15 +81,15 @@ class Occurrence:
         least = 0.0 if self.reach else 1.0
         return np.maximum(np.minimum(*nearest), max(least, float(-decision.min())))
 
-    def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
         there are as many as runs that hold it (support vectors) and are apart from each other, but
         fewer where runs stand beside others: times the square of the share that does not.
-        `confidence` over the root of their number times as much."""
+        1.4 over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        return self.band(points) * min(1.0, confidence / np.sqrt(self._stretch_count))
+        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self._stretch_count))
 
     @cached_property
     def _stretch_count(self) -> float:
@@ -268,5 +268,5 @@ class FittedOccurrence(Occurrence):
     def band(self, points: np.ndarray) -> np.ndarray:
         return np.full(len(points), self.error)
 
-    def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
         return self.fit.usual_errors(points)

@@ -18,7 +18,6 @@ _GROUPS = 8  # of lines, whose means tell the error of all lines
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
-_LEVEL_CONFIDENCE = 2.0  # as `_CONFIDENCE` of borders, of runs drawn to other places
 _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
 _FACTOR, _LEAST_COUNT = 2.0, 5  # times the volume of so many runs at least, told wrongly: likewise
 _PART = 2.0**0.5  # of a border that counts in part, fewer stretches err each by itself
@@ -75,7 +74,7 @@ class Limit:
             open_band = _PART * open_band
         if self._border is not None:
             border = self._border
-            band = border.usual_band(points, _LEVEL_CONFIDENCE)
+            band = border.usual_band(points)
             error = band + self.run_error * self._steepness
             return [(decision, open_band), (border.decision(points), error)]
         sign = 1.0 if self.kind == "at_most" else -1.0

@@ -139,6 +139,16 @@ def test_a_halved_tolerance_gains_what_the_corner_beyond_the_limit_holds(k, leve
     assert (one.share == 1 and not one.share_uncertainty) == (is_kept or k == 1)
 
 
+def test_the_errors_of_a_halved_tolerance_have_those_of_its_lines():
+    """A ball of five parameters, which is fitted exactly, by draws of its box."""
+    points, draws = runs(5, order=2), np.random.default_rng(5).uniform(-1, 1, (400_000, 5))
+    limit = Limit(fit_scalar(points, (points**2).sum(axis=1)), "at_most", 1.21)
+    found = find_halving([limit], np.ones(5, bool), np.zeros(5), 0)
+    whole, half = (((draws * [f, 1, 1, 1, 1]) ** 2).sum(axis=1) <= 1.21 for f in (1.0, 0.5))
+    assert abs(found.share - half.mean()) <= found.share_uncertainty < 0.03
+    assert abs(found.gain - half.mean() + whole.mean()) <= found.gain_uncertainty < 0.03
+
+
 def test_the_widths_of_what_exists_in_part_have_the_error_of_its_border():
     """A body that creeps up to a level, which some never reach: -log(1 - level / end)."""
 

@@ -23,7 +23,7 @@ _FACTOR, _LEAST_COUNT = 2.0, 5  # times the volume of so many runs at least, tol
 _PART = 2.0**0.5  # of a border that counts in part, fewer stretches err each by itself
 _RIVALRY = 10.0  # times the errors of the fit: kinds that predict worse have no say in proportion
 _ROUNDING = 1e-9  # of the width of the runs: by so much an extreme may be beyond a limit
-_OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their batches
+_OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their sets, each by itself
 _MOST_VALUES = 40_000_000  # points on such lines, times runs
 _WORTH, _LEAST_WORTH = 0.25, 0.05  # of a gain, of what fails: errors of enough lines
 
@@ -268,11 +268,11 @@ class Halving(NamedTuple):
 
 def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray, j: int) -> Halving:
     """Find what halving the interval of index `j` gains, on lines along it through the whole box,
-    so that most of the error of a share cancels in the gain. Uncertainties are those of the fits
-    (`shares_of_box`) and twice the deviation by batches of lines, which are added while it exceeds
-    a quarter of the gain and a twentieth of what fails. All is certain only if the worst case of
-    the halved box satisfies all limits; else three lines may be missed. free, nominal (k each): as
-    elsewhere, normalized."""
+    so that much of the error of a share cancels in the gain. Uncertainties are those of the fits
+    (`shares_of_box`) and twice the deviation by sets of lines, each scrambled by itself, which are
+    added while it exceeds a quarter of the gain and a twentieth of what fails. All is certain only
+    if the worst case of the halved box satisfies all limits; else three lines may be missed. free,
+    nominal (k each): as elsewhere, normalized."""
     ends = np.array([nominal[j] - 1.0, nominal[j] + 1.0]) / 2.0
     start_axes = np.where(np.arange(len(free)) == j, False, free)
     cells = 8 if start_axes.any() else 1024
@@ -283,8 +283,11 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
     weights = np.array([lengths * is_inside, lengths / 2]).T  # of the half, and of the whole
     most = _MOST_VALUES // (len(line) * max(len(x.surrogate.occurrence.points) for x in limits))
     count, shares, changes = (_OUTLOOK if start_axes.any() else 1), np.zeros((0, 2)), []
+    size = max(count // _BATCHES, 1)
     while True:
-        starts = scan_points(start_axes, count, corners=False)[len(shares) :]
+        sets = range(len(shares) // size, count // size)
+        starts = [scan_points(start_axes, size, seed=i, corners=False) for i in sets]
+        starts = np.concatenate(starts)
         signs = (0,) if len(shares) else (0, -1, 1)
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
@@ -301,8 +304,8 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
             shares = np.concatenate([shares, parts[0]])
         fit_errors = _halving_errors(np.mean(changes, axis=0))
         share, gain = _with_gains(shares.mean(axis=0))
-        batches = _with_gains(shares.reshape(min(_BATCHES, count), -1, 2).mean(axis=1))
-        errors = np.zeros(2) if count == 1 else 2 * batches.std(axis=0, ddof=1) / _BATCHES**0.5
+        means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
+        errors = np.zeros(2) if count == 1 else 2 * means.std(axis=0, ddof=1) / len(means) ** 0.5
         target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
         if 2 * count > most or count == 1 or errors.max() <= target:
             break

@@ -88,7 +88,7 @@ STUDIES = {
             "search",
             "Searching bounds of quantities that are known",
             uses=("deployable",),
-            parts=("carts", "slides", "chains"),
+            parts=("carts", "slides", "chains", "fractions"),
             quick=True,
         ),
         Study(

@@ -108,13 +108,15 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
 
 
 FOUND = "No failure found in 9 runs"
+YES = "Yes: all requirements are met in every tolerated combination"
+UNSEEN = "Failures in at most 34 % of the combinations may lie between runs and not be seen."
 OF = "of the tolerated combinations (by volume, no probability)"
 
 
 @pytest.mark.parametrize(
     ("kept", "part", "open_", "text"),
     [
-        ("all", 1.0, 1e-4, "Yes: all requirements are met in every tolerated combination."),
+        ("all", 1.0, 1e-4, f"{YES}, by what was fitted to 9 runs. {UNSEEN}"),
         ("all", 1.0, 0.03, f"All requirements are met in at least 97 % {OF}."),
         ("none", 0.0, 1e-4, "No: no tolerated combination meets all requirements."),
         ("none", 0.0, 0.28, f"All requirements are met in at most 28 % {OF}."),

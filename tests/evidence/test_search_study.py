@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evidence.search import mechanisms, mechanisms_carts
+from evidence.search import fractions, mechanisms, mechanisms_carts
 from evidence.search.boxes import Box
 from evidence.search.study import report
 
@@ -54,3 +54,27 @@ def test_carts_move_as_their_closed_forms():
     )
     # As near as a search goes on, a thousandth of the width.
     assert max(bound["runs_off"] for bound in answer["bounds"] if "rate" in bound["bound"]) < 1e-3
+
+
+def test_rows_of_fractions_count_what_lies_within():
+    """Of 1 %, 3 % and, where no run fails, 0.5 %, said with 2 % each: the second does not."""
+    answers = [
+        {"box": "b", "by": "default", "runs": 30, "fraction": "f", "kind": "fraction", "met": met,
+         "true": true, "said": said, "open": open_}
+        for met, true, said, open_ in
+        (("some", 0.5, 0.51, 0.02), ("some", 0.5, 0.53, 0.02), ("all", 0.995, 1.0, 0.0))
+    ]  # fmt: skip
+    row, ratio, *_ = fractions.report(answers).rows
+    assert row.note == "2 of 3" and row.is_failed
+    assert ratio.value == pytest.approx(2 / 3) and not ratio.is_failed
+
+
+@pytest.mark.parametrize("name", ["step 1", "both", "rare"])
+def test_stored_fractions_are_those_of_the_closed_forms(name):
+    box = next(box for box in fractions.BOXES if box.name == name)
+    truth, points = (
+        fractions.truths()[name],
+        np.random.default_rng(0).uniform(-1, 1, (40000, box.k)),
+    )
+    for key, mask in box.masks(points).items():
+        assert mask.mean() == pytest.approx(truth[key], abs=0.01)

@@ -126,7 +126,7 @@ def stacked(k: int, level: float, half: int) -> float:
     return 1 - failing / math.factorial(k) / math.prod(widths)
 
 
-@pytest.mark.parametrize("k, level", [(1, 0.5), (2, 0.5), (4, 3.3), (8, 5.0), (8, 3.0)])
+@pytest.mark.parametrize("k, level", [(1, 0.5), (2, 0.5), (2, 1.5), (4, 3.3), (8, 5.0), (8, 3.0)])
 def test_a_halved_tolerance_gains_what_the_corner_beyond_the_limit_holds(k, level):
     whole, half = stacked(k, level, 0), stacked(k, level, 1)
     found = [find_halving([shims(k, level)], np.ones(k, bool), np.zeros(k), j) for j in (0, k - 1)]
@@ -137,6 +137,16 @@ def test_a_halved_tolerance_gains_what_the_corner_beyond_the_limit_holds(k, leve
     assert one.gain_uncertainty < 0.7 * one.gain
     is_kept = (k - 0.5) <= level
     assert (one.share == 1 and not one.share_uncertainty) == (is_kept or k == 1)
+
+
+def test_the_errors_of_a_halved_tolerance_have_those_of_its_lines():
+    """A ball of five parameters, which is fitted exactly, by draws of its box."""
+    points, draws = runs(5, order=2), np.random.default_rng(5).uniform(-1, 1, (400_000, 5))
+    limit = Limit(fit_scalar(points, (points**2).sum(axis=1)), "at_most", 1.21)
+    found = find_halving([limit], np.ones(5, bool), np.zeros(5), 0)
+    whole, half = (((draws * [f, 1, 1, 1, 1]) ** 2).sum(axis=1) <= 1.21 for f in (1.0, 0.5))
+    assert abs(found.share - half.mean()) <= found.share_uncertainty < 0.03
+    assert abs(found.gain - half.mean() + whole.mean()) <= found.gain_uncertainty < 0.03
 
 
 def test_the_widths_of_what_exists_in_part_have_the_error_of_its_border():
@@ -499,6 +509,39 @@ def test_a_level_beside_a_plateau_is_told_by_the_runs_that_keep_it():
     share, open_ = share_of_box([limit], np.ones(2))
     assert abs(share - 0.5) <= open_ < 0.1
     assert limit.rival is not None
+
+
+def settling(x: np.ndarray) -> np.ndarray:
+    """A number that rises to 1 along a direction, and stays there."""
+    along = 0.44 - x @ [1.0, -0.9, 0.3, -0.3]
+    return np.where(along < 0, 1.0, 1.0 - 0.3 * np.maximum(along, 0.0) - 0.1 * along**2)
+
+
+SHAPES = {
+    "kinks": (3, lambda x: x.max(axis=1), 0.7, 12),
+    "a jump": (2, lambda x: np.where(x.sum(axis=1) > 0.3, 1.0, 0.0) + 0.05 * x[:, 0], 0.5, 18),
+    "a level just below a plateau": (4, settling, 0.9999, 30),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shares_beside_kinks_plateaus_and_jumps_lie_within_their_uncertainty(shape):
+    """By runs of a sparse grid and others spread over the box."""
+    k, function, level, count = SHAPES[shape]
+    grid = make_design("smolyak", k, order=2).points
+    points = np.concatenate([grid, scan_points(np.ones(k, bool), count, corners=False)])
+    limit = Limit(fit_scalar(points, function(points)), "at_most", level)
+    share, open_ = share_of_box([limit], np.ones(k), lines=256)
+    exact = (function(np.random.default_rng(0).uniform(-1, 1, (100_000, k))) <= level).mean()
+    assert abs(share - exact) <= open_ < 0.15
+
+
+def test_a_kind_of_fit_that_predicts_far_worse_has_no_say():
+    """A polynomial that is exact, and a spline that is not: half the ball of radius 1."""
+    limit = Limit(fitted(lambda x: (x**2).sum(axis=1), 3, order=2), "at_most", 1.0)
+    share, open_ = share_of_box([limit], np.ones(3), lines=512)
+    other, _ = share_of_box([limit.rival], np.ones(3), lines=512)
+    assert abs(share - np.pi / 6) <= open_ + 1e-3 < 0.2 * abs(other - share)
 
 
 def test_shares_are_as_uncertain_as_the_other_kind_of_fits_has_it():

@@ -33,17 +33,24 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     `requirements.json` into `folder`, its results with `quantities.nc` and `refinement.nc`; nothing
     is simulated. requirements, jobs: sections of the config; notify: gets messages."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
+    rows = judge(model, requirements, QuantityResults.read(folder).errors)
+    write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
+
+
+def judge(
+    model: ModelEvaluator, requirements: Mapping[str, Mapping], errors: np.ndarray | None = None
+) -> dict[str, Any]:
+    """Where in the box requirements are met by the runs of `model`, as in `requirements.json`.
+    errors (2, q): by mesh and step, of values and of decision functions, or None."""
     specs = list_limits(requirements, list(model.experiment.quantities))
-    errors = QuantityResults.read(folder).errors
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)
-    rows = {
+    return {
         "requirements": [_requirement(model, result, name, shares) for name in requirements],
         "together": {**_combine(model, result, shares), "whole": errors is not None},
         "runs": len(model.distinct_rows) + model.rest_count + len(model.failed_points),
         "further_runs": len(model.refinements),
     }
-    write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
 
 
 _Shares = Mapping[tuple[int, ...], tuple[float, float]]

@@ -176,17 +176,17 @@ class Fit:
         """Root mean square of the leave-one-out errors."""
         return float(np.sqrt(np.mean(self.left_out**2)))
 
-    def median_errors(self, points: np.ndarray) -> np.ndarray:
+    def usual_errors(self, points: np.ndarray) -> np.ndarray:
         """Errors (P) at `points` (P, k) in [-1, 1]^k by which volume fractions of the box are
-        uncertain: the median size of the leave-one-out errors of the runs near by, or of all runs
-        if larger. Along a limit-state surface errors of both signs cancel, so that the largest
-        tells too much; beside a kink or jump those of all runs, of which most are far, too little.
-        Runs next to which others were made are predicted better than the rest of the box, and do
-        not count, as long as others do."""
+        uncertain: the root mean square of the leave-one-out errors of the runs near by, or the
+        median size of all if larger. Along a limit-state surface errors of both signs cancel, so
+        that the largest tells too much; beside a kink or jump the median of those near by, of which
+        some lie on its other side, too little. Runs next to which others were made are predicted
+        better than the rest of the box, and do not count, as long as others do."""
         tree, sizes = self._lone_runs
         count = min(2 * int((np.ptp(self.points, axis=0) > 0).sum()) + 3, len(sizes))
         rows = tree.query(points, count)[1].reshape(len(points), count)
-        return np.maximum(np.median(sizes[rows], axis=1), np.median(sizes))
+        return np.maximum(np.sqrt(np.mean(sizes[rows] ** 2, axis=1)), np.median(sizes))
 
     @cached_property
     def _lone_runs(self) -> tuple[scipy.spatial.KDTree, np.ndarray]:

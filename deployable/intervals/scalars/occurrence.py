@@ -81,15 +81,15 @@ class Occurrence:
         least = 0.0 if self.reach else 1.0
         return np.maximum(np.minimum(*nearest), max(least, float(-decision.min())))
 
-    def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
         there are as many as runs that hold it (support vectors) and are apart from each other, but
         fewer where runs stand beside others: times the square of the share that does not.
-        `confidence` over the root of their number times as much."""
+        1.4 over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        return self.band(points) * min(1.0, confidence / np.sqrt(self._stretch_count))
+        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self._stretch_count))
 
     @cached_property
     def _stretch_count(self) -> float:
@@ -109,6 +109,12 @@ class Occurrence:
         """Volume fraction of the box (8192 points) where runs do not decide if the event occurs."""
         spread = self._spread()
         return float((np.abs(self.decision(spread)) < self.band(spread)).mean())
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """Volume fractions (N) of the box that are nearest to each run, by 8192 points."""
+        rows = scipy.spatial.cKDTree(self.points).query(self._spread())[1]
+        return np.bincount(rows, minlength=len(self.points)) / _POINTS
 
     def infill_points(self, count: int) -> np.ndarray:
         """Points (at most `count`, k) in [-1, 1]^k for further runs, near the border of where the
@@ -234,7 +240,7 @@ class FittedOccurrence(Occurrence):
     an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
     event's time, is not above that. The decision function is that margin, or the time left. error:
     that of the fit, in its unit, half the width of the undecided band; volume fractions are
-    uncertain by `Fit.median_errors`; points, happens: as in `Occurrence`. A margin or time locates
+    uncertain by `Fit.usual_errors`; points, happens: as in `Occurrence`. A margin or time locates
     the border better than whether the event occurs."""
 
     fit: Fit
@@ -262,5 +268,5 @@ class FittedOccurrence(Occurrence):
     def band(self, points: np.ndarray) -> np.ndarray:
         return np.full(len(points), self.error)
 
-    def usual_band(self, points: np.ndarray, confidence: float = _CONFIDENCE) -> np.ndarray:
-        return self.fit.median_errors(points)
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
+        return self.fit.usual_errors(points)

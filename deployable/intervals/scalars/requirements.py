@@ -18,11 +18,14 @@ _GROUPS = 8  # of lines, whose means tell the error of all lines
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
-_LEVEL_CONFIDENCE = 3.0  # as `_CONFIDENCE` of borders, of runs drawn to other places
-_OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their batches
+_CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
+_FACTOR, _LEAST_COUNT = 2.0, 5  # times the volume of so many runs at least, told wrongly: likewise
+_PART = 2.0**0.5  # of a border that counts in part, fewer stretches err each by itself
+_RIVALRY = 10.0  # times the errors of the fit: kinds that predict worse have no say in proportion
+_ROUNDING = 1e-9  # of the width of the runs: by so much an extreme may be beyond a limit
+_OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their sets, each by itself
 _MOST_VALUES = 40_000_000  # points on such lines, times runs
 _WORTH, _LEAST_WORTH = 0.25, 0.05  # of a gain, of what fails: errors of enough lines
-_CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less is taken instead
 
 
 @dataclass(frozen=True)
@@ -67,14 +70,16 @@ class Limit:
             return [(decision if self.level else -decision, open_band)]
         if surrogate.fit is None:
             return [(decision, open_band)]
+        if type(surrogate.occurrence) is Occurrence:
+            open_band = _PART * open_band
         if self._border is not None:
             border = self._border
-            band = border.usual_band(points, _LEVEL_CONFIDENCE)
+            band = border.usual_band(points)
             error = band + self.run_error * self._steepness
             return [(decision, open_band), (border.decision(points), error)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - evaluate(surrogate.predict))
-        error = evaluate(surrogate.fit.median_errors, True) + self.run_error
+        error = evaluate(surrogate.fit.usual_errors, True) + self.run_error
         return [(decision, open_band), (margin, error)]
 
     @cached_property
@@ -88,18 +93,33 @@ class Limit:
         return replace(self, surrogate=rival)
 
     @cached_property
+    def rivalry(self) -> float:
+        """How much the other kind of fits has to say, from 0 to 1: less where it predicts left-out
+        runs far worse, as a spline does where a polynomial is exact."""
+        fits = [self.surrogate.fit, getattr(self.surrogate.occurrence, "fit", None)]
+        pairs = [(fit.mean_error, fit.rival.mean_error) for fit in fits if fit and fit.rival]
+        ratios = [_RIVALRY * mean / rival_mean for mean, rival_mean in pairs if rival_mean > 0]
+        return min(1.0, max(ratios, default=1.0))
+
+    @cached_property
     def _border(self) -> Any:
         """The border by runs alone between those that keep the level and those that do not, where
-        it leaves less of the box open than the fit does, as beside steps, plateaus and jumps."""
+        it leaves less of the box open than the fit does, or than the volume next to runs whose side
+        the fit to all others tells wrongly, as beside steps, plateaus and jumps."""
         fit = self.surrogate.fit
         if fit is None:
             return None
-        mask = self.find_margins(fit.values) >= 0
-        border = Occurrence(fit.points, mask)
+        margins = self.find_margins(fit.values)
+        border = Occurrence(fit.points, margins >= 0)
         if not border.is_mixed:
             return None
-        by_fit = FittedOccurrence(fit.points, mask, fit, fit.error, self.level)
-        return border if border.open_fraction < _CLEARLY * by_fit.open_fraction else None
+        by_fit = FittedOccurrence(fit.points, margins >= 0, fit, fit.error, self.level)
+        is_wrong = (self.find_margins(fit.values - fit.left_out) >= 0) != (margins >= 0)
+        is_wrong &= np.abs(fit.left_out) > _ROUNDING * np.ptp(fit.values)
+        most = _CLEARLY * by_fit.open_fraction
+        if is_wrong.sum() >= _LEAST_COUNT:
+            most = max(most, _FACTOR * float(is_wrong @ border.cells))
+        return border if border.open_fraction < most else None
 
     @cached_property
     def _steepness(self) -> float:
@@ -111,6 +131,11 @@ class Limit:
         return float(
             np.median(decision[rows] / np.maximum(np.abs(self.level - fit.values[rows]), _TINY))
         )
+
+    @property
+    def rounding(self) -> float:
+        """By how much an extreme may lie beyond the level by rounding alone, in its unit."""
+        return 0.0 if self.surrogate.fit is None else _ROUNDING * np.ptp(self.surrogate.fit.values)
 
     @property
     def error(self) -> float:
@@ -243,11 +268,11 @@ class Halving(NamedTuple):
 
 def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray, j: int) -> Halving:
     """Find what halving the interval of index `j` gains, on lines along it through the whole box,
-    so that most of the error of a share cancels in the gain. Uncertainties are those of the fits
-    (`shares_of_box`) and twice the deviation by batches of lines, which are added while it exceeds
-    a quarter of the gain and a twentieth of what fails. All is certain only if the worst case of
-    the halved box satisfies all limits; else three lines may be missed. free, nominal (k each): as
-    elsewhere, normalized."""
+    so that much of the error of a share cancels in the gain. Uncertainties are those of the fits
+    (`shares_of_box`) and twice the deviation by sets of lines, each scrambled by itself, which are
+    added while it exceeds a quarter of the gain and a twentieth of what fails. All is certain only
+    if the worst case of the halved box satisfies all limits; else three lines may be missed. free,
+    nominal (k each): as elsewhere, normalized."""
     ends = np.array([nominal[j] - 1.0, nominal[j] + 1.0]) / 2.0
     start_axes = np.where(np.arange(len(free)) == j, False, free)
     cells = 8 if start_axes.any() else 1024
@@ -258,8 +283,11 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
     weights = np.array([lengths * is_inside, lengths / 2]).T  # of the half, and of the whole
     most = _MOST_VALUES // (len(line) * max(len(x.surrogate.occurrence.points) for x in limits))
     count, shares, changes = (_OUTLOOK if start_axes.any() else 1), np.zeros((0, 2)), []
+    size = max(count // _BATCHES, 1)
     while True:
-        starts = scan_points(start_axes, count, corners=False)[len(shares) :]
+        sets = range(len(shares) // size, count // size)
+        starts = [scan_points(start_axes, size, seed=i, corners=False) for i in sets]
+        starts = np.concatenate(starts)
         signs = (0,) if len(shares) else (0, -1, 1)
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
@@ -268,24 +296,34 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
             points = points.reshape(-1, len(free))
             parts = _met(limits, points, cache, len(line), signs, weights)
             if signs[1:]:
-                rivals = _rivals(limits)
+                rivals, rivalry = _rivals(limits)
                 parts += _met(rivals, points, cache, len(line), (0,), weights) if rivals else []
-                changes.append([_with_gains(np.mean(row - parts[0], axis=0)) for row in parts[1:]])
+                scales = (1.0, 1.0, 1.0, rivalry)
+                rows = zip(parts[1:], scales[1:], strict=False)
+                changes.append([scale * np.mean(row - parts[0], axis=0) for row, scale in rows])
             shares = np.concatenate([shares, parts[0]])
-        fit_errors = np.abs(np.mean(changes, axis=0)).max(axis=0)
+        fit_errors = _halving_errors(np.mean(changes, axis=0))
         share, gain = _with_gains(shares.mean(axis=0))
-        batches = _with_gains(shares.reshape(min(_BATCHES, count), -1, 2).mean(axis=1))
-        errors = np.zeros(2) if count == 1 else 2 * batches.std(axis=0, ddof=1) / _BATCHES**0.5
+        means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
+        errors = np.zeros(2) if count == 1 else 2 * means.std(axis=0, ddof=1) / len(means) ** 0.5
         target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
         if 2 * count > most or count == 1 or errors.max() <= target:
             break
         count *= 2
     lower, upper = -np.asarray(free, dtype=float), np.asarray(free, dtype=float)
     lower[j], upper[j] = ends
-    is_kept = min(limit.worst(lower, upper)[0] for limit in limits) >= 0
+    is_kept = all(limit.worst(lower, upper)[0] >= -limit.rounding for limit in limits)
     errors = np.hypot(errors, fit_errors)
     errors[0] = max(errors[0], 0.0 if is_kept or share < 1 else 3.0 / count)
     return Halving(*map(float, (share, errors[0], gain, errors[1])))
+
+
+def _halving_errors(changes: np.ndarray) -> np.ndarray:
+    """Errors of the share of the halved box and of the gain, by changes (n, 2) of the shares of the
+    halved and of the whole box. The two halves of the box, within and about the halved interval,
+    err each by itself: the gain is half their difference."""
+    halved, rest = np.abs(changes[:, 0]), np.abs(2.0 * changes[:, 1] - changes[:, 0])
+    return np.array([halved.max(), np.hypot(halved, rest).max() / 2.0])
 
 
 def _with_gains(shares: np.ndarray) -> np.ndarray:
@@ -303,26 +341,29 @@ def _deviations(parts: np.ndarray) -> np.ndarray:
 
 
 def _compare(
-    pairs: Sequence[tuple[Sequence[Limit], Sequence[Limit]]], points: np.ndarray, count: int,
-    is_tested: bool,
+    pairs: Sequence[tuple[Sequence[Limit], tuple[list[Limit], float]]], points: np.ndarray,
+    count: int, is_tested: bool,
 ) -> tuple[list, list]:  # fmt: skip
     """Parts of lines on which each set of limits is satisfied, plus 0, -1 and 1 errors, and, where
     that `is_tested`, by how much the rivals of a set change the first."""
     cache: dict = {}
     parts = [_met(limits, points, cache, count, (0, -1, 1)) for limits, _ in pairs]
     differences = [
-        _met(rivals, points, cache, count, (0,))[0] - part[0] if rivals else 0.0 * part[0]
-        for (_, rivals), part in zip(pairs, parts, strict=True) if is_tested
+        rivalry * (_met(rivals, points, cache, count, (0,))[0] - part[0])
+        if rivals else 0.0 * part[0]
+        for (_, (rivals, rivalry)), part in zip(pairs, parts, strict=True) if is_tested
     ]  # fmt: skip
     return parts, differences
 
 
-def _rivals(limits: Sequence[Limit]) -> list[Limit]:
-    """The limits with the other kind of fits; none where no limit has such."""
+def _rivals(limits: Sequence[Limit]) -> tuple[list[Limit], float]:
+    """The limits with the other kind of fits, none where no limit has such, and the most that one
+    of these has to say (`Limit.rivalry`)."""
     rivals = [limit.rival for limit in limits]
-    if all(rival is None for rival in rivals):
-        return []
-    return [rival or limit for limit, rival in zip(limits, rivals, strict=True)]
+    rivalry = max((limit.rivalry for limit in limits if limit.rival), default=0.0)
+    if not rivalry:
+        return [], 0.0
+    return [rival or limit for limit, rival in zip(limits, rivals, strict=True)], rivalry
 
 
 def _met(

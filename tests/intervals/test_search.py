@@ -153,32 +153,6 @@ def test_a_surrogate_that_runs_refuted_is_no_bound():
     assert refuted.error == pytest.approx(1.3 - values.max(), rel=1e-6)
 
 
-def test_more_runs_of_what_jumps_make_bounds_no_worse():
-    """A jump across the box, from 60 to 800 runs spread over it."""
-    losses = []
-    for count in (60, 200, 800):
-        points = scan_points(np.ones(2, bool), count)
-        side = points[:, 0] + 0.3 * points[:, 1] - 0.2
-        values = np.where(side > 0, 0.8 - 0.3 * side, 0.0) + 0.1 * points[:, 1]
-        low, high = (e.value for e in estimate_bounds(fit_scalar(points, values), points, values))
-        losses.append(max(abs(low + 0.1), abs(high - 0.9)))
-    assert losses[1] <= losses[0] + 1e-3 and losses[2] <= losses[1] + 1e-3
-
-
-def test_a_climb_goes_along_a_border_to_the_largest_value():
-    """A time with a root at the border of where its event occurs, largest at one end of that."""
-
-    def f(x):
-        margin = 0.8 * x[:, 0] + 0.3 * x[:, 1] + 0.25
-        times = 2 - 0.6 * np.sqrt(np.maximum(margin, 0)) - 0.1 * x[:, 1]
-        return np.where(margin > 0, times, np.nan)
-
-    points, climb = scan_points(np.ones(2, bool), 12), Climb(1.0)
-    while (point := climb.propose(points, f(points))) is not None and len(points) < 60:
-        points = np.vstack([points, point])
-    assert np.nanmax(f(points)) == pytest.approx(2.1, abs=0.008)
-
-
 def climbed(points, function, count):
     """The largest value after a search of at most `count` runs, the search, and its runs."""
     climb, runs = Climb(1.0), 0

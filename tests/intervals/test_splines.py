@@ -2,21 +2,18 @@
 
 import numpy as np
 import pytest
-from datasets_for_tests import ball_reference, ball_samples, samples_of
+from datasets_for_tests import samples_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from deployable.intervals import (
     Box,
-    Design,
     IntervalError,
     bounds_dataset,
     check_spline_runs,
-    compare_bounds,
     fit_spline,
     hausdorff,
     make_design,
-    seek_points,
     spline_range,
 )
 from deployable.intervals.designs import spread_points
@@ -108,20 +105,6 @@ def test_nearly_equal_runs_count_once_and_their_values_are_kept(k):
     np.testing.assert_allclose(found.argmax[0], near[at])
 
 
-def test_runs_too_close_for_their_values_count_once_and_are_in_the_misfit():
-    points = points_in(2, 30, 7)
-    points[1:3] = points[0] + [[2e-4, 0], [4e-4, 0]]
-    smooth = fit_spline(points, np.sin(points.sum(axis=1, keepdims=True)))
-    assert smooth.misfit.max() < 1e-9
-    noise = np.random.default_rng(7).standard_normal((30, 50))
-    spline = fit_spline(points, noise, np.ones(2))
-    assert len(spline.points) == 28
-    apart = np.abs(noise[1:3] - noise[0]).max(axis=0)
-    np.testing.assert_allclose(spline.misfit, apart, atol=0.05)
-    points[1:3] = points[0] + [[0.01, 0], [0.02, 0]]
-    assert fit_spline(points, noise, np.ones(2)).misfit.max() < 1e-6
-
-
 @pytest.mark.parametrize("size", [0.0, 1e-323, 1e-316, 1e-308, 1e-300, 1e-20, 1e300])
 @pytest.mark.parametrize(("k", "moving"), [(1, 1), (2, 2), (4, 3), (4, 1)])
 def test_values_of_any_size_have_a_spline(k, moving, size):
@@ -135,18 +118,6 @@ def test_values_of_any_size_have_a_spline(k, moving, size):
     found = spline_range(spline)
     assert np.all(found.lower <= values.min(axis=0)) and np.all(found.upper >= values.max(axis=0))
     assert np.all(found.upper - found.lower <= 1.5 * np.ptp(values, axis=0) + 1e-300)
-
-
-def test_the_range_of_many_runs_contains_them_all():
-    random = np.random.default_rng(8)
-    for k in (1, 2):
-        points = points_in(k, 600, 8)
-        values = random.standard_normal((600, 50))
-        points, values = np.concatenate([points, points[:5]]), np.concatenate([values, values[:5]])
-        values[-5:] += 10 * np.eye(5, 50)  # of repeats, whatever they come from
-        found = spline_range(fit_spline(points, values))
-        assert (found.lower <= values.min(axis=0)).all()
-        assert (found.upper >= values.max(axis=0)).all()
 
 
 def test_the_left_out_errors_are_those_of_refitted_splines():
@@ -254,76 +225,6 @@ def test_the_fewest_runs_give_bounds_with_an_error():
         assert np.isfinite(spline.left_out).all()
 
 
-def test_a_vibration_out_of_step_is_better_than_with_the_polynomial():
-    """A vibration that an impact excites, whose time and frequency depend on the parameter."""
-    box = Box(["p"], [-1.0], [1.0])
-    time = np.linspace(0.0, 1.0, 1001)
-
-    def ringing(v):
-        since = np.maximum(time - 0.3 - 0.01 * v[0], 0.0)
-        return np.sin(300 * (1 + 0.04 * v[0]) * since)
-
-    scan = np.array([ringing([x]) for x in np.linspace(-1, 1, 801)])
-    low, high = scan.min(axis=0), scan.max(axis=0)
-    for order in (2, 4):
-        design = make_design("tensor_lobatto", box, order)
-        samples = samples_of(ringing, box, design, time)
-        error = {}
-        for model in ("polynomial", "spline"):
-            bounds = bounds_dataset(samples, design, model=model)
-            lower, upper = bounds["lower"][0].values, bounds["upper"][0].values
-            found = compare_bounds(time, lower, upper, low, high)
-            error[model] = found["hausdorff_integrated"]
-        assert error["spline"] < 0.25 * error["polynomial"]
-
-
-def test_a_jump_is_overshot_by_a_tenth_and_a_scan_is_not():
-    points = np.linspace(-1, 1, 16)[:, None]
-    found = spline_range(fit_spline(points, np.sign(points)))
-    assert 1.15 < found.upper[0] < 1.25  # the jump is 2 high
-    _, low, high = ball_reference(runs=1001, instants=501)
-    design = make_design("sobol", 1, samples=16)
-    samples = ball_samples(design, held_out=0, instants=501)
-    error = {}
-    for model in ("polynomial", "spline"):  # a scan has no polynomial: the runs themselves
-        bounds = bounds_dataset(samples, design, ["v"], model=model)
-        off = hausdorff(
-            bounds["lower"].sel(response="v"), bounds["upper"].sel(response="v"), low[1], high[1]
-        )
-        error[model] = float(off.mean())
-    assert error["polynomial"] < 0.2 * error["spline"]
-
-
-def test_bounds_contain_all_runs_and_the_error_covers():
-    box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
-    time = np.linspace(0.0, 1.0, 101)
-
-    def wave(v):
-        return np.sin(12 * time * v[0]) * np.exp(v[1])
-
-    design = make_design("sobol", box, samples=24)
-    samples = samples_of(wave, box, design, time)
-    bounds = bounds_dataset(samples, design, model="spline")
-    values = samples["values"].values[:, 0]
-    assert (bounds["lower"][0].values <= values.min(axis=0) + 1e-9).all()
-    assert (bounds["upper"][0].values >= values.max(axis=0) - 1e-9).all()
-    grid = np.array([(a, b) for a in np.linspace(0.9, 1.1, 41) for b in np.linspace(0, 0.2, 21)])
-    scan = np.array([wave(v) for v in grid])
-    true = hausdorff(
-        bounds["lower"][0], bounds["upper"][0], scan.min(axis=0), scan.max(axis=0)
-    ).values
-    assert (true <= bounds["error"][0].values + 1e-4).mean() > 0.95
-    plain = bounds_dataset(samples, design)
-    missing = np.maximum(
-        plain["lower"][0].values - scan.min(axis=0),
-        scan.max(axis=0) - plain["upper"][0].values,
-    )
-    assert true.mean() < 0.2 * missing.mean()
-    alone = bounds_dataset(samples, None, model="spline")
-    assert (alone["upper"][0] == bounds["upper"][0]).all()
-    assert bounds.attrs["design_runs"] == len(np.unique(samples["normalized"].values, axis=0))
-
-
 def test_an_unknown_model_is_refused():
     box = Box(["f"], [0.9], [1.1])
     design = make_design("tensor_roots", box, 2)
@@ -360,49 +261,6 @@ def test_the_error_covers_in_three_dimensions_with_few_runs_held_out(order, held
     assert error.mean() < 20 * true.mean()  # 16 with 60 runs: what is smooth it takes for worse
 
 
-@pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
-    """A spline through runs that were sought in rounds of a quarter more."""
-    time = np.linspace(0.0, 1.0, 201)
-
-    def ringing(x):
-        since = np.maximum(time - 0.3 - 0.01 * x[:, :1] - 0.005 * x[:, -1:] ** 2, 0.0)
-        return np.sin(90 * (1 + 0.03 * x[:, -1:]) * since) * (1 + 0.2 * x[:, :1])
-
-    unit = make_design("sobol", dimension, samples=8 * dimension).points
-    for seed in range(4):
-        new, _ = seek_points(unit, ringing(unit)[:, None], 8, candidates=2048, seed=seed)
-        unit = np.concatenate([unit, new])
-    scan = ringing(spread_points(np.ones(dimension, dtype=bool), 4000, seed=5))
-    low, high = scan.min(axis=0), scan.max(axis=0)
-    box = Box(list("abc")[:dimension], [-1.0] * dimension, [1.0] * dimension)
-    design = Design(unit, np.zeros((0, dimension), dtype=int), "adaptive", (0,) * dimension)
-    samples = samples_of(lambda v: ringing(v[None])[0], box, design, time, held_out=0)
-    bounds = bounds_dataset(samples, design, model="spline")
-    true = hausdorff(bounds["lower"][0].values, bounds["upper"][0].values, low, high)
-    error = bounds["error"][0].values
-    assert (true <= error + 1e-6 * (high - low).max()).mean() > 0.9
-    assert error.mean() < 20 * true.mean()
-    largest = bounds_dataset(samples, None, model="spline")["error"][0].values
-    assert error.mean() < 0.5 * largest.mean()
-
-
-def test_in_many_directions_sought_runs_are_judged_as_others():
-    """A bound is attained at a corner from which all runs are far: the largest error counts."""
-    time, box = np.linspace(0.0, 1.0, 21), Box(list("abcdef"), [-1.0] * 6, [1.0] * 6)
-
-    def growing(v):
-        return np.exp(0.03 * (1 + time) * v.sum())
-
-    unit = make_design("sobol", 6, samples=48).points
-    design = Design(unit, np.zeros((0, 6), dtype=int), "adaptive", (0,) * 6)
-    samples = samples_of(growing, box, design, time, held_out=0)
-    sought, others = (
-        bounds_dataset(samples, one, model="spline")["error"].values for one in (design, None)
-    )
-    assert (sought == others).all()
-
-
 @pytest.mark.parametrize("k", [1, 2, 4, 6])
 def test_rounding_of_the_runs_moves_no_bound(k):
     """A search that has not converged makes a million times of it: 1 in 8 bounds of six parameters
@@ -429,15 +287,3 @@ def test_the_highest_of_many_peaks_is_climbed():
     width = np.ptp(values, axis=0)
     assert ((dense.max(axis=0) - bounds.upper) / width).max() < 1e-3
     assert ((bounds.lower - dense.min(axis=0)) / width).max() < 1e-3
-
-
-@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
-def test_whether_there_is_a_spline_does_not_depend_on_the_unit_of_values(size):
-    """Nor on a column in which all runs agree, of which rounding is all there is."""
-    points = points_in(2, 30, 7)
-    values = size * np.stack([np.sin(points[:, 0]), np.full(30, 3e5)], axis=1)
-    spline = fit_spline(points, values, np.ones(2))
-    assert np.abs(spline.evaluate(points) - values).max() < 1e-6 * size
-    points[1:3] = points[0] + [[2e-4, 0], [4e-4, 0]]
-    noise = size * np.random.default_rng(7).standard_normal((30, 50))
-    assert len(fit_spline(points, noise, np.ones(2)).points) == 28

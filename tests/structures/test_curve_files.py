@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-import fpm
 from deployable.campaign.cli.new import CAMPAIGN, make_folder
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.sections import scene_type
@@ -37,35 +35,6 @@ def file(tmp_path):
 def write(folder, header, *columns):
     np.savetxt(folder / "torques.csv", np.transpose(columns), delimiter=",", header=header,
                comments="")  # fmt: skip
-
-
-def motion(file):
-    (outcome,) = fpm.simulate(load(file).build(), duration=1.0, instants=101, step=2e-4)
-    return outcome.openings["hinge"]
-
-
-@pytest.mark.slow
-def test_a_measured_torque_moves_a_joint_as_it_does_by_another_solver(file):
-    def rates(time, state):
-        moment = np.interp(time, TIMES, TORQUES) - 9.81 * 0.1 * np.sin(state[0])
-        return [state[1], moment / 0.02]
-
-    exact = solve_ivp(rates, (0, 1), [0, 0], t_eval=np.linspace(0, 1, 101), rtol=1e-9, atol=1e-11,
-                      max_step=2e-3).y[0]  # fmt: skip
-    found = motion(file)
-    assert np.ptp(exact) > 1.0
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-5 * np.ptp(exact))
-    write(file.parent, "t [ms],other [m],torque [N mm]", 1e3 * TIMES, TIMES, 1e3 * TORQUES)
-    np.testing.assert_allclose(motion(file), found, rtol=0, atol=1e-10)
-
-
-@pytest.mark.slow
-def test_the_same_numbers_in_the_structure_give_the_same_bits(file):
-    write(file.parent, "t [s],torque [N m]", TIMES[:900], TORQUES[:900])
-    found = motion(file)
-    values = f"times: {TIMES[:900].tolist()}, values: {TORQUES[:900].tolist()}"
-    file.write_text(ARM.format(values))
-    np.testing.assert_array_equal(motion(file), found)
 
 
 def test_an_edit_of_the_file_is_an_edit_of_the_structure(file):

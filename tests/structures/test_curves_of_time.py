@@ -11,8 +11,6 @@ from fpm.structures import StructureError
 from fpm.structures.text_file import loads
 from fpm.travel.components import components_of
 
-STEP = "10*u**3 - 15*u**4 + 6*u**5"
-TRIANGLE = "abs(2*u - 0.6)"
 FUNCTIONS = {
     "polynomial": (lambda u: 10 * u**3 - 15 * u**4 + 6 * u**5, 2),
     "thirteenth": (lambda u: u**13, 2),
@@ -74,45 +72,6 @@ def test_a_smooth_table_passes_no_value_and_has_a_rate_that_is_continuous():
         for k in range(count - 1):
             piece = curve.value(np.linspace(times[k], times[k + 1], 50))
             assert (np.diff(piece) * np.sign(values[k + 1] - values[k]) > -1e-14).all()
-
-
-SLIDER = """
-parameters: {{height: {{value: 0.3, unit: m}}, high: {{value: 1, description: share}}}}
-points: {{c: [0, 0, 0]}}
-bodies: {{ball: {{mass: 2, centre: c, inertia: [1, 1, 1]}}}}
-joints: {{rail: {{type: prismatic, parts: [ground, ball], at: c, axis: x}}}}
-curves: {{lift: {{{curve}}}}}
-actions: {{drive: {{type: motor, joint: rail, {motor}, curve: lift}}}}
-loads: {{none: {{part: ball, at: c, force: [0, height*high*(0 N/m), 0]}}}}
-"""
-LIFTS = {
-    "turn": (f"expression: {STEP}, over: [0.2 s, 1200 ms]", "travel: height"),
-    "rate": ("expression: 30*u**2*(1 - u)**2, over: [0.2 s, 1.2 s]", "rate: height/(1 s)"),
-    "time": ("expression: '10*((t - 0.2 s)/(1 s))**3 - 15*((t - 0.2 s)/(1 s))**4 + 6*((t - 0.2 s)"
-             "/(1 s))**5', over: [0.2 s, 1.2 s]", "travel: height"),
-    "parameter": (f"expression: high*({STEP}), over: [0.2 s, 1.2 s]", "travel: height"),
-}  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", LIFTS)
-def test_an_exact_motor_leads_without_a_blow_at_its_ends(kind):
-    curve, motor = LIFTS[kind]
-    scene, errors, at_ends = loads(SLIDER.format(curve=curve, motor=motor)).build(), [], []
-    for step in (4e-3, 2e-3):
-        (outcome,) = simulate(scene, duration=1.6, instants=201, step=step)
-        u = np.clip(outcome.time - 0.2, 0, 1)
-        force = 2 * 0.3 * (60 * u - 180 * u**2 + 120 * u**3)
-        error = np.abs(outcome.records["slide_motor_force"].values[:, 0] - force)
-        is_end = np.abs(u * (1 - u)) < 5e-3
-        errors.append(error[~is_end].max())
-        at_ends.append(error.max())
-        assert outcome.openings["rail"] == pytest.approx(0.3 * FUNCTIONS["polynomial"][0](u),
-                                                         abs=1e-13)  # fmt: skip
-    assert errors[1] < 0.26 * errors[0] and errors[1] < 1e-4
-    assert at_ends[0] < 2 * 0.3 * 60 * 4e-3 / 5  # a sixth of what the force grows by in a step
-    energies = dict(outcome.energies)
-    assert np.abs(energies["balance"]).max() < 1e-12 * energies["motor_work"].max()
 
 
 PENDULUM = """
@@ -284,26 +243,3 @@ def test_what_is_refused_of_a_curve(curve, words):
 def test_what_is_refused_of_gravity_and_names(rest, words):
     with pytest.raises(StructureError, match=words):
         loads(BALL.format(curve="expression: u, over: [0, 1 s]", rest=rest))
-
-
-def test_vectors_in_an_expression_of_a_curve():
-    def text(expression):
-        load = "loads: {l: {part: ball, at: c, force: [1, 0, 0], curve: f}}"
-        return BALL.format(curve=f"expression: {expression}, over: [0, 1]", rest=load)
-
-    assert loads(text("u*norm(d)/(1 m)")).build().curves[0].value(0.5) == 1.0
-    for vector, words in (("d", "vector in m"), ("x", "vector without unit")):
-        with pytest.raises(StructureError, match=words):
-            loads(text(vector))
-
-
-@pytest.mark.slow
-def test_samples_whose_curves_differ_run_as_each_alone():
-    curve = "expression: high*u**2, over: [0, height*(1 s/m)]"
-    structure = loads(SLIDER.format(curve=curve, motor="travel: 1 m"))
-    scenes = [structure.build(height=h, high=k) for h, k in ((0.3, 1), (0.2, 2), (0.3, 1))]
-    outcomes = simulate(scenes, duration=0.4, instants=5, step=1e-3)
-    for scene, outcome in zip(scenes, outcomes, strict=True):
-        (alone,) = simulate(scene, duration=0.4, instants=5, step=1e-3)
-        assert (outcome.openings["rail"] == alone.openings["rail"]).all()
-    assert outcomes[1].openings["rail"][-1] == pytest.approx(2.0, abs=1e-12)

@@ -2,30 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import fpm
 from fpm.elements.openings.opening import turning_at_start
-from fpm.reading.responses import parse
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures import loads
 from fpm.structures.plausible import warnings
-
-LIFT = """
-name: lift
-description: a mass that an exact motor accelerates evenly, by its rate
-points: {O: [0, 0, 0]}
-bodies:
-  load: {mass: 10, centre: O, box: [0.1, 0.1, 0.1]}
-joints:
-  rail: {type: prismatic, parts: [ground, load], at: O, axis: x}
-curves:
-  ramp: {times: [0, 1, 2], values: [0, 1, 0]}
-actions:
-  drive: {type: motor, joint: rail, rate: 1 m/s, curve: ramp}
-record:
-  load: {part: load, at: O}
-"""
 
 RSSR = """
 name: rssr
@@ -134,32 +116,6 @@ def test_a_motion_that_does_not_fit_is_that_after_the_blow():
     begun = consistent_scene(scene)
     np.testing.assert_allclose(begun.spin[rod], [0, 0, 0.5 * 3], atol=1e-12)
     np.testing.assert_allclose(begun.velocity[rod], [0, 0.75, 0], atol=1e-12)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("step", [1e-3, 2e-4, 1e-4, 1e-5])
-def test_a_motor_by_its_rate_gives_the_even_force_at_any_step(step):
-    steps = 300
-    scene = loads(LIFT).build()
-    (outcome,) = fpm.simulate(scene, duration=steps * step, instants=steps + 1, step=step)
-    force = outcome.records["slide_motor_force"].values[:, 0]
-    np.testing.assert_allclose(force, 10.0, rtol=1e-9)
-    np.testing.assert_allclose(outcome.openings["rail"], outcome.time**2 / 2, atol=1e-15)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("step", [1e-3, 5e-4, 2.5e-4])
-def test_a_coupler_of_nearly_no_mass_does_not_ring(step):
-    """Without it M = J psi' psi'' w², by the power of the rocker's inertia J."""
-    scene = loads(RSSR).build(coupler=1e-6)
-    (outcome,) = fpm.simulate(scene, duration=40 * step, instants=41, step=step)
-    first, second = slopes(10 * outcome.time)
-    moment = outcome.records["motor_moment"].values[:, 0]
-    exact = 0.8 * first * second * 100
-    assert exact[0] == pytest.approx(-14.88, abs=0.01)
-    np.testing.assert_allclose(outcome.openings["rocker"] - rocker(10 * outcome.time), 0, atol=1e-9)
-    np.testing.assert_allclose(moment[1:], exact[1:], atol=5e-3)
-    assert moment[0] == pytest.approx(exact[0], abs=300 * step)  # of the first order
 
 
 SPUN = """
@@ -320,29 +276,3 @@ def test_latches_passed_in_one_step_catch_in_order(latches, hub, times, step):
     assert outcome.openings["h"][-1] == pytest.approx(hub, abs=1e-9)
     found = sorted(outcome.events[outcome.events[:, 2] == 0][:, 0])
     assert found == pytest.approx(times, abs=step / 20)
-
-
-@pytest.mark.slow
-def test_the_impact_of_a_latch_converges_with_the_square_of_the_step():
-    """A wheel against a damper and a spring: J w, w by the damped oscillation up to the latch."""
-    text = (
-        WHEELS[: WHEELS.index("  g:")].replace("  wheel: ", "  #")
-        + """
-actions:
-  drag: {type: damper, joint: h, damping: 0.04}
-  coil: {type: torsion spring, joint: h, stiffness: 2 N m/rad, rest: 1 rad}
-  stop: {type: latch, joint: h, angle: 0.5 rad}
-record: {o: {part: hub, at: o}}
-"""
-    )
-    decay, rate = 1.0, np.sqrt(2 / 0.02 - 1)  # about the rest, exp(-t) (cos + sin/rate)
-    angle = lambda t: 1 - np.exp(-decay * t) * (np.cos(rate * t) + np.sin(rate * t) / rate)  # noqa: E731
-    at = brentq(lambda t: angle(t) - 0.5, 0.0, 0.2)
-    exact = 0.02 * np.exp(-decay * at) * np.sin(rate * at) * 100 / rate
-    errors = []
-    for step in (4e-3, 2e-3, 1e-3, 1e-4):
-        (outcome,) = fpm.simulate(loads(text).build(), duration=0.4, instants=11, step=step)
-        response = parse("impact", {"latch_impact": "stop"}, outcome.scene)
-        assert response.least == 0
-        errors.append(abs(response.evaluate(outcome)[-1] - exact))
-    assert errors[0] < 2e-3 * exact and errors[1] < 5e-4 * exact and errors[3] < 1e-6 * exact

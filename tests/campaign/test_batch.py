@@ -12,15 +12,13 @@ import pytest
 import xarray as xr
 from harm import harm_file
 
-import fpm
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.sections import Jobs, scene_type
+from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.results.facts import SOFT
 from deployable.campaign.results.templates import sentence
-from deployable.campaign.runs import batch as batches
-from deployable.campaign.runs.batch import Simulation, clocks, run_batch
+from deployable.campaign.runs.batch import Simulation, run_batch
 from deployable.campaign.samples.samples import gather
 from deployable.campaign.text.numbers import duration_text
 from fpm.files.trajectory import read_curves
@@ -61,52 +59,6 @@ def test_a_campaign_that_was_killed_goes_on(config, tmp_path, keep):
         assert path.stat().st_mtime_ns == before[path]
 
 
-@pytest.mark.parametrize("keep", KEEP)
-def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
-    # One step serves all runs: between their limits it breaks the stiff ones only.
-    soft = fpm.find_stable_step(scene_type("bennett").build(elements=2)).step
-    raw["solver"] = {"step": 0.8 * soft, "duration": 0.02, "instants": 9}
-    raw["intervals"] = {"E": {"lower": 1e9, "upper": 9e9}}
-    plan = make_plan(check_config(raw).experiment)
-    failed = 0
-    for batch in range(2):
-        manifest = tmp_path / f"{batch}.json"
-        try:
-            jobs = Jobs(512, 2, keep)
-            run_batch(plan, batch, 2, jobs, tmp_path / keep, manifest, lambda text: None)
-        except CampaignError as error:
-            assert not manifest.exists()
-            for word in ("run ", "E = ", "unstable at t = ", "solver.step"):
-                assert word in str(error)
-            failed += str(error).count("\n  run ")
-    assert 0 < failed < len(plan.unique_runs())
-    written = 0
-    for path in (tmp_path / keep).glob("*.nc"):
-        with xr.open_dataset(path) as data:
-            written += data.sizes.get("run", 1)
-    assert written == len(plan.unique_runs()) - failed
-
-
-def test_lots_come_in_order_and_one_group_is_made_while_another_is_taken(monkeypatch):
-    begun = []
-
-    def made(plan, part, also):
-        begun.append(part[0] // 8)
-        return list(part), [], np.zeros(2)
-
-    monkeypatch.setattr(batches, "simulate", made)
-    lots = [(list(range(8 * k, 8 * k + 8)), ()) for k in range(5)]
-    lots.insert(2, ([], ()))
-    taken = []
-    for lot in Simulation(None, 8, 2).run_lots(lots):
-        found = list(lot)
-        time.sleep(0.05)  # time enough for what was started
-        taken.append(found)
-        if found:
-            assert max(begun) <= found[0] // 8 + 1
-    assert taken == [runs for runs, _ in lots]
-
-
 def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
     plan, inside = make_plan(config.experiment), Counter()
     real = type(plan.experiment.scene_type).build
@@ -136,19 +88,6 @@ def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):
         one = xr.open_dataset(tmp_path / "1" / f"{run.id}.nc")
         other = xr.open_dataset(tmp_path / "5" / f"{run.id}.nc")
         xr.testing.assert_identical(one, other)
-
-
-def test_a_trajectory_tells_its_parameters(config, tmp_path):
-    plan, _ = run_all(config, tmp_path, "trajectories")
-    run = plan.runs[1]
-    with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
-        assert data.attrs["run_id"] == run.id
-        assert data.attrs["parameter_a"] == run.values[0]
-        assert data.attrs["parameter_elements"] == 2
-        assert data.attrs["parameter_roll"] == 45
-        assert data.attrs["config_hash"] == plan.config_hash
-        assert data.attrs["time_step_limit"] == plan.time.step_limit
-        assert "numpy" in json.loads(data.attrs["provenance"])
 
 
 def values_in(path, config) -> np.ndarray:
@@ -217,22 +156,6 @@ def test_runs_that_were_lost_or_damaged_are_told_and_made_again(config, tmp_path
         xr.testing.assert_identical(first, second)
 
 
-def test_the_manifest_tells_the_seconds_that_it_took(config, tmp_path):
-    plan, manifest = make_plan(config.experiment), tmp_path / "0.json"
-    for simulated in (True, False):
-        start = clocks()
-        run_batch(plan, 0, 1, config.jobs, tmp_path, manifest, lambda text: None)
-        passed = clocks() - start
-        told = json.loads(manifest.read_text())
-        # What is done in milliseconds waits longer for others than it takes.
-        assert told["seconds"][0] > 0.5 * passed[0] or not simulated
-        for all_in_all, integrating, most in zip(
-            told["seconds"], told["seconds_integrating"], passed, strict=True
-        ):
-            assert 0 <= integrating <= all_in_all <= most + 1e-3
-            assert (integrating > 0) == simulated
-
-
 def test_nothing_is_simulated_by_other_mechanics_than_was_planned(config, tmp_path):
     plan = replace(make_plan(config.experiment), mechanics="0123456789abcdef")
     with pytest.raises(CampaignError, match="has changed since the runs were planned"):
@@ -269,14 +192,6 @@ def test_faces_that_pass_through_each_other_are_told(raw, tmp_path, keep):
             assert samples["overlap"].values[row] == -least > SOFT
         most = float(samples["overlap"].max())
     assert f"pass through each other by up to {most:.2g} rad" in sentence("soft", {"overlap": most})
-
-
-def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):
-    raw["solver"] = {"duration": 0.4, "instants": 11}
-    monkeypatch.setattr(fpm.solver.pack, "MOST_ROOM", 1)
-    monkeypatch.setattr(fpm.solver.pack, "MOST_EVENTS", 1)
-    with pytest.raises(CampaignError, match="contact events, more than are kept"):
-        run_all(check_config(raw), tmp_path, "trajectories")
 
 
 @pytest.mark.parametrize(

@@ -7,20 +7,16 @@ import errno
 import os
 import resource
 import shutil
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 import yaml
 
-import deployable
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import check_snakemake_arguments
 from deployable.campaign.errors import ConfigError, error_of_files
-from fpm.files.seals import DamagedError, read_bytes
 
 
 def keys(path) -> None:
@@ -73,14 +69,6 @@ def test_odd_files_are_refused_at_once(tmp_path, monkeypatch, raw, capsys, odd, 
         assert words in capsys.readouterr().err
     assert time.process_time() - start < 10.0 and time.monotonic() - clock < 60.0
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**19  # kB
-
-
-def test_no_more_than_a_limit_is_read(tmp_path):
-    path = tmp_path / "a"
-    path.write_bytes(b"12345")
-    assert read_bytes(path, 5) == b"12345"
-    with pytest.raises(DamagedError, match="at most 4 bytes"):
-        read_bytes(path, 4)
 
 
 def test_a_name_with_a_nul_byte_is_no_path(raw, tmp_path):
@@ -148,17 +136,6 @@ def test_trouble_with_files_has_its_remedy(tmp_path, monkeypatch, error, limit, 
     told = str(error_of_files(error, tmp_path))
     assert all(word in told for word in words)
     assert ("no room" in told) == ("no room to write in" in words or "but for a quota" in words)
-
-
-def test_a_folder_named_like_the_program_is_told(tmp_path):
-    """Where Python finds it first, and no editable installation stands in: without `site`."""
-    (tmp_path / "deployable").mkdir()
-    program = Path(deployable.__file__).parent / "__main__.py"
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    command = [sys.executable, "-S", str(program), "--version"]
-    (tmp_path / "deployable" / "__init__.py").touch()
-    told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True)
-    assert told.returncode == 1 and "rename it" in told.stderr and "Traceback" not in told.stderr
 
 
 def test_a_folder_that_snakemake_cannot_write_to_is_refused_before_it_tries(monkeypatch, capsys):

@@ -10,6 +10,7 @@ event times map to. Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantificati
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -33,8 +34,9 @@ GAIN = 0.8
 """Root mean square left-out error of the parts over that of all runs, at which they are split."""
 
 _GAP = 3  # instants that a stretch must have in a run
+_NARROW = 0.05  # instants: events that follow each other sooner are one
 _MOST = 0.7  # of the runs must have these
-_SLACK = 0.5  # of the way from the border to the runs beyond it, where a border may be
+_SLACK = 1.0  # of the way from the border to the runs beyond it, where a border may be
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
 _SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
 _CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
@@ -56,22 +58,29 @@ def name_events(events: np.ndarray) -> list[dict[tuple, float]]:
     return runs
 
 
-def shared_events(runs: list[dict[tuple, float]], time: np.ndarray) -> np.ndarray:
+def shared_events(
+    runs: list[dict[tuple, float]], time: np.ndarray, with_last: bool = True
+) -> np.ndarray:
     """Return the times (R, E) of the events at which the curves of R runs can be aligned.
 
     runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
-    that all runs have, in one order, and that leaves most of them three instants behind the one
-    before it and before the end. Of events that are closer, or swap, the first counts for all."""
+    that all runs have, in one order, and that leaves most of them three instants before the end. Of
+    events that follow each other within three instants the first counts and, `with_last`, the last."""
     keys = [key for key in runs[0] if all(key in event_times for event_times in runs[1:])]
     columns = sorted(
         (np.array([event_times[key] for event_times in runs]) for key in keys), key=np.mean
     )
-    gap, last, selection = _GAP * (time[-1] - time[0]) / (len(time) - 1), time[0], []
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    last, groups = np.full(len(runs), time[0]), []
     for column in columns:
-        lead, rest = column - last, time[-1] - column
-        if (lead >= 0).all() and min(np.mean(lead > gap), np.mean(rest > gap)) >= _MOST:
-            selection.append(column)
-            last = column
+        if (column < last).any() or np.mean(time[-1] - column > _GAP * step) < _MOST:
+            continue
+        if np.mean(column - last > _GAP * step) >= _MOST:
+            groups.append([column])
+        elif with_last and groups and np.mean(column - groups[-1][0]) > _NARROW * step:
+            groups[-1][1:] = [column]
+        last = column
+    selection = [column for group in groups for column in group]
     return np.array(selection[:MAX_EVENTS]).reshape(-1, len(runs)).T
 
 
@@ -85,13 +94,38 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
     )
 
 
+def difference_across(
+    points: np.ndarray, values: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
+) -> np.ndarray:
+    """Return by how much values (R, n, T) of runs with and without an event differ, behind it, at
+    most (n, T): of each run and the nearest one of the other kind.
+
+    points (R, k): of the runs in [-1, 1]^k; time (T): instants, s; runs: times of events by what
+    they are (`name_events`), of which the first of a kind counts."""
+    differences = np.zeros(values.shape[1:])
+    tree = scipy.spatial.cKDTree
+    for key in {key for event_times in runs for key in event_times if key[-1] == 0}:
+        presence = np.array([key in event_times for event_times in runs])
+        if presence.all():
+            continue
+        for rows, rivals in itertools.permutations(
+            (np.flatnonzero(presence), np.flatnonzero(~presence))
+        ):
+            nearest = rivals[tree(points[rivals]).query(points[rows])[1]]
+            for row, rival in zip(rows, nearest, strict=True):
+                moment = runs[row if presence[row] else rival][key]
+                change = np.where(time >= moment, np.abs(values[row] - values[rival]), 0.0)
+                differences = np.maximum(differences, change)
+    return differences
+
+
 class AlignedCurves:
     """Curves of R runs, aligned at E events, as functions of k parameters.
 
     points (R, k): of the runs in [-1, 1]^k; values (R, n, T): of n responses at `time` (T, s);
     times (R, E): of the events, s. `spline`: of mapped curves (R, n, S); `times_spline`: of event
-    times, None without any; `until`: the last time (s) that is known in all of the box, since the
-    last stretch is as long as the shortest of any run."""
+    times, None without any; `end_time`: the last time (s) that is known in all of the box,
+    since the last stretch is as long as the shortest of any run."""
 
     def __init__(
         self, points: np.ndarray, values: np.ndarray, time: np.ndarray, times: np.ndarray,
@@ -114,26 +148,80 @@ class AlignedCurves:
         self.counts = np.maximum(2 * np.ceil(lengths / step).astype(int) + 1, 5)
         self.offsets = np.cumsum(self.counts) - self.counts
         mapped_curves = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
+        if times.shape[1]:
+            passages = self._passages(mapped_curves)
+            for curves, y, s, passage in zip(mapped_curves, values, starts, passages, strict=True):
+                self._bridge(curves, y, s, passage)
         self._fill(mapped_curves, scales)
+
+    def _stretches(self, starts: np.ndarray) -> Iterator[tuple[slice, slice, np.ndarray]]:
+        """Of each stretch of a run: the instants within it, its columns, their times (s)."""
+        ends = np.append(starts[1:], starts[-1] + self.reach)
+        edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
+        first = np.searchsorted(self.time, starts + edge)
+        stop = np.searchsorted(self.time, ends - edge)
+        first[0], stop[-1] = 0, len(self.time)
+        for i, count in enumerate(self.counts):
+            columns = slice(self.offsets[i], self.offsets[i] + count)
+            times = starts[i] + np.linspace(0.0, 1.0, count) * (ends[i] - starts[i])
+            yield slice(first[i], stop[i]), columns, times
 
     def _map(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """Curves (n, T) of a run over mapped time (n, S), from one side at events; NaN where the
         run has ended, and in a stretch of less than three instants."""
-        ends, parts = np.append(starts[1:], starts[-1] + self.reach), []
-        edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
-        for i, (start, end, count) in enumerate(zip(starts, ends, self.counts, strict=True)):
-            first = np.searchsorted(self.time, start + edge) if i else 0
-            stop = np.searchsorted(self.time, end - edge) if i < len(starts) - 1 else len(self.time)
-            instants = start + np.linspace(0.0, 1.0, count) * (end - start)
-            part = np.full((len(values), count), np.nan)
-            if stop - first >= _GAP:
-                curve = scipy.interpolate.CubicSpline(
-                    self.time[first:stop], values[:, first:stop], axis=1
-                )
-                is_known = instants <= self.time[-1] + edge
-                part[:, is_known] = curve(instants[is_known])
-            parts.append(part)
-        return np.concatenate(parts, axis=1)
+        mapped_curves = np.full((len(values), self.counts.sum()), np.nan)
+        for span, columns, times in self._stretches(starts):
+            if span.stop - span.start >= _GAP:
+                curve = scipy.interpolate.CubicSpline(self.time[span], values[:, span], axis=1)
+                mapped_curves[:, columns] = np.where(self._is_known(times), curve(times), np.nan)
+        return mapped_curves
+
+    def _is_known(self, times: np.ndarray) -> np.ndarray:
+        return times <= self.time[-1] + 1e-6 * (self.time[1] - self.time[0])
+
+    def _passages(self, mapped_curves: np.ndarray) -> np.ndarray:
+        """Values (R, n, E) at events that responses pass without a jump, NaN at others: those of
+        the side that changes less. There is none if in most runs both sides differ less than two
+        instants near the event do, or one side has too few instants."""
+        passages = np.full((*mapped_curves.shape[:2], len(self.offsets) - 1), np.nan)
+        changes = np.abs(mapped_curves[..., 2:] - mapped_curves[..., :-2])  # of an instant
+        for i, c in enumerate(self.offsets[1:]):
+            low, high = mapped_curves[..., c - 1], mapped_curves[..., c]
+            left, right = changes[..., c - 7 : c - 2], changes[..., c : c + 5]
+            largest = np.nan_to_num(np.concatenate([left, right], axis=-1)).max(axis=-1)
+            jump = np.abs(high - low)
+            passes = np.mean((jump <= largest) | np.isnan(jump), axis=0) > 0.5
+            is_lower = np.isnan(high) | (left[..., -1] <= right[..., 0])
+            passages[:, passes, i] = np.where(is_lower, low, high)[:, passes]
+        return passages
+
+    def _bridge(
+        self,
+        mapped_curves: np.ndarray,
+        values: np.ndarray,
+        starts: np.ndarray,
+        passages: np.ndarray,
+    ) -> None:
+        """Map the values (n, T) of a run again, into mapped_curves (n, S), where they pass events
+        with the values `passages` (n, E): instants say little of the ends of a stretch."""
+        step = self.time[1] - self.time[0]
+        ends = np.pad(passages, ((0, 0), (1, 1)), constant_values=np.nan)
+        for i, (span, columns, times) in enumerate(self._stretches(starts)):
+            pair = ends[:, i : i + 2]
+            for flags in itertools.product((False, True), repeat=2):
+                rows = (np.isfinite(pair) == flags).all(axis=1)
+                if not any(flags) or not rows.any():
+                    continue
+                knots, y = self.time[span], values[rows, span]
+                distances = np.abs(knots - times[[0, -1], None][list(flags)])
+                is_distant = (distances > 0.25 * step).all(axis=0)
+                knots = np.concatenate([knots[is_distant], times[[0, -1]][list(flags)]])
+                y = np.concatenate([y[:, is_distant], pair[rows][:, flags]], axis=1)
+                if len(knots) >= 2:
+                    order = np.argsort(knots)
+                    curve = scipy.interpolate.CubicSpline(knots[order], y[:, order], axis=1)
+                    part = np.where(self._is_known(times), curve(times), np.nan)
+                    mapped_curves[rows, columns] = part
 
     def _fill(self, mapped_curves: np.ndarray, scales: np.ndarray | None) -> None:
         """Fit curves (R, n, S), what is not known of a run (NaN) by the splines through others."""
@@ -234,10 +322,18 @@ class AlignedCurves:
             return np.zeros((len(self.points), 0))
         return self.times_spline.left_out
 
-    @cached_property
-    def left_out_shapes(self) -> np.ndarray:
-        """As `left_out`, of mapped curves: without the errors of event times."""
-        return self.read(self.times, self.errors, self.time)
+    def error(self, rows: np.ndarray, window: float) -> np.ndarray:
+        """Return the largest left-out errors (n, S) of mapped curves of the runs `rows`, within a
+        time `window` (s) in the same stretch."""
+        largest = np.abs(self.errors[rows]).max(axis=0, initial=0.0)
+        step = (self.time[-1] - self.time[0]) / (len(self.time) - 1)
+        size = 4 * int(window / step) + 1  # columns are half an instant apart
+        for i, count in zip(self.offsets, self.counts, strict=True):
+            part = slice(i, i + count)
+            largest[:, part] = scipy.ndimage.maximum_filter1d(
+                largest[:, part], size, mode="nearest"
+            )
+        return largest
 
 
 @dataclass(frozen=True)
@@ -259,11 +355,11 @@ class Part:
         return is_inside
 
     def maximum(
-        self, sign: float, columns: np.ndarray
+        self, sign: float, columns: np.ndarray, error: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the largest values (C) of the curves times `sign` over the part of the box, their
-        points (C, k), and the largest values (C) with what is near the borders, for the C responses
-        and instants of the mask `columns` (n, T).
+        points (C, k), and the largest values (C) with the error of mapped curves (n, S) and with
+        what is near the borders, for the C responses and instants of the mask `columns` (n, T).
 
         A search by coordinates, with steps that are halved, starts from the best of the runs and of
         points spread over the box, and from those of the instants before and behind."""
@@ -280,8 +376,11 @@ class Part:
         step = max(CHUNK // max(best.size, curves.mapped_curves[0].size), 1)
         for start in range(0, len(trial), step):
             part = slice(start, start + step)
-            values = sign * curves.evaluate(trial[part], time[instants])
-            near_values = np.maximum(near_values, values.max(axis=0))
+            times = curves.times_at(trial[part])
+            values = curves.read(times, sign * curves.spline.evaluate(trial[part]), time[instants])
+            column = np.rint(curves.place(times, time[instants])).astype(int)
+            most = (values + error[:, column].swapaxes(0, 1)).max(axis=0)
+            near_values = np.maximum(near_values, most)
             values[is_outside[part]] = -np.inf
             top = values.argmax(axis=0)
             value = np.take_along_axis(values, top[None], axis=0)[0]
@@ -295,7 +394,9 @@ class Part:
             value, point = self._climb(sign, trial[rows], response, time[instants[instant]])
             better = value > values
             values, x = np.where(better, value, values), np.where(better[:, None], point, x)
-        return values, x, np.maximum(values, near_values[choice])
+        column = curves.place(curves.times_at(x), time[instants[instant], None])[:, 0]
+        most = values + error[response, np.rint(column).astype(int)]
+        return values, x, np.maximum(most, near_values[choice])
 
     def _climb(self, sign, x, response, instants) -> tuple[np.ndarray, np.ndarray]:
         """Larger values (C) near points (C, k), and where."""
@@ -338,9 +439,14 @@ def split_runs(
 
 def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:
     event_times = [events[row] for row in rows]
-    times = shared_events(event_times, time)
-    curves = AlignedCurves(points[rows], values[rows], time, times, scales)
+    tables = [shared_events(event_times, time, flag) for flag in (True, False)]
+    curves = AlignedCurves(points[rows], values[rows], time, tables[0], scales)
     whole, scales = [Part(rows, curves, borders)], curves.spline.scales
+    if tables[1].shape != tables[0].shape:
+        curves = AlignedCurves(points[rows], values[rows], time, tables[1], scales)
+        fewer = [Part(rows, curves, borders)]
+        if _loss(fewer, values, time) < GAIN * _loss(whole, values, time):
+            whole = fewer
     for label in _labels(event_times, time) if depth else ():
         sides = []
         try:

@@ -1,6 +1,5 @@
 """Models of the responses over the box, from which bounds are taken."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -12,8 +11,8 @@ import scipy
 
 from .alignment import (
     EVENT_NAMES,
-    AlignedCurves,
     change_within,
+    difference_across,
     first_difference,
     name_events,
     split_runs,
@@ -39,7 +38,7 @@ from .splines import check_spline_runs, fit_spline
 AUTO_RUNS = 1000
 """Most runs for which splines are tried where there is a polynomial: they cost their cube."""
 
-_ALIGNED_WINDOW = 0.02  # of the duration: few runs are near the edge of a part at one instant
+_WINDOWS = 0.002, 0.02  # of the duration, of parts: few runs are near their edges at one instant
 _PLAIN = {"lowest", "highest", "argmin", "argmax", "misfit"}  # of a spline: not of its runs
 
 
@@ -289,9 +288,11 @@ class AlignedModel(Model):
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
     run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the
     runs, and their width is the error.
-    The error is the largest left-out error of the aligned curves, of the runs inside the box and
-    those that `design`, if given, does not contain, and the most by which the bounds change within
-    the left-out error of event times, or with what is near the borders of parts."""
+    The error is what the bounds become with the largest left-out errors of the mapped curves, of
+    the runs inside the box and those that `design`, if given, does not contain, and with what is
+    near the borders of parts; and their change within the left-out error of event times. Where an
+    event of part of the box does not split the runs, it is at least the difference across its
+    border."""
 
     kind = "attained range of splines through all runs, aligned at their events"
 
@@ -311,7 +312,9 @@ class AlignedModel(Model):
             columns = [samples.source[name].values for name in EVENT_NAMES]
             runs = name_events(np.stack(columns, axis=-1))
         self.parts = split_runs(self.points, samples.values, samples.time, runs)
-        self.differ = first_difference(runs)
+        self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
+        if len(self.parts) == 1:
+            self.part_error = difference_across(self.points, samples.values, samples.time, runs)
         if len(self.parts) > 1:  # where a part ends, runs inside the box are at its edge
             self.tests = rows
         self.end_time = min(part.curves.end_time for part in self.parts)
@@ -326,12 +329,9 @@ class AlignedModel(Model):
     def left_out(self) -> np.ndarray:
         """Values (R, n, T) of runs less those of the splines through all others; NaN for those
         that are nearly the same as others, and behind `end_time`."""
-        return self._of_parts(lambda curves: curves.left_out)
-
-    def _of_parts(self, curves_of: Callable[[AlignedCurves], np.ndarray]) -> np.ndarray:
         values = np.full(self.samples.values.shape, np.nan)
         for part in self.parts:
-            values[part.rows] = curves_of(part.curves)
+            values[part.rows] = part.curves.left_out
         values[:, :, self.samples.time > self.end_time] = np.nan
         return values
 
@@ -339,20 +339,22 @@ class AlignedModel(Model):
         values, time = self.samples.values, self.samples.time
         columns = np.ones(values.shape[1:], bool) if columns is None else columns
         columns = columns & (time <= self.end_time)
-        sides = []
-        self.border_error = np.zeros(columns.shape)
+        sides, window = [], _WINDOWS[len(self.parts) > 1]
+        self.model_error = np.zeros(columns.shape)
         for sign in (-1.0, 1.0):
             run = (sign * values).argmax(axis=0)
             best = sign * np.take_along_axis(values, run[None], axis=0)[0]
             x = self.points[run]
             near_values = best.copy()
             for part in self.parts:
-                values_of_part, places, border_values = part.maximum(sign, columns)
+                tests = np.isin(part.rows, self.tests)
+                error = part.curves.error(tests, window * (time[-1] - time[0]))
+                values_of_part, places, border_values = part.maximum(sign, columns, error)
                 near_values[columns] = np.maximum(near_values[columns], border_values)
                 better = values_of_part > best[columns]
                 best[columns] = np.where(better, values_of_part, best[columns])
                 x[columns] = np.where(better[:, None], places, x[columns])
-            self.border_error = np.maximum(self.border_error, near_values - best)
+            self.model_error = np.maximum(self.model_error, near_values - best)
             sides += [sign * best, x[..., np.argsort(self.order)]]
         low, x_low, high, x_high = sides
         return to_range(low, high, x_low, x_high)
@@ -360,21 +362,17 @@ class AlignedModel(Model):
     def error(
         self, bounds: Range, window: float | None, columns: np.ndarray | None = None
     ) -> ErrorEstimate:
-        time = self.samples.time
-        shapes = self._of_parts(lambda curves: curves.left_out_shapes)[self.tests]
-        held_out = _errors_within(np.nan_to_num(np.abs(shapes)).max(axis=0), columns)
+        time, total = self.samples.time, self.model_error.copy()
         shift = 0.0
         for part in self.parts:
             time_errors = part.curves.time_errors[np.isin(part.rows, self.tests)]
             shift = max(shift, float(np.abs(time_errors).max(initial=0.0)))
-        wide = _ALIGNED_WINDOW * (time[-1] - time[0]) if window is None else window
-        estimate = estimate_error(time, held_out, np.zeros_like(held_out), wide)
-        total = estimate.total + self.border_error
         for curve in (bounds.inner_lower, bounds.inner_upper):
             total = total + change_within(time, curve, shift)
         is_beyond = time > self.end_time
         total[:, is_beyond] = (bounds.inner_upper - bounds.inner_lower)[:, is_beyond]
-        return replace(estimate, total=total)
+        total = np.maximum(total, self.part_error)
+        return ErrorEstimate(total, total, np.zeros_like(total))
 
     def centre(self) -> np.ndarray:
         point = np.zeros((1, self.points.shape[1]))
@@ -407,9 +405,12 @@ class AutoModel(Model):
         if not self.fits:
             raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
         self.choice = self._choose(alignment)
+        self.part_error = np.zeros(1) if alignment is None else alignment.part_error
         self.test_rows = self.fits[0].test_rows
         names = [next(n for n, kind in MODELS.items() if type(fit) is kind) for fit in self.fits]
         self.attributes = {**self.fits[-1].attributes, "models": names}
+        if alignment is not None and self.part_error.any():
+            self.attributes["undivided_from"] = alignment.differ
 
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
         """The index of the model (n, T)."""
@@ -454,7 +455,8 @@ class AutoModel(Model):
         self, bounds: Range, window: float | None, columns: np.ndarray | None = None
     ) -> ErrorEstimate:
         pairs = enumerate(self.fits)
-        return self._join([fit.error(bounds, window, self.choice == i) for i, fit in pairs])
+        error = self._join([fit.error(bounds, window, self.choice == i) for i, fit in pairs])
+        return replace(error, total=np.maximum(error.total, self.part_error))
 
     def _join(self, results: list) -> Any:
         """One Range or ErrorEstimate, of which each instant has the chosen model's."""

@@ -1,4 +1,5 @@
-"""Structures of the library from their files: a scissor mast, the interval of a latch's time."""
+"""Structures of the library from their files: a scissor mast, the interval of a latch's time,
+bounds of curves through a stop."""
 
 from itertools import product
 from pathlib import Path
@@ -81,4 +82,62 @@ def interval_of_a_latch(bench: Bench) -> None:
         bench.check(f"{end} end of the time (s)", float(row[end]), exact, 1e-6, "closed form")
 
 
-PROBLEMS = {"scissor mast": scissor_mast, "interval of a latch's time": interval_of_a_latch}
+CART = """
+name: cart
+description: A cart that runs against a stop
+parameters:
+  v: {value: 2, unit: m/s, range: [1, 3], description: speed at the start}
+  L: {value: 1, unit: m, range: [0.5, 2], description: place of the stop}
+points: {start: [0, 0, 0]}
+bodies: {cart: {mass: 1, centre: start, box: [0.1 m, 0.1 m, 0.1 m]}}
+joints: {rail: {type: prismatic, parts: [ground, cart], at: start, axis: x, opening: 0}}
+actions: {stop: {type: stop, joint: rail, upper: L, stiffness: 1e6}}
+opening_rates: {go: {joint: rail, rate: v}}
+"""
+
+
+def bounds_through_a_stop(bench: Bench) -> None:
+    """A cart meets a stop at its own time in each run: 13 runs, against x = v t and v cos ωt."""
+    from deployable import campaign
+
+    config = {
+        "campaign": "stop",
+        "scene": {"file": "cart.yaml"},
+        "solver": {"duration": 1.0, "instants": 1001},
+        "intervals": {"v": {"absolute": 0.2}, "L": {"absolute": 0.1}},
+        "design": {"method": "tensor_lobatto", "order": 2},
+        "responses": {"place": {"opening": "rail"}, "rate": {"opening_rate": "rail"}},
+    }
+    with TemporaryDirectory() as folder, bench.time_solver():
+        Path(folder, "cart.yaml").write_text(CART, encoding="utf-8")
+        config["scene"] = {"file": str(Path(folder, "cart.yaml"))}
+        campaign.run(config, folder, figures=False, notify=lambda text: None)
+        with xarray.open_dataset(Path(folder, "stop", "bounds.nc")) as file:
+            bounds = file.load()
+    time, omega = bounds["time"].values, 1e3
+    low, high = np.full((2, 2, len(time)), [[[np.inf]], [[-np.inf]]])
+    for v, length in product(np.linspace(1.8, 2.2, 201), np.linspace(0.9, 1.1, 201)):
+        lapse = time - length / v
+        angle = np.clip(omega * lapse, 0.0, np.pi)
+        rebound = np.maximum(lapse - np.pi / omega, 0.0)
+        place = np.where(lapse < 0, v * time, length + v / omega * np.sin(angle) - v * rebound)
+        curves = np.array([place, v * np.cos(angle)])
+        low, high = np.minimum(low, curves), np.maximum(high, curves)
+    for i, name in enumerate(("place", "rate")):
+        row = bounds.sel(response=name)
+        lower, upper, error = (row[key].values for key in ("lower", "upper", "error"))
+        width = high[i] - low[i]
+        distance = np.maximum(np.abs(lower - low[i]), np.abs(upper - high[i]))
+        share = distance.sum() / width.sum()
+        bench.check_small(f"{name}: error of the bounds", share, 0.01, "closed form", "the width")
+        slack = error + 1e-3 * width.max()
+        is_inside = (low[i] >= lower - slack) & (high[i] <= upper + slack)
+        text = f"{name}: share of the instants within bounds and error"
+        bench.check_at_least(text, float(is_inside.mean()), 0.95, "closed form")
+
+
+PROBLEMS = {
+    "scissor mast": scissor_mast,
+    "interval of a latch's time": interval_of_a_latch,
+    "bounds of curves through a stop": bounds_through_a_stop,
+}

@@ -257,6 +257,8 @@ def _response(
             row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
     row["trusted"] = _largest_trusted(bounds)
+    if (start := campaign.attributes.get("undivided_from", np.inf)) <= time[instant]:
+        row["undivided_from"] = float(start)
     if bounds.growth is not None:
         row["largest_growth_quarter"] = float(bounds.growth.max())
     if COMPONENTS[0] in bounds.errors:

@@ -8,7 +8,6 @@ import fpm
 from evidence.verification.mechanisms import (
     GRAVITY,
     Z,
-    n_four_bar_scene,
     on_ground,
     rigid_bricard,
     rod,
@@ -77,20 +76,6 @@ def test_double_pendulum_moves_by_lagranges_equations(type):
 
 
 @pytest.mark.slow
-def test_a_fixed_joint_makes_one_body_of_two():
-    """Two rods fixed to each other swing as one of 2 m and 2 kg."""
-    scene = double_pendulum(lambda s, pair, at: s.add_joint("lower", "fixed", pair, at))
-    outcome = run(scene)
-
-    def rates(_, y):
-        return [y[1], 1.5 * G / 2.0 * np.cos(y[0])]
-
-    found = solve_ivp(rates, (0, 1), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
-    exact = 2 * np.array([np.cos(found), -np.sin(found), 0.0])
-    np.testing.assert_allclose(outcome.points["tip"][0][-1], exact, atol=2e-5)
-
-
-@pytest.mark.slow
 def test_a_universal_joint_turns_as_its_angle_says():
     """Two shafts at 30 degrees: tan(out) = tan(in) / cos(30), Cardan's relation, and the energy."""
     bend = np.radians(30.0)
@@ -127,22 +112,6 @@ def test_a_loop_that_cannot_close_fails_by_name():
     (outcome,) = fpm.simulate(scene, duration=1.0, instants=11, step=1e-3, energy_tolerance=1e9)
     assert "a joint is open" in str(outcome.failure)
     assert outcome.failure.element.startswith("joint pin")
-
-
-@pytest.mark.slow
-def test_samples_do_not_depend_on_their_neighbours():
-    """Alone and in a batch, bit for bit, though one of them needs more rounds."""
-    scenes = []
-    for k in range(3):
-        scene = n_four_bar_scene()
-        scene.velocity *= 1 + 9 * (k == 1)
-        scene.spin *= 1 + 9 * (k == 1)
-        scenes.append(scene)
-    together = fpm.simulate(scenes, duration=0.3, instants=31, step=1e-3)
-    for scene, outcome in zip(scenes, together, strict=True):
-        (alone,) = fpm.simulate(scene, duration=0.3, instants=31, step=1e-3)
-        assert np.array_equal(alone.points["B0"], outcome.points["B0"])
-    assert not np.array_equal(together[0].points["B0"], together[1].points["B0"])
 
 
 @pytest.mark.slow

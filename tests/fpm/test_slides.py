@@ -5,10 +5,8 @@ import pytest
 
 import fpm
 from evidence.extremes.stable_step import slides
-from evidence.verification.slides import scene_of_all
 from fpm.assembly import assemble
 from fpm.elements import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
-from fpm.files import trajectory
 from fpm.reading import responses
 from fpm.scenes.timestep import find_stable_step
 
@@ -115,48 +113,6 @@ def test_the_stable_step_of_a_cross_holds_wherever_it_turns():
         cross = scene.add_universal("cross", (0, 1), scene.position[1], X, Y, (0.0, angle))
         scene.add_torsion_spring(cross, 8.0)
         assert find_stable_step(scene).frequency == pytest.approx(np.sqrt(8.0 / J[0]), rel=1e-9)
-
-
-@pytest.mark.slow
-def test_all_that_acts_is_the_same_alone_and_in_any_batch():
-    run = {"duration": 0.8, "instants": 401, "step": 2e-4}
-    scenes = [scene_of_all(speed) for speed in (1.0, 0.7, 1.3)]
-    together = fpm.simulate(scenes, **run)
-    for scene, outcome in zip(scenes, together, strict=True):
-        (alone,) = fpm.simulate(scene, **run)
-        assert outcome.failure is None
-        assert np.array_equal(outcome.events, alone.events)
-        for name, values in alone.openings.items():
-            assert np.array_equal(outcome.openings[name], values), name
-        for name, values in alone.energies.items():
-            assert np.array_equal(outcome.energies[name], values), name
-
-
-@pytest.mark.slow
-def test_files_have_what_slides_and_their_latches_did(tmp_path):
-    (outcome,) = fpm.simulate(scene_of_all(), duration=0.8, instants=401, step=2e-4)
-    data = outcome.dataset()
-    assert data["slide_opening"].attrs["units"] == "m"
-    assert data["opening"].attrs["units"] == "rad"
-    assert data["slide_latch_impulse"].attrs["units"] == "N s"
-    assert data["slide_motor_force"].sel(slide_motor="driven").attrs["units"] == "N"
-    trajectory.write(data, tmp_path / "run.nc")
-    curves = trajectory.read_curves(tmp_path / "run.nc")
-    assert curves.columns.keys() == outcome.columns.keys()
-    for column, values in outcome.columns.items():
-        assert np.array_equal(curves.columns[column], values)
-    asked = {
-        "caught": ({"latch_impact": "caught"}, "N s", 2 / 3),
-        "signed": ({"latch_impact": "caught", "component": "signed"}, "N s", -2 / 3),
-        "crossed": ({"latch_impact": "crossed_other"}, "N m s", 0.06),
-        "rate": ({"latch_rate": "latched"}, "m s-1", 1.0),
-    }
-    for name, (definition, unit, value) in asked.items():
-        found = responses.parse(name, definition, outcome.scene)
-        assert found.unit == unit
-        assert found.evaluate(curves)[-1] == pytest.approx(value, rel=1e-5)
-    with pytest.raises(fpm.SceneError, match="one of caught, crossed_other"):
-        responses.parse("impact", {"latch_impact": "latched"}, outcome.scene)
 
 
 @pytest.mark.slow

@@ -53,7 +53,15 @@ def built(structure, samples):
         return None
 
 
-@pytest.mark.parametrize("path", LIBRARY, ids=lambda path: path.stem)
+LONG = ("ring_truss", "solar_array", "umbrella")
+"""Structures that take long; lanes of the first two are compared below."""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=pytest.mark.slow if p.stem in LONG else ()) for p in LIBRARY],
+    ids=lambda path: path.stem,
+)
 def test_samples_built_together_are_those_built_alone(path):
     structure = structures.load(path)
     real = [name for name, p in structure.parameters.items() if p.kind == "real"]

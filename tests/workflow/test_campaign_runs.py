@@ -178,16 +178,6 @@ def test_changed_code_makes_all_again_whatever_the_times_of_files(small, workpla
     assert "Nothing to be done" in place.snakemake(*SMALL, "--dry-run").stdout
 
 
-def test_an_edited_kernel_makes_new_runs(small, workplace):
-    place = beside_code(small, workplace)
-    kernel = place.folder / "fpm" / "elements" / "bars" / "beam_kernels.py"
-    text = kernel.read_text()
-    assert "slope = s * s + 2.0" in text
-    kernel.write_text(text.replace("slope = s * s + 2.0", "slope = s * s + 2.1"))
-    os.utime(kernel, (0, 0))
-    assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
-
-
 def test_a_report_is_about_the_campaign_that_was_run(small):
     refused = small.snakemake("--report", "other.html")
     assert refused.returncode != 0

@@ -1,7 +1,6 @@
 """Drag of air by the square of the speed against closed forms and another solver."""
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from evidence.verification.bench import Bench, observed_orders
 from fpm.structures import loads
@@ -60,25 +59,6 @@ def spin(bench: Bench) -> None:
     bench.check_small("energy balance", _balance_error(outcomes[-1]), 1e-3, "required", "energy")
 
 
-def pendulum(bench: Bench) -> None:
-    """The rod as a pendulum that swings from the horizontal."""
-    scene = loads(ROD).build(gravity=GRAVITY)
-    outcomes = [_run(bench, scene, 4.0, step) for step in STEPS]
-
-    def slopes(_, y):
-        weight = 0.1 * GRAVITY * 0.5 * np.cos(y[0])
-        return [y[1], (weight - MOMENT * y[1] * abs(y[1])) / INERTIA]
-
-    options = {"rtol": 1e-11, "atol": 1e-12, "max_step": 0.02}
-    exact = solve_ivp(slopes, (0, 4), [0, 0], "DOP853", outcomes[0].time, **options).y[0]
-    swings = [outcome.openings["pin"] for outcome in outcomes]
-    errors = [np.abs(swing - exact).max() for swing in swings]
-    source = "J θ'' = m g L/2 cos θ - ρ Cd b L⁴/8 θ'|θ'|, DOP853"
-    bench.check_small("angle at 5 ms (rad)", errors[-1] / np.pi, 1e-3, source, "π")
-    bench.check_at_least("order of the angle", observed_orders(errors).min(), 1.9, source)
-    bench.check_small("energy balance", _balance_error(outcomes[-1]), 1e-3, "required", "energy")
-
-
 def _run(bench: Bench, scene, duration: float, step: float):
     return bench.simulate(scene, duration=duration, instants=101, step=step)[0]
 
@@ -89,4 +69,4 @@ def _balance_error(outcome) -> float:
     return float(balance / max(np.abs(energy).max() for energy in energies.values()))
 
 
-PROBLEMS = {"fall through air": fall, "rod in air": spin, "pendulum in air": pendulum}
+PROBLEMS = {"fall through air": fall, "rod in air": spin}

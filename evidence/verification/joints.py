@@ -65,31 +65,6 @@ def pendulum(bench: Bench) -> None:
     bench.check_small("tilt of the hinge (rad)", outcome.axis_gap.max(), 1e-9, "required", "1")
 
 
-def spring_oscillator(bench: Bench) -> None:
-    """A body on a torsion spring, and two free bodies with a spring between them."""
-    stiffness = 40.0
-    scene = swinging_body(0.7)
-    scene.add_torsion_spring(0, stiffness, rest=0.2)
-    (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
-    exact = 2 * np.pi * np.sqrt(ABOUT_HINGE / stiffness)
-    swing = outcome.openings["O"] - 0.2
-    result = period(outcome.time, swing)
-    bench.check("period, fixed hinge (s)", result, exact, 1e-3, "T = 2 π √(I / k)")
-    size = (swing.max() - swing.min()) / 2
-    bench.check("amplitude (rad)", size, 0.5, 1e-3, "start at rest, 0.5 rad off")
-
-    # Free pair hinged at the common centre of both: only the openings swing.
-    first, second = 0.3, 0.8
-    scene = fpm.Scene("pair")
-    pair = scene.add_particles([(0, 0, 0), (0, 0, 0)], 1.0, [(1, first, 1), (1, second, 1)])
-    hinge = scene.add_hinge("O", pair, (0, 0, 0), AXIS, opening=0.5)
-    scene.add_torsion_spring(hinge, stiffness)
-    (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
-    exact = 2 * np.pi * np.sqrt(first * second / (first + second) / stiffness)
-    result = period(outcome.time, outcome.openings["O"])
-    bench.check("period, two free bodies (s)", result, exact, 1e-3, "T = 2 π √(I₁ I₂ / (I₁+I₂) k)")
-
-
 def contact_bounce(bench: Bench) -> None:
     """A body runs into the contact: half a sine of contact, and back at the speed it came with."""
     rate = 0.8
@@ -235,6 +210,5 @@ PROBLEMS = {
     "off-loaded panel": off_loaded_panel,
     "led pendulum": led_pendulum,
     "pendulum": pendulum,
-    "spring oscillator": spring_oscillator,
     "contact bounce": contact_bounce,
 }

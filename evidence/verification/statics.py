@@ -6,7 +6,6 @@ import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.relax import settle
 from evidence.verification.rod import clamped_rod
-from fpm.structures import loads
 
 
 def cantilever(elements, section, material, length=1.0, name="cantilever") -> fpm.Scene:
@@ -65,41 +64,6 @@ def roll_up(bench: Bench) -> None:
     for coarse, fine, order in zip(meshes, meshes[1:], observed_orders(errors), strict=False):
         name, source = f"error ratio from {coarse} to {fine} elements", "order 2 makes 4"
         bench.check_at_least(name, 2.0**order, 3.0, f"at least 3, as required; {source}")
-
-
-STRIP = """
-parameters: {share: {value: 1, range: [0, 1]}, elements: {value: 40, whole: true}}
-materials: {strip: {E: 1.2 MPa, nu: 0, rho: 1000 kg/m3}}
-sections: {flat: {type: rectangle, width: 1 m, height: 0.1 m}}
-points: {root: [0, 0, 0], end: [12 m, 0, 0]}
-bars: {strip: {through: [root, end], section: flat, material: strip, elements: elements, up: z}}
-supports: {clamp: {part: strip, at: root}}
-loads: {roll: {part: strip, at: end, moment: [0, (-50 N m)*share*3.14159265358979/3, 0]}}
-record: {end: {part: strip, at: end}}
-"""
-STRIP_ENDS = np.array(
-    [[0.05, 0.196, 1.870], [0.25, 4.361, 7.639], [0.5, 12.0, 7.639], [0.75, 14.546, 2.546],
-     [1.0, 12.0, 0.0]]
-)  # fmt: skip
-"""Share of the moment that makes a full circle, and the end's way back and up (m): Sze, Liu, Lo,
-Finite Elem. Anal. Des. 40 (2004) 1551, 3.2."""
-
-
-def rolled_strip(bench: Bench) -> None:
-    """A cantilever strip, from a structure's text, that an end moment rolls up to a full circle."""
-    elements = 24 if bench.quick else 40
-    structure, source = loads(STRIP), "Sze, Liu, Lo 2004, 3.2"
-    scenes = [structure.build(share=share, elements=elements) for share in STRIP_ENDS[:, 0]]
-    ends = np.array([outcome.points["end"][0][-1] for outcome in settle(bench, scenes)])
-    places = np.column_stack([12.0 - ends[:, 0], ends[:, 2]])
-    for (share, *expected), values in zip(STRIP_ENDS, places, strict=True):
-        for name, value, reference in zip(("back", "up"), values, expected, strict=True):
-            bench.check(f"{share:g} of the moment, end {name} (m)", value, reference, 0.01,
-                        source, reference or 12.0, "of it, or of the length")  # fmt: skip
-    turn = 2 * np.pi * STRIP_ENDS[:, 0]
-    exact = 12 * np.column_stack([1 - np.sin(turn) / turn, (1 - np.cos(turn)) / turn])
-    worst = np.abs(places - exact).max() / 12
-    bench.check_small("worst end off the arc's", worst, 0.01, "M L/(E I) = turn", "L")
 
 
 BEND_TIP = np.array([-23.48, -13.50, 53.37])
@@ -209,7 +173,6 @@ def princeton(bench: Bench) -> None:
 
 
 PROBLEMS = {
-    "rolled strip": rolled_strip,
     "small tip load": small_tip_load,
     "roll-up": roll_up,
     "45° bend": bend,

@@ -8,7 +8,6 @@ import numpy as np
 import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.relax import frequencies, mode_shape
-from evidence.verification.rotation import crossings
 from fpm.elements import BarDamping
 
 LENGTH, MATERIAL = 1.0, fpm.Material(1e9, 0.25, 1000.0)
@@ -89,33 +88,6 @@ def eigenvalues(bench: Bench) -> None:
                              "order 2 (or better) of lumped masses")  # fmt: skip
 
 
-def check_frequencies_of_runs(bench: Bench) -> None:
-    """The same frequencies from the time signal of bars set off in their first mode."""
-    elements = 10
-    for support in (*ROOTS, "axial", "torsion"):
-        scene = bar(elements, support)
-        linear = modes(scene, support)[0]
-        shape = mode_shape(scene, linear)
-        # Deflections stay below 1e-4 of the length, twists below 1e-3 rad.
-        columns, largest = (slice(3, 6), 1e-3) if support == "torsion" else (slice(3), 1e-4)
-        rate = largest * linear / np.abs(shape[:, columns]).max()
-        scene.velocity += rate * shape[:, :3]
-        scene.spin += rate * shape[:, 3:]
-        periods = 3 if bench.quick else 10
-        duration = periods * 2 * np.pi / linear
-        (outcome,) = bench.simulate(scene, duration=duration, instants=200 * periods + 1)
-        # The strain energy is 1/2 (1 - cos 2 w t) of its largest: half of it four times a period.
-        strain = outcome.energies["strain"] / outcome.energies["kinetic"][0]
-        half_crossings = crossings(outcome.time, strain - 0.5)
-        spacing = np.polyfit(np.arange(len(half_crossings)), half_crossings, 1)[0]
-        frequency = np.pi / 2 / spacing
-        expected = references(support)[0]
-        bench.check(f"{support}, mode 1, from a run (rad/s)", frequency, expected, 0.005,
-                    "closed form, as above")  # fmt: skip
-        bench.check(f"{support}, run against eigenvalue (rad/s)", frequency, linear, 1e-4,
-                    "eigenvalue of the linearised scene")  # fmt: skip
-
-
 def check_modal_damping(bench: Bench) -> None:
     """Modes of thick bars that are damped in proportion to stiffness, each as an oscillator with
     the share z = beta w/2 of critical damping: exp(-z w t) sin(w' t)/w', w' = w sqrt(1 - z²)."""
@@ -169,7 +141,6 @@ def check_sudden_pull(bench: Bench) -> None:
 
 PROBLEMS = {
     "frequencies": eigenvalues,
-    "frequencies of runs": check_frequencies_of_runs,
     "pulled at once": check_sudden_pull,
     "damped in proportion to stiffness": check_modal_damping,
 }

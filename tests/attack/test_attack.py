@@ -7,17 +7,14 @@ hour.
 from __future__ import annotations
 
 import ast
-import os
 import random
-import signal
 
 import pytest
 
-from evidence.attack import mutants
 from evidence.attack.ledger import Ledger
 from evidence.attack.mutants import Hunt, change_at, sites
 from evidence.attack.processes import attack_by_full_disk, attack_by_kill, command, start
-from evidence.attack.victim import RAW, Victim
+from evidence.attack.victim import Victim
 
 
 @pytest.fixture(scope="module")
@@ -62,15 +59,6 @@ def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path, text):
     assert code.read_text(encoding="utf-8") == "x = 2\n"
 
 
-def test_tests_that_take_too_long_without_a_change_notice_nothing(tmp_path, monkeypatch):
-    code = tmp_path / "mine.py"
-    code.touch()
-    monkeypatch.setattr(mutants, "failed_of", lambda *_, **__: [mutants.TIME])
-    hunt = Hunt(1)
-    assert hunt.find_detector(tmp_path, code, "x", ["test_a.py"]) is None
-    assert hunt.left_out == ["test_a.py"]
-
-
 def test_what_goes_wrong_is_counted():
     ledger = Ledger()
     ledger.attempt("one", "x", 1.0, lambda: "right")
@@ -80,23 +68,6 @@ def test_what_goes_wrong_is_counted():
         ("one", "traceback"), ("two", "hang"),
     ]  # fmt: skip
     assert "| one | 2 | 1 | 0 | 0 | 0 | 0 | 0 | 1 | 0 |" in ledger.table()
-
-
-def long_one(place):
-    """A command that runs for minutes."""
-    victim = Victim.__new__(Victim)
-    victim.raw = RAW | {"solver": {"duration": 20.0, "instants": 9}, "jobs": {"group": 1}}
-    return command(victim, place)
-
-
-def test_ctrl_c_is_one_line(tmp_path):
-    process = start(long_one(tmp_path))
-    first = process.stdout.readline()
-    os.killpg(process.pid, signal.SIGINT)
-    told, _ = process.communicate()
-    assert process.returncode == 130
-    assert "what is finished is kept, the same command goes on" in told
-    assert "Traceback" not in first + told
 
 
 def test_a_full_disk_is_one_sentence(victims, tmp_path):

@@ -6,15 +6,13 @@
 from __future__ import annotations
 
 import random
-from pathlib import Path
 
 import pytest
 
 from deployable import campaign
-from evidence.attack.damage import HARMS, attack_files, flip, kinds_in, truncate, zero
+from evidence.attack.damage import HARMS, attack_files, kinds_in
 from evidence.attack.ledger import Ledger
-from evidence.attack.victim import RAW, Victim, list_broken_files, silent
-from fpm.files.seals import check
+from evidence.attack.victim import RAW, Victim, silent
 
 
 def attacked(victim, place, kinds):
@@ -35,22 +33,6 @@ def test_damaged_files_are_named_and_made_again(tmp_path):
     count = attacked(whole, tmp_path, kinds)
     assert count >= len(kinds) * len(HARMS) - alone
     assert attacked(short, tmp_path, ["responses/*.nc"]) >= len(HARMS) - 1
-
-
-@pytest.mark.slow
-def test_damaged_figures_pages_and_motions_are_named_and_made_again(tmp_path):
-    """All in one folder, since to draw again takes seconds."""
-    drawn, rng = Victim(tmp_path, has_figures=True), random.Random(20)
-    folder = drawn.copy(tmp_path / "attacked")
-    people = ("figures", "motions", "report")
-    paths = [files[0] for kind, files in kinds_in(folder).items() if kind.startswith(people)]
-    assert len(paths) == 4
-    for path in filter(Path.is_file, folder.rglob("*")):
-        assert check(path)["name"] in (path.name, f"run {path.stem}")
-    for path, harm in zip(paths, (flip, zero, truncate, flip), strict=True):
-        harm(path, rng)
-    made_again(paths, lambda notify: drawn.run(folder.parent, notify))
-    assert not list_broken_files(folder)
 
 
 def test_one_call_names_results_that_were_cut_off(tmp_path):

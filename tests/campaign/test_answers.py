@@ -10,12 +10,9 @@ import pytest
 import xarray as xr
 from opening_panel import PANEL, exact_time, panel, run
 
-from deployable import campaign
 from deployable.campaign.answers import quantity_bounds
-from deployable.campaign.errors import ConfigError
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, limits_of
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.ranges import ranges
 from deployable.intervals.scalars import fit_scalar
 from fpm.files.seals import unseal
@@ -121,62 +118,6 @@ def test_the_summary_tells_the_intervals(opened):
     assert " of the box (by volume, no probability). The interval is that of the part" in text
 
 
-@pytest.mark.parametrize(
-    ("definition", "words"),
-    [
-        ({"largest": "phi"}, "quantities.q.largest: 'phi' is not allowed; allowed: one of psi"),
-        ({"event": "closes"}, "(there is none)"),
-        ({"crossing": "psi"}, "quantities.q"),
-        ({}, "quantities.q"),
-        (3, "quantities.q"),
-    ],
-)
-def test_wrong_quantities_are_refused_before_any_run(definition, words):
-    with pytest.raises(ConfigError, match=words):
-        campaign.check_config(panel(quantities={"q": definition}))
-
-
-def drawn_ranges(folder):
-    """The axes of the figure of a campaign's quantities."""
-    runs = FittedRuns.read(folder)
-    surrogates = runs.surrogates(limits_of(read_plan(folder.plan).experiment))
-    return ranges(QuantityResults.read(folder), runs, surrogates).axes
-
-
-@pytest.mark.slow
-def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tmp_path):
-    ax, *_ = drawn_ranges(opened)
-    assert len(ax.lines) >= 2
-    late = {"t_late": PANEL["quantities"]["t_late"]}
-    several = {"k": {"relative": 0.05}, "mass": {"relative": 0.02}, "rest": {"relative": 0.01}}
-    for count, drawn in ((2, "collections"), (3, "patches")):
-        raw = panel(
-            campaign=f"of_{count}",
-            intervals=dict(list(several.items())[:count]),
-            design={"method": "smolyak", "order": 1},
-            quantities=late,
-            verify={"max_iterations": 0},
-        )
-        ax, *_ = drawn_ranges(run(raw, tmp_path))
-        assert len(getattr(ax, drawn)) >= count - (count == 2)
-        assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
-
-
-def test_a_quantity_is_drawn_no_lower_than_it_can_be():
-    """As its interval is told: a norm whose fit swings below zero is drawn at zero there."""
-    x = np.linspace(-1, 1, 7)[:, None]
-    speed = np.maximum(x[:, 0] - 0.3, 0.0)
-    assert fit_scalar(x, speed).evaluate(np.linspace(-1, 1, 401)[:, None]).min() < -1e-3
-    row = {"name": "v", "long_name": "speed", "units": "m/s", "lower": 0.0, "upper": 0.7}
-    parameter = {"name": "a", "units": "m", "lower": 1.0, "upper": 3.0}
-    runs = FittedRuns(x, speed[:, None], np.full((7, 1), np.nan))
-    surrogates = [fit_scalar(x, speed, least=0.0)]
-    (ax,) = ranges(QuantityResults([row], [parameter], 0, 0, None), runs, surrogates).axes
-    drawn = ax.lines[0].get_ydata()
-    assert drawn.min() == 0.0
-    assert drawn.max() == pytest.approx(0.7, abs=0.1)
-
-
 def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
     """Released at rest, it swings to twice the angle at which the spring rests, and no further."""
     level = 120.3
@@ -199,79 +140,28 @@ def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
         assert float(t["lower"]) == pytest.approx(exact, rel=1e-4)
 
 
-@pytest.mark.slow
-def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
-    """That of the step is what campaigns with a half and a quarter of it foretell (Richardson)."""
-    t_open = {"t_open": PANEL["quantities"]["t_open"]}
-    raw = panel(quantities=t_open, solver={"duration": 2.2, "instants": 441, "step": 2e-5},
-                verify={"max_iterations": 2, "discretization": True})  # fmt: skip
-    found = {}
-    for name, step in (("usual", 2e-5), ("step", 1e-5), ("quarter", 5e-6)):
-        raw |= {"campaign": name, "solver": {**raw["solver"], "step": step}}
-        folder = run(raw, tmp_path)
-        raw["verify"] = {"max_iterations": 2}
-        with xr.open_dataset(folder.quantities) as file:
-            found[name] = file.sel(quantity="t_open").load()
-    usual = found["usual"]
-    steps = [
-        [float(of[f"simulated_{s}"]) for of in (usual, found["step"], found["quarter"])]
-        for s in ("lower", "upper")
-    ]
-    first, second = max((abs(np.diff(values)) for values in steps), key=lambda change: change[0])
-    order = np.clip(np.log2(first / second), 1.0, 4.0)
-    exact = first / (1 - 2**-order)
-    assert 0 < float(usual["error_step"]) == pytest.approx(exact, rel=1e-6)
-    assert 0 < float(usual["error_mesh"]) < 1e-5
-    parts = sum(float(usual[name]) for name in ("error", "error_step", "error_mesh"))
-    assert float(usual["error_whole"]) == pytest.approx(parts)
-    assert "| t_open |" in (tmp_path / "usual" / "summary.md").read_text()
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_quantity_is_drawn_over_its_parameters_and_no_lower_than_it_can_be(count):
+    """As its interval is told: a norm whose fit swings below zero is drawn at zero there."""
+    x = np.stack(np.meshgrid(*[np.linspace(-1, 1, 7)] * count), axis=-1).reshape(-1, count)
+    speed = np.maximum(x[:, 0] - 0.3, 0.0)
+    row = {"name": "v", "long_name": "speed", "units": "m/s", "lower": 0.0, "upper": 0.7}
+    row |= {"argmin": {"a": 1.0, "b": 1.0}, "argmax": {"a": 3.0, "b": 3.0}}
+    parameters = [{"name": name, "units": "m", "lower": 1.0, "upper": 3.0} for name in "ab"[:count]]
+    runs = FittedRuns(x, speed[:, None], np.full((len(x), 1), np.nan))
+    results = QuantityResults([row], parameters, 0, 0, None)
+    ax, *_ = ranges(results, runs, [fit_scalar(x, speed, least=0.0)]).axes
+    values = ax.lines[0].get_ydata() if count == 1 else ax.collections[0].get_array()
+    assert 0.0 <= values.min() < 0.1 and values.max() == pytest.approx(0.7, abs=0.1)
+    assert (ax.get_xlabel(), "b (m)" in ax.get_ylabel()) == ("a (m)", count == 2)
 
 
-@pytest.mark.parametrize(
-    ("fall", "most", "count"), [(0.5, 1000, 7), (1.0, 1000, 2), (0.95, 1000, 2), (0.5, 5, 5)]
-)
-def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, monkeypatch):
-    """From 1.0, to at most 0.01, in iterations that double the runs and let the error fall by a
-    factor; beyond the iterations that it is given. An error that does not fall is given up once
-    there are twice the runs; so is the search where no more may be made."""
+@pytest.fixture
+def bench(monkeypatch):
+    """A bench of no quantity but one that is never rough, whose searches ask for what they get."""
 
     class Bench:
-        failures = ()
-        points = np.zeros((1, 1))
-        iterations = 0
-        experiment = SimpleNamespace(quantity_list=[None])
-
-        def surrogates(self):
-            return [None]
-
-        def add(self, points):
-            if len(points) and self.iterations < most:
-                self.iterations += 1
-                self.points = np.zeros((2 * len(self.points), 1))
-
-    monkeypatch.setattr(
-        quantity_bounds, "_bounds",
-        lambda climbs, *_: SimpleNamespace(relative_error=fall**bench.iterations),
-    )  # fmt: skip
-    points = [np.zeros(1)]
-    monkeypatch.setattr(quantity_bounds, "_infill", lambda bench, ends: points * len(ends))
-    monkeypatch.setattr(quantity_bounds, "_spread", lambda *_: points)
-    monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
-    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
-    monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
-    monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
-    bench = Bench()
-    quantity_bounds.converge_bounds(bench, 2, tolerances=[0.01])
-    assert bench.iterations == count
-
-
-@pytest.mark.parametrize("rounds", [0, 1, 3])
-def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
-    """Where every round asks for another one."""
-
-    class Bench:
-        failures = ()
-        points = np.zeros((0, 1))
+        failures, points = (), np.zeros((1, 1))
         experiment = SimpleNamespace(quantity_list=[None])
 
         def surrogates(self):
@@ -280,14 +170,44 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         def add(self, points):
             self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
-    monkeypatch.setattr(quantity_bounds, "_bounds", lambda climbs, *_: len(bench.points))
-    monkeypatch.setattr(
-        quantity_bounds, "_infill", lambda bench, ends: [np.array([float(x)]) for x in ends]
-    )
-    monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
-    monkeypatch.setattr(quantity_bounds, "_turning_points", lambda bench: [])
+    for name, value in {
+        "_infill": lambda bench, ends, specs: [np.array([float(len(bench.points))])] * len(ends),
+        "_spread": lambda *_: [np.zeros(1)],
+        "_mispredictions": lambda bench, bounds, known: known,
+        "_turning_points": lambda bench: [],
+        "_is_rough": lambda surrogate: False,
+    }.items():
+        monkeypatch.setattr(quantity_bounds, name, value)
     monkeypatch.setattr(quantity_bounds._Climbs, "run", lambda climbs: None)
-    monkeypatch.setattr(quantity_bounds, "_is_rough", lambda surrogate: False)
-    bench = Bench()
+    return Bench()
+
+
+@pytest.mark.parametrize(
+    ("fall", "most", "count"), [(0.5, 1000, 7), (1.0, 1000, 2), (0.95, 1000, 2), (0.5, 5, 5)]
+)
+def test_searches_for_an_accuracy_go_on_while_errors_fall(fall, most, count, bench, monkeypatch):
+    """From 1.0, to at most 0.01, in iterations that double the runs and let the error fall by a
+    factor; beyond the iterations that it is given. An error that does not fall is given up once
+    there are twice the runs; so is the search where no more may be made."""
+    made = []
+
+    def add(points):
+        if len(points) and len(made) < most:
+            made.append(points)
+            bench.points = np.zeros((2 * len(bench.points), 1))
+
+    bench.add = add
+    monkeypatch.setattr(
+        quantity_bounds, "_bounds", lambda *_: SimpleNamespace(relative_error=fall ** len(made))
+    )
+    quantity_bounds.converge_bounds(bench, 2, tolerances=[0.01])
+    assert len(made) == count
+
+
+@pytest.mark.parametrize("rounds", [0, 1, 3])
+def test_ends_take_no_more_rounds_than_they_may(rounds, bench, monkeypatch):
+    """Where every round asks for another one."""
+    monkeypatch.setattr(quantity_bounds, "_bounds", lambda *_: len(bench.points))
+    bench.points = np.zeros((0, 1))
     assert quantity_bounds.converge_bounds(bench, rounds) == [rounds]
     assert len(bench.points) == rounds

@@ -14,12 +14,10 @@ from deployable import campaign
 from deployable.campaign.cli import main
 from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.sections import plain_data
-from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.page import render_cases
 from deployable.campaign.results.cases import cases_facts, combine_met
 from deployable.campaign.results.templates import summary_text
-from deployable.campaign.stages import STAGES
 
 ROOT = Path(__file__).parents[2]
 CASES = {
@@ -238,8 +236,3 @@ def test_a_campaign_with_cases_is_run_checked_and_told(tmp_path, monkeypatch, ca
     assert main(["bounds", "results/panel/soft", "--config", "c.yaml"]) == 0
     assert main(["bounds", "results/panel", "--config", "c.yaml"]) == 1
     assert "no folder of a case" in capsys.readouterr().err
-
-
-def test_cases_are_compared_only_where_there_are_some(tmp_path):
-    with pytest.raises(CampaignError, match="there are none in the config"):
-        STAGES["cases"].run(Folder(tmp_path), print, cases={})

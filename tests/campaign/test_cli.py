@@ -40,16 +40,6 @@ def test_files_are_checked_without_running_anything(file, tmp_path, capsys, comm
     assert "this is not YAML" in told.err
 
 
-def test_a_campaign_of_too_many_steps_is_refused_by_check(raw, tmp_path, capsys):
-    raw["scene"]["parameters"] = {**raw["scene"].get("parameters", {}), "K_C": 1e12}
-    raw["solver"] |= {"step": "auto", "duration": 59.0}
-    path = tmp_path / "stiff.yaml"
-    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
-    assert main(["check", str(path)]) == 1
-    told = capsys.readouterr().err
-    assert f"{path}: solver.duration: " in told and "allowed: at most 1e+09 steps" in told
-
-
 def test_an_unknown_command_is_refused_with_those_there_are(capsys):
     with pytest.raises(SystemExit) as refused:
         main(["figurse", "results/paper"])
@@ -132,15 +122,6 @@ def test_a_structure_is_drawn_where_it_is_asked_for(tmp_path, capsys, monkeypatc
     shutil.rmtree(tmp_path / "exports")
     assert main(["structure", structure, "--no-picture"]) == 0
     assert not (tmp_path / "exports").exists()
-
-
-def test_a_wrong_structure_is_refused_with_its_lines(tmp_path, capsys):
-    path = tmp_path / "mast.yaml"
-    path.write_text("sections:\n  tube: {type: tub, diameter: 1 m}\n", encoding="utf-8")
-    assert main(["structure", str(path)]) == 1
-    assert "line 2: sections.tube.type: 'tub' is not allowed" in capsys.readouterr().err
-    assert main(["structure", "sarrus"]) == 1
-    assert "bennett" in capsys.readouterr().err
 
 
 def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):

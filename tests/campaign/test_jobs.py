@@ -88,17 +88,6 @@ def test_processes_do_all_of_the_work(processes):
     assert sorted(spread(mul, work, processes)) == list(range(0, 40, 2))
 
 
-def _refuse(number):
-    if number == 3:
-        raise CampaignError("three is refused")
-    return number
-
-
-def test_what_a_process_raises_is_told():
-    with pytest.raises(CampaignError, match="three is refused"):
-        list(spread(_refuse, [(number,) for number in range(8)], 2))
-
-
 def _end(parent, number):
     if number == 3 and os.getpid() != parent:
         os.kill(os.getpid(), signal.SIGKILL)

@@ -17,7 +17,6 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.plan.jobs import batch_count
 from deployable.campaign.plan.plan import make_plan
-from deployable.campaign.report.read import from_results
 from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, fitted_rows
 from deployable.campaign.runs import batch, extremes
 from deployable.campaign.runs.batch import run_batch
@@ -189,20 +188,6 @@ def test_impacts_are_those_of_the_runs(scan, tmp_path):
             np.testing.assert_array_equal(found[name].values[row, :count], expected)
         assert np.isnan(found["event_time"].values[row, count:]).all()
     assert float(found["overlap"]) == whole["overlap"].values.max()
-
-
-@pytest.mark.slow
-def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
-    campaign.run(scan, tmp_path, notify=silent)
-    data = from_results(tmp_path / "test")
-    assert data.facts["design"]["runs"] == SAMPLES + 1
-    assert 3 <= len(data.runs) == len(data.moving)
-    for i, response in enumerate(data.responses):
-        at = response.widest
-        values = [run.curves[i, at] for run in data.runs]
-        assert (min(values), max(values)) == (response.lower[at], response.upper[at])
-        np.testing.assert_array_equal(data.runs[0].curves[i], response.nominal)
-    assert "it is no guarantee" in (tmp_path / "test/report.html").read_text()
 
 
 def test_a_million_runs_are_refused_where_the_disk_has_no_room(scan, monkeypatch):

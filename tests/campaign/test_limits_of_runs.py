@@ -10,7 +10,6 @@ import pytest
 from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.files import read_json
-from deployable.campaign.plan.runs import RunAccount
 from deployable.campaign.runs import batch
 
 FLAP = Path(__file__).parent / "designs/flap.yaml"
@@ -73,10 +72,3 @@ def test_a_limit_that_allows_no_check_is_refused():
     check_config(raw | {"accuracy": {"max_runs": least}})
     with pytest.raises(campaign.ConfigError, match="too few"):
         check_config(raw | {"accuracy": {"max_runs": least - 1}})
-
-
-def test_an_account_counts_each_run_once_and_those_of_others_not():
-    account = RunAccount(2, ["a"])
-    assert account.count_runs(["a", "b", "b", "c", "d"]) == [True, True, True, True, False]
-    assert account.count_runs(["d", "c"]) == [False, True]
-    assert account.count == 2

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from deployable.campaign.config.loader import read, read_file, restore_types
+from deployable.campaign.config.loader import read, restore_types
 from deployable.campaign.errors import ConfigError
 
 
@@ -29,12 +29,6 @@ def test_a_key_given_twice_is_refused_with_both_lines():
 
 def test_the_same_key_in_two_mappings_is_fine():
     assert read("a: {x: 1}\nb: {x: 2}", "x").data == {"a": {"x": 1}, "b": {"x": 2}}
-
-
-def test_every_repeated_key_is_told():
-    with pytest.raises(ConfigError) as error:
-        read("a: 1\na: 2\nb: {c: 1, c: 2}\n", "x")
-    assert len(error.value.problems) == 2
 
 
 @pytest.mark.parametrize("text", ["a: [1, 2", "a: 'b", "a: b: c", "\ta: 1", "a: &x\nb: *y"])
@@ -68,11 +62,6 @@ def test_anchors_stand_for_what_they_mark_and_are_merged():
 def test_what_a_tag_does_not_fit_is_told(text):
     with pytest.raises(ConfigError, match=r"line 2: (a value cannot be read|this is not YAML)"):
         read(f"b: 1\na: {text}", "x")
-
-
-def test_an_absent_file_is_told(tmp_path):
-    with pytest.raises(ConfigError, match=r"absent\.yaml.*\n.*No such file"):
-        read_file(tmp_path / "absent.yaml")
 
 
 def test_text_from_the_command_line_becomes_numbers_again():

@@ -17,7 +17,6 @@ from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import check_snakemake_arguments
 from deployable.campaign.errors import ConfigError, error_of_files
-from fpm.files.seals import DamagedError, read_bytes
 
 
 def keys(path) -> None:
@@ -70,14 +69,6 @@ def test_odd_files_are_refused_at_once(tmp_path, monkeypatch, raw, capsys, odd, 
         assert words in capsys.readouterr().err
     assert time.process_time() - start < 10.0 and time.monotonic() - clock < 60.0
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**19  # kB
-
-
-def test_no_more_than_a_limit_is_read(tmp_path):
-    path = tmp_path / "a"
-    path.write_bytes(b"12345")
-    assert read_bytes(path, 5) == b"12345"
-    with pytest.raises(DamagedError, match="at most 4 bytes"):
-        read_bytes(path, 4)
 
 
 def test_a_name_with_a_nul_byte_is_no_path(raw, tmp_path):

@@ -10,17 +10,12 @@ import netCDF4
 import pytest
 
 from deployable.campaign.cli import main
-from deployable.campaign.config.models import FigureChoice
-from deployable.campaign.config.sections import as_json
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import csv_text, open_dataset, open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
-from deployable.campaign.results.figures import save
 from deployable.campaign.stages.workflow import run
 from fpm.files.seals import DamagedError, check, seal, unseal
-
-PAGE = ["--config", as_json(figures=FigureChoice())]
 
 
 @pytest.fixture
@@ -67,15 +62,6 @@ def test_texts_are_no_formulas_of_spreadsheets_and_no_commands_of_terminals():
     )
 
 
-def test_dollars_in_names_are_no_formulas_of_figures(tmp_path):
-    from matplotlib.figure import Figure
-
-    figure = Figure()
-    figure.subplots().set_title(r"$\frac{$")
-    save(figure, tmp_path / "a")
-    assert (tmp_path / "a.pdf").exists()
-
-
 def set_name(variable: str, name: str):
     def change(file) -> None:
         file[variable][0] = name
@@ -90,13 +76,6 @@ def test_what_names_a_file_is_checked_where_it_is_read(theirs, variable, name):
     for opened in (open_dataset, open_netcdf):
         with pytest.raises(DamagedError, match=f"no name of a {variable}"):
             opened(theirs.samples)
-
-
-def test_a_page_of_a_run_with_a_path_for_a_name_writes_nothing_there(theirs, tmp_path, capsys):
-    changed(theirs.samples, set_name("run_id", "../../written"))
-    assert main(["page", str(theirs.path), *PAGE]) == 1
-    assert "no name of a run_id" in capsys.readouterr().err
-    assert not list(tmp_path.rglob("written*")) and not theirs.report.exists()
 
 
 @pytest.mark.parametrize(

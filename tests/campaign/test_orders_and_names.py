@@ -43,16 +43,3 @@ def test_an_interval_without_width_does_not_hide_another(raw, tmp_path, names):
     assert float(alone["largest_width"].min()) > 0
     for side in ("lower", "upper", "error"):
         np.testing.assert_allclose(both[side], alone[side], rtol=1e-12, atol=1e-15)
-
-
-def test_responses_whose_names_begin_alike_keep_their_bounds(raw, tmp_path):
-    velocity, place = raw["responses"]["vBz"], {"position": "B", "component": "z"}
-    bounds = {}
-    for names in (("v_inner", "v"), ("v", "v_inner")):
-        raw["responses"] = {names[0]: velocity, names[1]: place}
-        run = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
-        for name, what in zip(names, ("velocity", "place"), strict=True):
-            bounds.setdefault(what, []).append(run["upper"].sel(response=name).values)
-    for first, second in bounds.values():
-        np.testing.assert_array_equal(first, second)
-    assert not np.array_equal(bounds["velocity"][0], bounds["place"][0])

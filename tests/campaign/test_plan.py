@@ -51,10 +51,6 @@ def test_the_number_of_runs_is_known_without_a_plan(raw):
         assert count_runs(config.experiment) == len(make_plan(config.experiment).runs)
 
 
-def test_equal_configs_give_equal_plans(config, plan):
-    assert make_plan(config.experiment) == plan
-
-
 def test_a_longer_order_reuses_the_runs_that_exist(raw):
     raw["design"] = {"method": "tensor_lobatto", "order": 4}
     small = {run.id for run in by_role(plan_of(raw), "node")}
@@ -112,11 +108,6 @@ def test_a_step_of_ones_own_is_kept(raw):
     assert plan_of(raw).time.step == pytest.approx(2.5e-5, rel=1e-12)
 
 
-def test_a_plan_survives_its_file(plan, tmp_path):
-    write_plan(plan, tmp_path / "plan.json")
-    assert read_plan(tmp_path / "plan.json") == plan
-
-
 def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatch):
     raw["intervals"]["E"] = {"relative": 0.05}
     raw["design"] = {"method": "sobol", "samples": 10_000}
@@ -143,9 +134,3 @@ def test_batches_and_groups_hold_every_run_once(plan, batches, size):
     flat = [run.id for mine in groups for group in mine for run in group]
     assert flat == [run.id for run in plan.unique_runs]
     assert all(len(group) <= size for mine in groups for group in mine)
-
-
-def test_shares_are_even():
-    parts = [split_evenly(list(range(10)), part, 4) for part in range(4)]
-    assert [item for part in parts for item in part] == list(range(10))
-    assert {len(part) for part in parts} == {2, 3}

@@ -20,12 +20,10 @@ from deployable.campaign.report import from_results
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, limits_of
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 from deployable.campaign.results.run_samples import (
-    RunTable,
     describe_events,
     open_samples,
     read_refinement,
 )
-from deployable.campaign.text.numbers import tie_units
 from evidence.attack import victim
 from evidence.attack.victim import silent
 from fpm.files.seals import DamagedError
@@ -111,20 +109,6 @@ def test_events_are_told_in_the_order_of_time():
     told = describe_events(events, ["a", "b"])
     assert told == [{"time": 0.1, "contact": "a", "closing": True},
                     {"time": 0.3, "contact": "b", "closing": False}]  # fmt: skip
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_tables_of_runs_are_put_below_each_other(count):
-    table = RunTable(np.zeros((3, 2)), np.ones((3, 2)), np.full((3, 1), 2.0), np.full((3, 1), 3.0))
-    whole = RunTable.join([table] * count)
-    assert [len(column) for column in whole] == [3 * count] * 4
-
-
-@pytest.mark.parametrize("units", [["N m", "N m s/rad"], ["N m s/rad", "N m"]])
-def test_units_stay_on_one_line_whatever_their_order(units):
-    """So that a page is the same whatever the order of a set."""
-    space = "\N{NO-BREAK SPACE}"
-    assert tie_units("1.2 N m s/rad", units) == f"1.2{space}N{space}m{space}s/rad"
 
 
 @pytest.mark.parametrize("name", ["samples.nc", "bounds.nc", "quantities.nc", "refinement.nc"])

@@ -39,11 +39,8 @@ def solver(text: str) -> str:
 CASES = {
     "control characters": (changed("mine", "mi\x07ne"), ["line 1", r"'\x07'"]),
     "a date that is none": (changed("mine", "2020-02-30 x"), ["campaign", "2020-02-30 x"]),
-    "a tag on what does not fit": (changed("mine", "!!int abc"), ["abc"]),
     "an integer of 400 digits": (solver("duration: " + 400 * "9"), ["solver.duration", "number"]),
-    "an integer of 5000 digits": (solver("duration: " + 5000 * "9"), ["digits"]),
     "deep nesting": (changed("mine", 3000 * "[" + 3000 * "]"), ["nested too deep", "20"]),
-    "nesting just too deep": (changed("mine", 30 * "[" + 30 * "]"), ["nested too deep"]),
     "recursive nesting": (changed("mine", "&a [*a]"), ["line 1: *a stands for what &a marks"]),
     "nesting by aliases": (
         "a0: &a0 x\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 30)),
@@ -51,8 +48,6 @@ CASES = {
     ),
     "an alias bomb": (BOMB + GOOD, ["20000 values", "fewer"]),
     "a list of 10 MB": (changed("mine", f"[{5_000_000 * 'x,'}]"), ["bytes", "at most"]),
-    "a long list": (changed("mine", f"[{30_000 * 'x,'}]"), ["20000 values"]),
-    "a list of 1 MB": (changed("mine", f"[{500_000 * 'x,'}]"), ["20000 values"]),
     "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(80_000)), ["20000 values"]),
     "Smolyak 16 in eight directions": (
         changed("  a: {nominal: 0.035, relative: 0.01}\n", EIGHT)

@@ -16,16 +16,12 @@ import xarray as xr
 from numpy.polynomial import chebyshev
 
 from deployable import campaign
-from deployable.campaign.answers.evaluations import FurtherRuns
 from deployable.campaign.config import sections
 from deployable.campaign.config.models import ErrorDisplay, FigureChoice
-from deployable.campaign.config.sections import BoundsChoice
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.report import make_motions
 from deployable.campaign.results import figures
-from deployable.campaign.results.bounds import analyse, include_runs
 from deployable.campaign.results.facts import _extrapolated_error
 from deployable.campaign.results.response_bounds import ResponseBounds
 from deployable.campaign.results.summary import summarise
@@ -46,22 +42,6 @@ NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 def beside(finished: Folder, path: Path) -> Folder:
     """Another folder with the same campaign, so that its results can be made anew."""
     return Folder(shutil.copytree(finished.path, path, dirs_exist_ok=True))
-
-
-def test_the_surrogate_goes_through_its_nodes(finished):
-    with (
-        xr.open_dataset(finished.samples) as samples,
-        xr.open_dataset(finished.surrogate) as surrogate,
-    ):
-        nodes = samples["role"].values == "node"
-        assert nodes.sum() == 3
-        degrees = surrogate["multi_index"].values[:, 0]
-        for name in ("BD", "vBz"):
-            values = samples["values"].sel(response=name).values[nodes]
-            coefficients = np.zeros((3, values.shape[1]))
-            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values
-            fitted = chebyshev.chebval(samples["normalized"].values[nodes, 0], coefficients)
-            np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
 
 
 def test_the_bounds_are_the_exact_range_of_the_surrogate_and_of_all_runs(finished):
@@ -109,32 +89,6 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         assert words in text
 
 
-def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tmp_path):
-    other = beside(finished, tmp_path)
-    analyse(other, BoundsChoice("spline"))
-    include_runs(other, FurtherRuns(read_plan(finished.plan).experiment))
-    with (
-        xr.open_dataset(other.samples) as samples,
-        xr.open_dataset(other.bounds) as bounds,
-        xr.open_dataset(finished.bounds) as polynomial,
-        xr.open_dataset(other.surrogate) as surrogate,
-    ):
-        for name in ("BD", "vBz"):
-            lower, upper = bounds["lower"].sel(response=name), bounds["upper"].sel(response=name)
-            # held-out runs too; rounding aside
-            values = samples["values"].sel(response=name)
-            slack = 1e-12 * float(abs(values).max())
-            assert (lower <= values.min("run") + slack).all()
-            assert (upper >= values.max("run") - slack).all()
-            assert float(abs(upper - polynomial["upper"].sel(response=name)).max()) > 0
-            np.testing.assert_array_equal(bounds["inner_upper"].sel(response=name), upper)
-            assert name in surrogate["coefficient"]["response"]
-    text = summarise(other, {})
-    told = f"attained range of a spline through all runs, not enclosed, {ESTIMATE}"
-    assert f"Bounds: {told}." in text
-    assert sentence("bounds", json.loads((tmp_path / "summary.json").read_text())["bounds"]) == told
-
-
 def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_path):
     found = []
     for place in ("first", "second"):
@@ -170,12 +124,6 @@ def test_runs_of_a_structure_that_has_changed_since_do_not_move(finished, tmp_pa
     assert not folder.motions.exists()
 
 
-def files_of(finished) -> list:
-    """All netCDF files of the campaign, one trajectory among them."""
-    trajectory = next(finished.runs("trajectories").glob("*.nc"))
-    return [trajectory, *(getattr(finished, n) for n in NETCDF)]
-
-
 ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "lower", "response",
        "run", "position", "nominal", "box_lower", "moments", "campaign")  # fmt: skip
 
@@ -201,39 +149,6 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
             assert (bounds["lower"] == bounds["lower"][2]).all("time").sum() == 3  # of one kind
     for odd, plain in found.values():
         xr.testing.assert_identical(odd, plain)
-
-
-@pytest.mark.slow
-def test_responses_of_any_name_have_figures_of_their_own(raw, tmp_path):
-    raw["responses"] = {name: {"distance": ["B", "D"]} for name in ODD}
-    campaign.run(raw, tmp_path, notify=lambda text: None)
-    figures = list((tmp_path / "test/figures").rglob("*.*"))
-    assert len(figures) == 2 * len({*ODD, "of the campaign"})
-    assert {path.stem for path in figures} == set(ODD)
-
-
-def test_files_tell_what_is_in_them(finished):
-    titles = set()
-    for path in files_of(finished):
-        with xr.open_dataset(path, decode_times=False) as file:
-            titles.add(file.attrs["title"])
-            assert file.attrs["Conventions"] == "CF-1.8"
-            assert file.attrs["history"] and file.attrs["source"]
-            assert file["time"].attrs["standard_name"] == "time"
-            for name, variable in file.variables.items():
-                assert "long_name" in variable.attrs, (path.name, name)
-                # Those of several responses or parameters are in response_units and box_units, and
-                # gates have those of their joints.
-                several = {"response", "parameter", "gate_number"} & set(variable.dims)
-                if variable.dtype.kind in "fiu" and not several:
-                    assert "units" in variable.attrs, (path.name, name)
-    assert len(titles) == 5
-    with xr.open_dataset(finished.samples) as samples:
-        assert samples["box_units"].values.tolist() == ["m"]
-        assert samples["parameter_a"].attrs["units"] == "m"
-    for path in files_of(finished)[1:]:
-        with xr.open_dataset(path) as file:
-            assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
 
 
 def test_an_error_that_no_run_shows_is_told_to_be_foretold():

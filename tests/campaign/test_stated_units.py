@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import read_file
-from deployable.campaign.config.models import Config
 from deployable.campaign.config.sections import as_json, digest
 from deployable.campaign.config.units import StatedUnits
 from deployable.campaign.errors import ConfigError
@@ -181,22 +180,6 @@ def test_a_unit_that_does_not_fit_is_refused_once(panel, key, text, allowed):
     assert len(mine) == 1 and "' is not allowed" in mine[0] and allowed in mine[0]
 
 
-@pytest.mark.parametrize(("key", "value", "words"), [
-    ("intervals.K", {"lower": "1 m", "upper": "2 m"}, "intervals.K: there is no such parameter"),
-    ("requirements.in_time.T.at_most", "3 s", "requirements.in_time.T: there is no such quantity"),
-    ("quantities.t", {"crossing": "hing", "level": "3 deg"}, "quantities.t.crossing: 'hing'"),
-    ("responses.hinge", {"opening": "hing"}, "responses.hinge.opening: 'hing'"),
-    ("scene.file", "lost.yaml", "scene.file: lost.yaml"),
-])  # fmt: skip
-def test_of_what_is_unknown_the_unit_is_not_blamed(panel, key, value, words):
-    changed(panel, "quantities.t.level", "30 deg")
-    changed(panel, "intervals.L", {"absolute": "1 mm"})
-    with pytest.raises(ConfigError) as caught:
-        check_config(changed(panel, key, value))
-    assert [problem for problem in caught.value.problems if problem.startswith(words)]
-    assert len(caught.value.problems) == 1
-
-
 def test_units_of_a_case_are_of_its_structure(panel, tmp_path):
     text = Path("panel.yaml").read_text(encoding="utf-8")
     assert "L: {value: 1, unit: m, range: [0.01, 100]," in text
@@ -232,11 +215,6 @@ def test_units_on_slides_are_lengths_and_forces(monkeypatch):
     assert units.raw["requirements"]["far"]["m_least"]["at_least"] == 0.1
 
 
-def test_a_config_without_units_stays_as_it_is():
-    raw = read_file(ROOT / "config/review.yaml").data
-    assert StatedUnits(raw).raw == raw
-
-
 def test_files_and_overrides_may_state_units(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text(PANEL.replace("panel.yaml", str(ROOT / "config/structures/panel.yaml"))
@@ -257,32 +235,3 @@ def test_numbers_are_those_of_their_decimals(number, unit):
     digits = {"ms": -3, "us": -6, "s": 0}[unit]
     raw = StatedUnits({"solver": {"duration": f"{number:f} {unit}"}}).raw
     assert raw["solver"]["duration"] == float(number.scaleb(digits))
-
-
-def leaves(value, path=()):
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield (*path, key)
-            yield from leaves(item, (*path, key))
-
-
-@pytest.mark.parametrize("text", ["3 s", "5 %", "2 deg", "1 m/s", "7 N m rad-1", ["3 s", "4 s"],
-                                  {"a": "3 s"}, "9" * 70 + " s", "1e99999999 s"])  # fmt: skip
-def test_units_anywhere_are_taken_or_refused_by_key(panel, text):
-    panel |= {
-        "margins": {"m": {"along": "hinge", "to": "90 deg", "standard": "nasa-std-5017b"}},
-        "choose": {"parameters": {"L": [0.9, 1.1]}, "minimise": "upper(t)", "order": 2},
-        "cases": {"a": {"scene": {"L": 1.1}}}, "published": {"tip": 3},
-        "measured": {"x": {"file": "none.csv", "columns": {"a": "hinge"}, "band": {"hinge": 1},
-                           "window": [0, 1], "scene": {"L": 1}, "start": {"rest": [1, 2]}}},
-    }  # fmt: skip
-    for path in leaves(panel):
-        raw = copy.deepcopy(panel)
-        section = raw
-        for name in path[:-1]:
-            section = section[name]
-        section[path[-1]] = text
-        units = StatedUnits(raw)
-        for key, sentence in (units.misfits | units.unknowns).items():
-            assert sentence.startswith(f"{key}: ") and key.startswith(".".join(path))
-        assert set(units.raw) <= set(Config.__dataclass_fields__)

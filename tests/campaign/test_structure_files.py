@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import yaml
 
 from deployable import campaign
 from deployable.campaign.config.check import check_config, load_config
-from deployable.campaign.config.sections import Campaign, as_json, from_data, plain_data
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.runs.batch import check_structure
@@ -125,51 +123,9 @@ def test_a_structure_that_was_edited_after_the_plan_is_not_run(path):
         check_structure(plan)
 
 
-def test_sections_carry_the_file_to_other_processes(path):
-    whole = load_config([path])
-    again = from_data(Campaign, json.loads(as_json(whole=plain_data(whole)))["whole"])
-    assert again == whole
-    assert again.experiment.scene_type.hinges == ("hinge",)
-
-
 def test_an_end_of_an_interval_with_other_parts_is_refused(path):
     """Straight at the nominal values, the bar has a knee at both ends."""
     raw = {**RAW, "scene": {"file": str(path.parent / "structures" / "panel.yaml")}}
     edit(path, "points:\n", "points:\n  middle: [L/2, (k/(0.1 N m/rad) - 1)*L/9, 0]\n")
     edit(path, "through: [root, tip]", "through: [root, middle, tip]")
     assert "the structure has other parts than at the nominal" in problems(raw)
-
-
-def test_what_is_wrong_with_a_file_is_told(path):
-    both = {**RAW, "scene": {"name": "bennett", "file": "x.yaml"}}
-    assert "`name` or the key `file`, not both" in problems(both)
-    assert "`name` or the key `file`, not both" in problems({**RAW, "scene": {}})
-    assert "absent.yaml, the file cannot be read" in problems(
-        {**RAW, "scene": {"file": "absent.yaml"}}
-    )
-    scene = {"file": str(path.parent / "structures" / "panel.yaml")}
-    told = problems({**RAW, "scene": scene, "intervals": {"kk": {"relative": 0.1}}})
-    assert "there is no such parameter of panel (did you mean k?)" in told
-    assert "allowed: one of hinge" in problems(
-        {**RAW, "scene": scene, "responses": {"x": {"opening": "hing"}}}
-    )
-    edit(path, "axis: z", "axis: up")
-    assert "line 28: joints.hinge.axis: 'up' is not allowed" in problems({**RAW, "scene": scene})
-
-
-def test_values_and_times_of_a_curve_of_a_load_may_be_intervals(path):
-    file = path.parent / "structures" / "panel.yaml"
-    text = file.read_text(encoding="utf-8")
-    text = text.replace("parameters:\n", """parameters:
-  F: {value: 2, unit: N, range: [0, 10]}
-  t1: {value: 0.5, unit: s, range: [0.01, 10]}
-""", 1)  # fmt: skip
-    text += """
-curves: {c: {times: [0, t1, t1 + 0.1 s, 10 s], values: [F/(1 N), F/(1 N), 0, 0]}}
-loads: {push: {part: panel, at: tip, force: [1 N, 0, 0], curve: c}}
-"""
-    file.write_text(text, encoding="utf-8")
-    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    raw["intervals"] = {"F": {"relative": 0.1}, "t1": {"relative": 0.1}}
-    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
-    assert load_config([path]).experiment.box.free.all()

@@ -9,9 +9,8 @@ import pytest
 import yaml
 
 from deployable import campaign
-from deployable.campaign.answers import discretization, quantity_bounds
+from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.answers.choice import design_points, find_deciding_parameters
-from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.quantity_bounds import _bounds
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
@@ -190,39 +189,6 @@ def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width
     assert unknown["whole"] is None is unknown["share"]
 
 
-def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):
-    """Of each quantity at its own ends; NaN where it has none. The order is not known: twice."""
-    ends = [
-        SimpleNamespace(argmin=np.array([-1.0]), argmax=np.array([1.0]), lower=1.0, upper=2.0),
-        SimpleNamespace(argmin=np.array([0.5]), argmax=np.array([-1.0]), lower=5.0, upper=9.0),
-        SimpleNamespace(argmin=np.array([np.nan]), argmax=np.array([np.nan]), lower=np.nan,
-                        upper=np.nan),
-    ]  # fmt: skip
-
-    def told(plan, points):  # the first changes by -0.1 and 0.3, the second by 0.7 and 0
-        x = np.array(points)[:, 0]
-        first = np.where(x == -1, 0.9, 2.3)
-        second = np.where(x == 0.5, 5.7, 9.0)
-        return np.stack([first, second, np.full(len(x), np.nan)], axis=1), None
-
-    level = discretization.RefinementLevel(None, None, True)
-    monkeypatch.setattr(
-        discretization, "_levels", lambda _, parts, step: dict.fromkeys(parts, level)
-    )
-    found = discretization.estimate_discretization_errors(
-        SimpleNamespace(plan=None, evaluate=told, finest_step=1.0), ends, ("mesh",)
-    )
-    np.testing.assert_allclose(found["mesh"], [[0.2, 0.6], [1.4, 0.0], [np.nan, np.nan]])
-
-
-def test_the_nearest_run_is_the_nearest():
-    model = object.__new__(ModelEvaluator)
-    model.points = np.array([[0.0, 0.0], [1.0, 1.0], [-0.5, 0.9]])
-    for at, point in enumerate(model.points):
-        assert model.nearest(point) == (at, 0.0)
-    assert model.nearest(np.array([0.8, 0.9])) == (1, pytest.approx(0.2))
-
-
 def test_choices_have_the_order_that_is_asked_for_them_and_others_their_own():
     box = Box(["a", "b", "c"], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0])
     experiment = SimpleNamespace(design=SimpleNamespace(order=2), box=box)
@@ -349,12 +315,6 @@ def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
     assert "The k1 (± 10 %). The interval of the largest opening (q) is 0.1 rad wide" in text
     assert "and 0 rad if it is known exactly, 0.05 rad if half as wide." in text
     assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
-
-
-def test_a_width_within_its_error_is_not_told():
-    facts = facts_of_two()
-    facts["quantities"][0]["influence"]["k1"]["width_error"] = 0.07  # of 0.1 and 0.05 less
-    assert sentence("tolerance", facts).endswith("and 0.00 ± 0.07 rad if it is known exactly.")
 
 
 def test_tolerances_that_cannot_be_told_apart_get_one_sentence():

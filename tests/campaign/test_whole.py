@@ -12,10 +12,8 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
-from deployable.campaign.errors import CampaignError, ConfigError
+from deployable.campaign.errors import ConfigError
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.figures import envelope
-from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.stages.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
@@ -59,32 +57,6 @@ def test_the_returned_bounds_do_not_hold_their_file(finished, raw):
     assert simulated(finished) == 0
 
 
-def test_all_runs_open_in_one_line_with_their_parameters(finished):
-    samples = xr.open_dataset(finished.samples)
-    assert samples["values"].dims == ("run", "response", "time")
-    assert samples["parameter_a"].attrs["units"] == "m"
-    thickest = samples["values"].set_index(run="parameter_a").sel(run=0.035, response="BD")
-    assert thickest.sizes["time"] == 9
-    samples.close()
-
-
-def test_whole_trajectories_open_as_one(finished):
-    pytest.importorskip("dask", reason="not installed")
-
-    def named(run):
-        return run.drop_dims("event", errors="ignore").expand_dims(run=[run.attrs["run_id"]])
-
-    paths = finished.path / "trajectories/*.nc"
-    with (
-        xr.open_mfdataset(str(paths), preprocess=named) as runs,
-        xr.open_dataset(finished.samples) as samples,
-    ):
-        assert runs["position"].dims == ("run", "time", "point", "axis")
-        one, other = (runs["position"].sel(point=point) for point in "BD")
-        distance = np.sqrt(((one - other) ** 2).sum("axis")).sel(run=samples["run_id"].values)
-        np.testing.assert_allclose(distance, samples["values"].sel(response="BD"), rtol=1e-6)
-
-
 @pytest.mark.slow
 def test_runs_that_exist_are_used_by_another_design(raw, tmp_path):
     raw["intervals"]["E"] = {"relative": 0.05}
@@ -93,20 +65,6 @@ def test_runs_that_exist_are_used_by_another_design(raw, tmp_path):
     raw["design"]["order"] = 2
     # A 3 x 3 grid with its middle as the nominal run: the 4 corners and the middle are there.
     assert simulated(run(raw, tmp_path)) == 4
-
-
-def test_another_response_simulates_nothing(raw, tmp_path):
-    assert simulated(run(raw, tmp_path)) == 5
-    raw["responses"]["psi"] = {"opening": "A"}
-    folder = run(raw, tmp_path)
-    assert simulated(folder) == 0
-    with xr.open_dataset(folder.samples) as samples:
-        assert samples["response"].values.tolist() == ["BD", "vBz", "psi"]
-        nominal = samples["role"].values.tolist().index("nominal")
-        path = folder.runs("trajectories") / f"{samples['run_id'].values[nominal]}.nc"
-        with xr.open_dataset(path) as trajectory:
-            opening = trajectory["opening"].sel(hinge="A").values
-        np.testing.assert_array_equal(samples["values"].values[nominal, 2], opening)
 
 
 def scan(raw, samples, **more):
@@ -135,25 +93,6 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
         assert not sensitivities.data_vars
 
 
-def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):
-    """The corners come first, and BD has its extremes there: later runs tell nothing."""
-    folder = run(scan(raw, 9), tmp_path)
-    told, summary = (
-        (folder / "summary.md").read_text(),
-        json.loads((folder / "summary.json").read_text()),
-    )
-    row = next(row for row in summary["responses"] if row["name"] == "BD")
-    assert row["largest_difference"] > 0
-    assert row["largest_error"] is None is row["error_at_largest_difference"]
-    assert "s | unknown | unknown |" in told
-    with xr.open_dataset(folder.bounds) as bounds:
-        assert float(bounds["largest_error"][0]) == 0.0
-    (bounds,) = (bounds for bounds in read_bounds(folder).responses if bounds.name == "BD")
-    assert bounds.error is not None and bounds.known_error is None
-    names = [text.get_text() for text in envelope([bounds], 0.1).legends[0].get_texts()]
-    assert "error estimate" not in names and row["grade"] == "unknown"
-
-
 def test_a_spline_goes_through_the_runs_of_a_scan(raw, tmp_path):
     folder = run(scan(raw, 4, bounds={"model": "spline"}), tmp_path)
     told = "attained range of a spline through all runs, not enclosed"
@@ -171,14 +110,6 @@ def test_what_cannot_be_run_is_refused_before_anything_is_written(raw, tmp_path)
     with pytest.raises(ConfigError, match="no such parameter"):
         campaign.run(raw, tmp_path)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.slow
-def test_figures_that_cannot_be_drawn_are_told(raw, tmp_path):
-    (tmp_path / "test").mkdir()
-    (tmp_path / "test" / "figures").write_text("not a folder")
-    with pytest.raises(CampaignError, match="figures"):
-        run(raw, tmp_path, figures=True)
 
 
 def test_importing_is_cheap():

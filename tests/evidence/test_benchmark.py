@@ -6,11 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from evidence.benchmark import kernel, overheads, study
 from evidence.benchmark.peers import compare, structures
 from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages
-from evidence.results import write
 from evidence.rows import Row
 from fpm.structures import load, report
 
@@ -25,16 +23,6 @@ def check(rows: list[Row]) -> None:
             assert isinstance(row.value, float | int) and math.isfinite(row.value)
             assert (row.passed is None) == (row.reference is None)
     assert len({row.name for row in rows}) == len(rows)
-
-
-@pytest.mark.slow
-def test_what_is_timed_is_told_with_the_machine(tmp_path):
-    rows = kernel.cost(20, 1, samples=9, meshes=(2, 3)) + overheads.time_start(1)
-    check(rows)
-    write(tmp_path, "benchmark", study.report({"cost": rows}))
-    summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
-    assert summary["machine"]["cores"] >= 1 and len(summary["rows"]) == len(rows)
-    assert "Machine: processor: " in (tmp_path / "table.md").read_text(encoding="utf-8")
 
 
 def test_exudyn_is_skipped_with_the_command_where_it_is_not_installed(monkeypatch):
@@ -64,34 +52,6 @@ def test_the_structures_are_what_exudyn_is_told():
         mass += sum(beam["mass"] * beam["length"] for beam in found["elements"])
         assert mass == pytest.approx(report.mass(scene))
         assert len(case.tasks(structure, 1)) == 1 + len(case.meshes)
-
-
-def test_loops_are_told_with_the_slip_of_the_start():
-    scene = load(structures.FOLDER / "solar_array.yaml").build()
-    root, belt = describe(scene, ("Friction", "Latch"))["loops"]
-    assert root["hinges"] == [0, 1] and belt["hinges"] == [1, 2]
-    assert root["radii"] == [0.06, 0.03] and root["slip"] == 0.0
-
-
-def test_exudyn_is_not_told_half_of_a_structure():
-    scene = load(structures.FOLDER / "solar_array.yaml").build()
-    with pytest.raises(ValueError, match=r"cannot be told of \['Latch'\]"):
-        describe(scene, ("Friction",))
-
-
-def test_ratios_are_of_runs_that_agree():
-    ours = structures.Run(np.zeros((2, 3)), 10, 1e-3, 4e-3, 5e-4, 1e-3)
-    runs = [
-        (off, {"name": f"step {step}", "cpu": cpu, "building": 1e-3, "version": "1"})
-        for off, step, cpu in ((1e-1, 3, 1e-3), (5e-4, 2, 5e-3), (1e-5, 1, 8e-2))
-    ]
-    found = {row.name.rsplit(", ", 1)[1]: row.value for row in
-             structures._ratios(structures.CASES[0], ours, 1e-4, runs)}  # fmt: skip
-    assert found["a sample of a batch"] == pytest.approx(5.0)
-    assert found["the time loops alone"] == pytest.approx(10.0)
-    assert found["with building the scenes"] == pytest.approx(3.0)
-    assert found["as accurate"] == pytest.approx(80.0)
-    assert structures._ratios(structures.CASES[0], ours, 1e-4, runs[:1]) == []
 
 
 def test_the_description_of_the_linkage_fits_together():

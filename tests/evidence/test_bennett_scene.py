@@ -7,7 +7,6 @@ import pytest
 
 from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import build
-from fpm.errors import SceneError
 
 FRAMES = [(45.0, 45.0), (30.0, 60.0), (65.0, 35.0)]  # (lambda, mu) in degrees
 EACH_FRAME = pytest.mark.parametrize("angles", FRAMES, ids=lambda a: f"lambda{a[0]:g}-mu{a[1]:g}")
@@ -45,15 +44,6 @@ def test_hinges_start_closed_up_and_open_by_the_rigid_linkage(angles, start):
         np.testing.assert_allclose(end_of(scene, point), ends[0], rtol=0, atol=1e-14)
 
 
-def test_links_have_the_bars_mass_and_length():
-    scene = scene_of(elements=5)
-    assert scene.mass.sum() == pytest.approx(4 * 800.0 * 0.035**2 * 0.45)
-    assert [beams.length.sum() for beams in scene.beams] == pytest.approx([0.45] * 4)
-    assert len(scene.elements) == 4 * 5 + 4 + 4
-    assert not scene.velocity.any()
-    assert not scene.spin.any()
-
-
 @EACH_FRAME
 def test_stiffnesses_are_per_length_of_hinge_line(angles):
     rigid = RigidBennett(lambda_deg=angles[0], mu_deg=angles[1])
@@ -64,38 +54,3 @@ def test_stiffnesses_are_per_length_of_hinge_line(angles):
         900.0 * np.array(lengths)
     )
     assert [spring.rest for spring in scene.springs] == [0.0] * 4
-
-
-@pytest.mark.parametrize(
-    ("supports", "held"),
-    [("plane", ["z", "", "z", ""]), ("pinned", ["xyz", "", "", ""]), ("free", ["", "", "", ""])],
-)
-def test_supports_hold_hinge_points(supports, held):
-    scene = scene_of(supports=supports)
-    assert [hinge.support for hinge in scene.hinges] == held
-    assert not scene.fixed.any()
-
-
-def test_the_linkage_may_start_deployed():
-    scene = scene_of(start=120.0)
-    np.testing.assert_allclose([hinge.opening for hinge in scene.hinges], 0.0, atol=1e-12)
-    assert np.ptp(scene.position[:, 2]) < 1e-12
-
-
-@pytest.mark.parametrize(
-    ("parameters", "words"),
-    [
-        ({"start": 121.0}, ["let.left", "sqrt(psi"]),
-        ({"start": -1.0}, ["start", "-1", "from 0 to 180"]),
-        ({"start": math.nan}, ["start", "nan"]),
-        ({"start": 110.0, "roll": 30.0}, ["let.left"]),
-        ({"a": -0.035}, ["a", "-0.035"]),
-        ({"L": 0.04}, ["let.edge", "sqrt(L"]),
-        ({"elements": 1}, ["elements", "1", "from 2 to 1000"]),
-    ],
-)
-def test_impossible_parameters_are_refused(parameters, words):
-    with pytest.raises(SceneError) as refusal:
-        build(**parameters)
-    for word in words:
-        assert word in str(refusal.value)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from evidence.extremes import parameters, runs
-from evidence.extremes.judge import LINE_ACCURACY, WHIP, compare, judge
+from evidence.extremes.judge import LINE_ACCURACY, compare, judge
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
 
@@ -28,23 +28,6 @@ def test_a_wrong_curve_fails():
     assert not any(row.passed for row in other)
 
 
-@pytest.mark.slow
-def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
-    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIP, is_whole_run=True)
-    assert str(rows[0].value).startswith("refused: stopped")
-    assert "refine the mesh" in rows[0].value
-    assert len(rows) == 3
-    assert all("after the remedy" in row.name and row.passed for row in rows[1:])
-
-
-@pytest.mark.slow
-def test_a_refusal_that_no_mesh_helps_is_the_last_word():
-    rows = judge("E = 1e5", {"E": 1e5}, WHIP, is_whole_run=True)
-    assert "refine the mesh" in rows[0].value
-    assert "no mesh or step helps" in rows[-1].value
-    assert all(row.passed and isinstance(row.value, str) for row in rows)
-
-
 def test_values_that_make_no_structure_are_refused():
     rows = parameters.refusals()
     assert len(rows) > 10
@@ -61,8 +44,3 @@ def test_the_damped_oscillator_solves_its_equation():
         assert x[0] == pytest.approx(0.3)
         assert v[0] == pytest.approx(0.0, abs=1e-5)
         assert np.abs(residual[5:-5]).max() < 5e-4
-
-
-def test_the_linkage_closes_when_dimensional_analysis_says():
-    found = first_closing(simulate(1.2 * closing_time(), elements=2))
-    assert found == pytest.approx(closing_time(), rel=0.02)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from evidence.scaling import masts
-from evidence.scaling.study import growth, mast_rows, report
+from evidence.scaling.study import growth, mast_rows
 
 LINEAR = [
     masts.Size(n, 8 * max(n, 6), n, 1e-5, 8000, 1e-6 * max(n, 6), 0.1, 1e-8, 1e-16, 0.0)
@@ -29,8 +29,3 @@ def test_the_exponent_of_the_cost_is_found():
 def test_masts_that_are_worse_than_they_may_be_fail(what, value):
     worse = [*LINEAR[:-1], replace(LINEAR[-1], **{what: value})]
     assert failed(mast_rows(worse)) == [f"largest {what} of a mast"]
-
-
-def test_what_is_told_has_every_size():
-    text = report({"sizes": LINEAR}).text
-    assert "the linkage" in text and "| 100 |" in text

@@ -34,13 +34,6 @@ def test_rows_pass_fail_or_are_not_judged():
     assert not at_most("n", math.nan, 6.0).passed and not at_least("n", math.nan, 6.0).passed
 
 
-def test_how_much_of_its_allowance_a_row_takes():
-    assert close_to("n", 1.5, 1.0, 2.0).utilization == pytest.approx(0.25)
-    assert at_most("n", 3.0, 6.0).utilization == pytest.approx(0.5)
-    for row in (info("n", 1.0), refusal("n", "why"), skip_row("n", "why"), at_least("n", 1.0, 2.0)):
-        assert math.isnan(row.utilization)
-
-
 def test_results_are_a_summary_and_a_table(tmp_path):
     write(tmp_path, "trial", Report(ROWS, {"machine": {"cores": 2}}, "\nMore.\n"))
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))

@@ -52,11 +52,3 @@ def test_a_run_that_breaks_down_is_a_failing_row(monkeypatch):
     rows = study.solve("unstable", True).rows
     assert [row.passed for row in rows] == [True, False]
     assert "unstable at t =" in rows[1].name
-
-
-@pytest.mark.slow
-def test_the_report_has_the_cost_of_every_problem():
-    found = {name: study.PARTS[name](True) for name in ("heavy top", "rigid Bennett linkage")}
-    report = study.report(found)
-    assert all(cost["element_steps"] > 0 for cost in report.extra["costs"].values())
-    assert len(report.rows) == sum(len(bench.rows) for bench in found.values())

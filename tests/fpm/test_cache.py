@@ -2,7 +2,6 @@
 
 import ctypes
 import errno
-import fcntl
 import importlib
 import os
 import pkgutil
@@ -180,39 +179,6 @@ def test_what_several_threads_need_is_compiled_once(tmp_path):
         results = list(pool.map(lambda _: make_ready(tmp_path / "a" / "x.npz", compiled), range(8)))
     assert results == [2.5] * 8
     assert len(compiled) == 1
-
-
-def test_another_processor_has_another_cache_beside(monkeypatch):
-    before = compiled_loop.cache_folder()
-    monkeypatch.setattr(compiled_loop, "processor", lambda: "another")
-    assert compiled_loop.cache_folder() != before
-    assert compiled_loop.cache_folder().parent == before.parent
-
-
-def test_the_lock_is_where_the_cache_is(tmp_path):
-    program = """
-import sys
-from pathlib import Path
-from fpm.kernels.compiled_loop import _one_at_a_time
-with _one_at_a_time(Path(sys.argv[1])):
-    print("locked", flush=True)
-    sys.stdin.read()
-"""
-    path = tmp_path / "cache" / "loop.npz"
-    command = [sys.executable, "-c", program, str(path)]
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, env=environment, **streams) as other:
-        assert other.stdout.readline() == "locked\n"
-        with open(tmp_path / "cache" / "loop.lock") as file, pytest.raises(BlockingIOError):
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        other.communicate()
-    with (
-        compiled_loop._one_at_a_time(path),
-        open(path.with_suffix(".lock")) as file,
-        pytest.raises(BlockingIOError),
-    ):
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 @pytest.mark.parametrize("reason", [errno.ENOLCK, errno.EOPNOTSUPP])

@@ -72,17 +72,6 @@ def test_what_damping_takes_balances_where_a_hinge_opens():
     assert np.abs(energies["balance"]).max() < 1e-3 * energies["damping_work"][-1]
 
 
-def test_an_undamped_scene_beside_a_damped_one_runs_as_it_does_alone():
-    """Bit for bit, whichever comes first."""
-    (alone,) = run(flight(0.0, opening=10.0))
-    for rates in ((0.0, RATE), (RATE, 0.0)):
-        outcome = run(*(flight(rate, opening=10.0) for rate in rates))[rates.index(0.0)]
-        for x, y in zip(alone.final, outcome.final, strict=True):
-            np.testing.assert_array_equal(x, y)
-        for name, energy in alone.energies.items():
-            np.testing.assert_array_equal(energy, outcome.energies[name])
-
-
 def test_a_motor_and_the_joints_bear_what_damping_takes():
     """At a constant rate w a motor bears c J w, and the hinge the weight and c m w r, whatever the
     step: momenta of what joints move are damped before these act."""

@@ -46,31 +46,6 @@ def hoist(torque=0.0, **cable) -> fpm.Scene:
 
 
 @pytest.mark.slow
-def test_a_counterweight_on_the_same_drum_balances():
-    scene = hoist()
-    second = int(scene.add_particles((-1, 0, -1.0), 2 * MASS, 1.0)[0])
-    points = [(0, None), (0, (-1, 0, 0)), (second, None)]
-    scene.add_cable("counter", points, 2e5, preload=2 * MASS * G, drum=0, radius=-0.025)
-    (outcome,) = fpm.simulate(scene, duration=0.3, instants=4)
-    assert np.abs(outcome.openings["winch"]).max() < 1e-9
-
-
-@pytest.mark.slow
-def test_on_the_second_angle_of_a_universal_joint_it_is_as_on_a_hinge():
-    axis = "type: revolute, parts: [ground, reel], at: O, axis: y, opening: start"
-    universal = "type: universal, parts: [ground, reel], at: O, axis: x, other: y"
-    text = TEXT.replace(axis, f"{universal}, openings: [0, start]")
-    text = text.replace("joint: winch", "joint: winch_other")
-    text = text.replace("drum: winch", "drum: winch_other")
-    heights = []
-    for structure in (TEXT, text):
-        (outcome,) = fpm.simulate(loads(structure).build(), duration=0.2, instants=3, step=2e-4)
-        heights.append(outcome.points["load"][0][:, 2])
-    assert heights[0][-1] > -0.9
-    np.testing.assert_allclose(*heights, atol=1e-6)
-
-
-@pytest.mark.slow
 def test_free_parts_keep_their_momentum_while_one_winds():
     scene = fpm.Scene("free", gravity=(0, 0, -G))
     places = [(0, 0, 0), (0.1, 0, 0), (0.3, 0.2, -1.0)]

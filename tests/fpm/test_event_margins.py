@@ -1,14 +1,9 @@
 """By how much latches catch, or are missed, by a panel on a spring, in closed form."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import fpm
-from fpm import structures
 from fpm.elements.kind import Eventful, Gate
-from fpm.files import trajectory
 from fpm.files.trajectory import Curves
 from fpm.reading.event_margins import gate_margin
 from fpm.reading.quantity_definitions import parse
@@ -62,23 +57,3 @@ def test_none_is_told_where_it_may_catch_late_or_starts_beyond():
     definitions = {"t": {"event": "latches"}, "m": {"event_margin": "t"}}
     _, (problem,) = parse(definitions, [], [PIN._replace(gate=late)])
     assert "the first time that a latch, stop or contact" in str(problem)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("hold", [0.0, 100.0])
-def test_files_keep_it_and_a_quantity_tells_it(tmp_path, hold):
-    """Also of a structure whose opening at the latch differs from run to run."""
-    structure = structures.load(Path(__file__).parents[2] / "config/structures/latch.yaml")
-    for angle in (80, 95, 100):
-        scene = structure.build(rest=45, angle=angle, hold=hold)
-        run = fpm.simulate(scene, duration=7.0, instants=351)[0]
-        trajectory.write(trajectory.contents(run), tmp_path / "run.nc")
-        curves = trajectory.read_curves(tmp_path / "run.nc")
-        definitions = {"m": {"event_margin": "t"}, "t": {"event": "latches", "of": "catch"}}
-        (quantity, event), problems = parse(definitions, [], run.eventful)
-        assert not problems and (quantity.unit, quantity.always_exists) == ("rad2 s-2", True)
-        angle = np.radians(angle)
-        expected = 0.3 * angle * (np.pi / 4 - angle / 2)  # of k 0.1 N m/rad, inertia 1/3 kg m²
-        for source in (run, curves):
-            assert quantity.evaluate(source) == pytest.approx(expected, rel=1e-2)
-            assert np.isfinite(event.evaluate(source)) == (expected > 0)

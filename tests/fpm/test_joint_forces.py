@@ -114,23 +114,6 @@ def test_a_free_body_falls_and_keeps_its_spin(run):
     np.testing.assert_allclose(vector(found, "a corner"), exact, atol=1e-9)
 
 
-def test_what_is_asked_changes_no_motion_and_no_neighbour(run):
-    """The run without it, and the run beside others, to the last bit."""
-    _, _, outcome = run
-    (plain,) = fpm.simulate(everything(), duration=1.0, instants=201, step=1e-3)
-    for name, tracks in outcome.points.items():
-        for one, other in zip(tracks, plain.points[name], strict=True):
-            assert np.array_equal(one, other)
-    need = sorted(set(outcome.columns) - set(plain.columns))
-    assert need
-    scenes = [everything(), everything(), everything()]
-    scenes[0].spin[:] *= 0.5
-    scenes[2].mass[2] *= 1.1
-    batch = fpm.simulate(scenes, duration=1.0, instants=201, step=1e-3, record=need)
-    for column, values in outcome.columns.items():
-        assert np.array_equal(values, batch[1].columns[column])
-
-
 @dataclass(frozen=True)
 class Pull(Gravity):
     """A weight by a user's own kind, of which `Scene.gravity` knows nothing."""

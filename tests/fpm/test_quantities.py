@@ -297,11 +297,8 @@ def test_what_does_not_happen_is_no_number():
 @pytest.mark.parametrize(
     ("definition", "words"),
     [
-        ({"larges": "x"}, "exactly one of largest"),
-        ({"largest": "y"}, "one of x"),
         ({"largest": ["x"]}, "one of x"),
         ({"largest": "x", "level": 1}, "largest alone"),
-        ({"crossing": "x"}, "crossing and level"),
         ({"crossing": "x", "level": "a"}, r"a number \(m\)"),
         ({"crossing": "x", "level": 1, "way": "up"}, "one of rising"),
         ({"crossing": "x", "level": 1, "number": 0}, "from 1 to 10000"),
@@ -309,7 +306,6 @@ def test_what_does_not_happen_is_no_number():
         ({"value": "x", "at": "later"}, "quantities that are times"),
         ({"event": "close"}, "did you mean closes"),
         ({"event": "closes", "of": "B"}, "one of contact A, contact C"),
-        (7, "exactly one of"),
     ],
 )
 def test_wrong_definitions_are_refused(definition, words):
@@ -318,20 +314,6 @@ def test_wrong_definitions_are_refused(definition, words):
     assert isinstance(problem, SceneError)
     with pytest.raises(SceneError, match=words):
         raise problem
-
-
-def test_what_is_said_of_quantities():
-    names = {
-        "t": {"event": "closes", "of": "A", "number": 2},
-        "v": {"value": "x", "at": "t"},
-        "c": {"crossing": "x", "level": 0.5, "way": "rising"},
-    }
-    found, _ = parse(names, [RESPONSE], ELEMENTS)
-    assert [q.name for q in found] == list(names)
-    assert [q.unit for q in found] == ["s", "m", "s"]
-    assert found[0].long_name == "time of the 2nd event 'closes' of contact A"
-    assert found[1].long_name == "x-component of the position of P at t"
-    assert "first crossing of 0.5 rising" in found[2].long_name
 
 
 def test_an_element_with_a_name_of_its_own_is_known_by_its_joint_where_it_is_the_only_one():

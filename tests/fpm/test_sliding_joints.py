@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from asking import curves, vector, vectors
 
 import fpm
 from evidence.verification.sliders import (
@@ -11,7 +10,6 @@ from evidence.verification.sliders import (
     GRAVITY,
     INERTIA,
     JOINTS,
-    KINDS,
     LEAD,
     MASSES,
     OFFSET,
@@ -83,45 +81,3 @@ def test_parts_that_do_not_fit_are_screwed_onto_the_nearest_turn(apart):
     slide = pair_on("cylindrical", apart=apart)
     assemble(slide)
     assert slide.hinges[1].opening == pytest.approx(START[1] + apart, abs=1e-9)
-
-
-@pytest.mark.slow
-def test_forces_are_newtons_and_leave_free_what_is_free():
-    """Those of a joint on a spinning body; of a screw the couple is its lead times the push."""
-    scene = fpm.Scene("forces", GRAVITY)
-    scene.fix(scene.add_particles(np.zeros(3), 1.0, 1.0))
-    for number, (type, swap) in enumerate(KINDS):
-        place, name = np.array([3.0 * number, 0.0, 0.0]), f"{type}{swap}"
-        (body,) = scene.add_particles(place + ARM + OFFSET, MASSES[1], INERTIA)
-        scene.add_point(name, int(body))
-        x, lead = (None, LEAD) if type == "screw" else (X, 0.0)
-        openings = START[: len(TYPES[type].openings)]
-        pair = (int(body), 0) if swap else (0, int(body))
-        hinge = scene.add_sliding_joint(name, type, pair, place + ARM, AXIS, openings, x, lead)
-        scene.opening_rates[hinge] = 4.0
-    names = [f"{type}{swap}" for type, swap in KINDS]
-    kinds = "constraint_force", "constraint_moment", "acceleration"
-    definitions = {
-        f"{kind} {label}": definition
-        for kind in kinds
-        for label, definition in vectors(kind, *names).items()
-    }
-    found = curves(scene, definitions, duration=0.3, instants=31, step=1e-3)[1]
-    for (type, swap), name in zip(KINDS, names, strict=True):
-        force, moment, acceleration = (vector(found, f"{kind} {name}")[1:] for kind in kinds)
-        weight = (-1.0) ** swap * MASSES[1] * (acceleration - GRAVITY)
-        assert force == pytest.approx(weight, abs=1e-9)
-        couple = -LEAD * force @ AXIS if type == "screw" else 0.0
-        assert moment @ AXIS == pytest.approx(couple + 0 * moment[:, 0], abs=1e-9)
-        if type == "planar" and not swap:
-            assert np.abs(np.cross(force, AXIS)).max() < 1e-9
-        if type == "cylindrical" and not swap:
-            assert np.abs(force @ AXIS).max() < 1e-9
-    # All turns of a screw count, however seldom it is recorded.
-    ends = [
-        curves(scene, definitions, duration=3.0, instants=instants, step=1e-3)[2].openings
-        for instants in (2, 301)
-    ]
-    for name in ("screw0", "screw1"):
-        assert ends[0][name][-1] == pytest.approx(ends[1][name][-1], rel=1e-9)
-        assert abs(ends[0][name][-1] - START[0]) > 2 * np.pi

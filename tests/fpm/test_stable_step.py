@@ -55,12 +55,6 @@ def test_a_stiff_contact_is_named_and_seen_from_any_start():
     assert np.ptp([f.step for f in found]) < 1e-6 * found[0].step
 
 
-def test_free_bodies_have_no_limit():
-    scene = fpm.Scene("free body")
-    scene.add_particles((0, 0, 0), 1.0, (1, 2, 3), spin=(0, 1, 0))
-    assert fpm.find_stable_step(scene) == (np.inf, 0.0, "none")
-
-
 @pytest.mark.parametrize("nu", [-0.99, 0.5])
 def test_torsion_counts(nu):
     """At nu = -0.99 the shear modulus is 50 E, and twisting is the fastest motion."""
@@ -70,25 +64,3 @@ def test_torsion_counts(nu):
     step = fpm.find_stable_step(disturb(scene, 1e-6)).step
     assert not breaks_down(scene, 0.999 * step)
     assert breaks_down(scene, 1.002 * step)
-
-
-def test_contacts_that_share_a_held_particle():
-    """Two flaps on one ground, with stiff contacts: the limit of either alone."""
-
-    def flaps(angles) -> fpm.Scene:
-        scene = fpm.Scene("flaps")
-        ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
-        scene.fix(ground)
-        section = fpm.Section.square(0.035)
-        for angle in angles:
-            along = np.array([np.cos(angle), np.sin(angle), 0.0])
-            bar = scene.add_link((0, 0, 0), 0.45 * along, (0, 0, 1), section, MATERIAL, 2)
-            pair = (ground, int(bar.particles[0]))
-            scene.add_contact(scene.add_hinge(f"H{angle}", pair, (0, 0, 0.02), (0, 0, 1)), 1e7)
-        return scene
-
-    alone = fpm.find_stable_step(flaps([0.3])).step
-    assert fpm.find_stable_step(flaps([0.3, 2.0])).step == pytest.approx(alone, rel=1e-6)
-    open_ = flaps([0.3])
-    open_.contacts.clear()
-    assert alone < 0.9 * fpm.find_stable_step(open_).step, "the contact does not set the step"

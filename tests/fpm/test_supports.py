@@ -74,17 +74,3 @@ def test_all_that_is_allowed_is_regular(arm):
             size = np.linalg.eigvalsh(response(scene))
             assert size[0] > 1e-3 * size[-1], (one, two, support, turning)
     assert allowed == 3 * 4**3  # along each axis: none held, one, the other, or the point
-
-
-@pytest.mark.slow
-def test_held_bodies_that_are_allowed_move_as_they_should():
-    """A body that may only slide along x, carried by one that is pushed: both end at one speed."""
-    scene = pair(arm=(0.1, 0.0, 0.0))
-    scene.fix(0, "yz", "xyz")
-    scene.velocity[1] = 1.0, 0.0, 0.0
-    scene.add_point("slide", 0)
-    (outcome,) = fpm.simulate(scene, duration=0.1, instants=11, step=1e-3)
-    assert outcome.failure is None
-    np.testing.assert_allclose(outcome.points["slide"][0][:, 1:], 0.0, atol=1e-15)
-    assert outcome.gap.max() < 1e-10
-    assert outcome.points["slide"][1][-1, 0] == pytest.approx(0.5, rel=1e-6)

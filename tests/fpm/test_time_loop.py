@@ -154,31 +154,6 @@ def test_work_of_loads_weight_drive_and_damping_balances(damping):
 
 
 @pytest.mark.slow
-def test_drive_moves_its_particle_as_told():
-    scene, bar = beam()
-    scene.add_point("root", int(bar.particles[0]))
-    scene.fix(int(bar.particles[-1]), translations="z", rotations="")
-    curve = scene.add_curve([0.0, 0.1], [0.0, 1.0])
-    scene.drive(int(bar.particles[0]), velocity=(0, 2.0, 0), curve=curve)
-    outcome = fpm.simulate(scene, duration=0.1, instants=11)[0]
-    y = outcome.points["root"][0][:, 1]
-    np.testing.assert_allclose(y, 10 * outcome.time**2, atol=1e-9)
-
-
-@pytest.mark.slow
-def test_held_axes_stay_and_free_ones_move():
-    """A bar that may only slide, pulled along by its root and thrown."""
-    scene, bar = beam()
-    scene.fix(bar.particles[1:], translations="z", rotations="")
-    scene.velocity[bar.particles] = (1.0, 2.0, 3.0)
-    scene.drive(int(bar.particles[0]), velocity=(1.0, 2.0, 0.0))
-    outcome = fpm.simulate(scene, duration=0.1, instants=3)[0]
-    x = outcome.points["tip"][0]
-    assert x[-1, 2] == x[0, 2]
-    np.testing.assert_allclose(x[-1, :2] - x[0, :2], [0.1, 0.2], rtol=1e-6)
-
-
-@pytest.mark.slow
 def test_single_precision_runs_sixteen_samples_and_is_less_exact():
     scene = linkage()
     double = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5)[0]

@@ -41,29 +41,6 @@ def test_a_spring_has_minus_k_psi_and_the_sum_turns_the_flap():
 
 
 @own_loop
-def test_friction_bears_its_moment_and_loses_it_times_the_way():
-    """M is 0.2 N m: 2 rad/s last 3.3 s; the bristle of 1 mrad is a thousandth of the way."""
-    scene = flap(rate=2.0, friction={"moment": 0.2})
-    _, found, _ = curves(scene, DEFINITIONS, **TIMES)
-    slides = found["opening"] > 2e-3
-    np.testing.assert_allclose(found["M friction"][slides], -0.2, rtol=1e-12)
-    lost = 0.2 * (found["opening"] - 1e-3)
-    np.testing.assert_allclose(found["lost friction"][slides], lost[slides], atol=2e-4)
-    np.testing.assert_allclose(found["lost friction"], found["account"], atol=1e-5)
-
-
-@own_loop
-def test_a_damper_has_minus_c_times_the_rate():
-    """ψ' = exp(-c t/J); the moment's rate is extrapolated, of second order: 1e-6 of c."""
-    time, found, _ = curves(flap(rate=1.0, damper=0.1), DEFINITIONS, **TIMES)
-    rate = np.exp(-0.1 * time / J)
-    np.testing.assert_allclose(found["rate"], rate, atol=1e-6)
-    np.testing.assert_allclose(found["M damper"], -0.1 * rate, atol=1e-7)
-    np.testing.assert_allclose(found["lost damper"], 0.5 * J * (1 - rate**2), atol=1e-6)
-    np.testing.assert_allclose(found["lost damper"], found["account"], atol=1e-12)
-
-
-@own_loop
 def test_latch_and_stop_lose_what_the_account_of_all_has():
     """A flap that flies into a latch and, held by it, against a stop: by part and in sum, to 1e-4
     of the energy at first, which edges of springs between two steps leave."""

@@ -200,15 +200,3 @@ def test_shape_and_directions_without_width():
     expected = np.array([colleague_range(x) for x in c.reshape(3, -1).T])
     np.testing.assert_allclose(found.lower.ravel(), expected[:, 0], atol=1e-13)
     np.testing.assert_allclose(found.upper.ravel(), expected[:, 1], atol=1e-13)
-
-
-def test_high_order_in_two_directions_is_enclosed():
-    generator = np.random.default_rng(5)
-    indices = tensor([20, 20])
-    c = generator.standard_normal((len(indices), 3)) * 0.7 ** indices.sum(axis=1)[:, None]
-    surrogate = Surrogate(c, indices)
-    found = find_surrogate_range(surrogate)
-    values = surrogate.evaluate(generator.uniform(-1, 1, (4000, 2)))
-    assert (values >= found.lower).all()
-    assert (values <= found.upper).all()
-    assert (found.gap <= 0.05 * (found.inner_upper - found.inner_lower)).all()

@@ -47,30 +47,6 @@ def test_bounds_of_a_ratio_lie_within_their_errors(order, turn):
     assert bounds["nominal"].values[0] == pytest.approx(margin(NOMINAL, turn))
 
 
-def test_beside_a_ratio_what_is_none_has_the_bounds_that_it_has_alone():
-    """And the ratio those that it has alone, the largest that is told apart 998."""
-    box = Box(["p", "q"], [0.1, 0.2], [0.3, 0.9])
-    design = make_design("tensor_lobatto", box, 3)
-
-    def values(v):
-        p, q = (np.asarray(v)[..., i, None] for i in range(2))
-        return np.stack([p + 0 * WAY, q * np.cos(WAY), p / q * (1 + WAY) - 1, p / 1e-9 + WAY])
-
-    ratios = np.array([0.0, 0.0, 1.0, 1.0])
-    samples = samples_of(values, box, design, WAY, names=("p", "q", "r", "s"))
-    samples = samples.assign_coords(response_ratio=("response", ratios))
-    together = bounds_dataset(samples, design)
-    for i in range(4):
-        alone = bounds_dataset(samples.isel(response=[i]), design)
-        for name in ("lower", "upper", "argmin", "argmax", "error", "inner_lower", "inner_upper"):
-            np.testing.assert_allclose(together[name][i], alone[name][0], rtol=1e-12, atol=1e-12)
-    assert together["upper"].values[1] == pytest.approx(0.9 * np.cos(WAY), abs=1e-9)
-    assert together["argmax"].values[0, :, 0] == pytest.approx(0.3)
-    assert together["argmin"].values[0, :, 0] == pytest.approx(0.1)
-    assert together["upper"].values[2] == pytest.approx(1.5 * (1 + WAY) - 1, rel=0.05)
-    assert together["upper"].values[3] == pytest.approx(998.0)
-
-
 def test_the_error_of_a_ratio_is_that_at_either_end():
     share, off = np.array([[0.5]]), np.array([[0.01]])
     samples = SimpleNamespace(ratios=np.array([True]))

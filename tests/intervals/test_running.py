@@ -92,7 +92,3 @@ def test_share_outside_is_that_of_random_draws(runs):
     assert share_outside(runs) == pytest.approx(outside.mean(), abs=error)
     kept = (outside <= share_outside(runs, 0.95)).mean()
     assert kept == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / len(outside)))
-
-
-def test_nothing_is_known_of_what_one_run_misses():
-    assert share_outside(1) == share_outside(0, 0.95) == 1.0

@@ -427,7 +427,6 @@ def test_a_box_shrunk_to_a_points_share_just_holds_it():
 
 BORDERS = {
     "plane": (3, lambda x: 0.1 + 0.5 * x[:, 0] + 0.3 * x[:, 1] - 0.2 * x[:, 2]),
-    "steep plane": (2, lambda x: 0.3 + 0.2 * x[:, 0] - x[:, 1]),
     "ball": (3, lambda x: 1.6**2 - ((x - [-0.8, 0.6, 0.3]) ** 2).sum(axis=1)),
     "corner": (2, lambda x: np.minimum(0.6 - x[:, 0] - 0.3 * x[:, 1], x[:, 1] + 0.4)),
     "wave": (2, lambda x: x[:, 1] - 0.2 * np.sin(3 * x[:, 0]) - 0.1),

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from deployable.intervals import Box, IntervalError, held_out_points, make_design
+from deployable.intervals import held_out_points, make_design
 from deployable.intervals.box import axis_points
-from deployable.intervals.designs import fit, spread_points
+from deployable.intervals.designs import fit
 from deployable.intervals.ranges import find_surrogate_range
 from deployable.intervals.scalars import estimate_bounds, find_influence, fit_scalar
 
@@ -80,23 +80,6 @@ def test_first_runs_are_ends_alone_and_a_fold_over_with_clear_main_effects(k):
         pairs = corners[:, first] * corners[:, second]
         alike = np.abs(pairs.T @ pairs) / len(corners) - np.eye(len(first))
         assert alike.max() < 0.7  # no pair is taken for another
-
-
-def test_other_designs_say_what_to_use_and_screening_what_it_needs():
-    for method in ("smolyak", "sobol", "tensor_roots"):
-        with pytest.raises(IntervalError, match="or method screening for up to 60"):
-            make_design(method, 9, 2)
-    with pytest.raises(IntervalError, match="at least 169 of 40"):
-        make_design("screening", K, samples=100)
-    with pytest.raises(IntervalError, match="none with screening"):
-        make_design("screening", K, 3)
-
-
-def test_points_of_a_wide_box_are_few():
-    box = Box([f"p{i}" for i in range(60)], np.zeros(60), np.r_[np.ones(59), 0.0])
-    assert len(box.corners()) == 118
-    assert len(spread_points(box.free, 1000)) < 2000
-    assert (spread_points(box.free, 1000)[:, -1] == 0).all()
 
 
 def test_curves_are_bounded_by_sums_of_single_parameters():

@@ -9,8 +9,6 @@ from scipy.spatial.transform import Rotation
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from evidence.linkage.rigid import RigidBennett
-from fpm.errors import SceneError
 from fpm.motions import motion as whole
 from fpm.motions.motion_dataset import shapes_of
 from fpm.structures import load
@@ -78,13 +76,6 @@ def test_a_failing_run_raises_its_failure():
     scene = scenes(1)[0]
     with pytest.raises(fpm.InstabilityError):
         whole.whole_motion([scene], duration=0.02, instants=3, step=40 * steps(scene))
-
-
-def test_a_point_with_a_name_of_ours_is_refused():
-    scene = scenes(1)[0]
-    scene.add_point("place of particle 0", 0)
-    with pytest.raises(SceneError, match="place of particle 0"):
-        whole.whole_motion([scene], **TIME, step=steps(scene))
 
 
 def test_the_dataset_says_what_it_holds(pair):
@@ -162,30 +153,6 @@ def test_a_rigid_motion_strains_nothing():
     position = (scene.position @ turn.T + [3.0, -2.0, 1.0])[None]
     axial, bending = whole.element_strains(scene, position, (turn @ scene.frame)[None])
     assert np.abs(axial).max() < 1e-13 and bending.max() < 1e-12
-
-
-def test_mitred_ends_meet_where_the_linkage_is_shut():
-    """At opening 0 the end faces of the two bars of a hinge are one face."""
-    folded = float(np.degrees(RigidBennett().folded_opening_b))
-    scene = scene_type("bennett").build(start=folded, elements=3)
-    corners, nodes = whole.section_corners(scene), np.concatenate([b.nodes for b in scene.beams])
-    shut = [hinge for hinge in scene.hinges if abs(hinge.opening) < 1e-6]
-    assert shut
-    for hinge in shut:
-        faces = []
-        for particle in hinge.particles:
-            e, end = np.argwhere(nodes == particle)[0]
-            faces.append(scene.position[particle] + corners[e, end] @ scene.frame[particle].T)
-        apart = np.linalg.norm(faces[0][:, None] - faces[1][None], axis=2)
-        assert apart.min(axis=1).max() < 1e-9
-
-
-def test_corners_of_a_bar_without_contacts_are_its_rectangle(bar):
-    scene, *_ = bar
-    corners = whole.section_corners(scene)
-    np.testing.assert_allclose(np.abs(corners[..., 1]), 0.03)
-    np.testing.assert_allclose(np.abs(corners[..., 2]), 0.02)
-    np.testing.assert_allclose(corners[..., 0], 0.0, atol=1e-15)
 
 
 @pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.6, 0.8)])

@@ -12,8 +12,7 @@ from scipy.optimize import brentq
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions, write_page
-from deployable.campaign.report.data import RunVerdicts
-from deployable.campaign.report.failing_region import MOST_PARAMETERS, lines, prices
+from deployable.campaign.report.failing_region import prices
 from deployable.campaign.report.page import render
 
 in_a_browser = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
@@ -120,65 +119,6 @@ def test_sliders_reach_the_best_choice(window, opened):
     assert window.ask(told).endswith("N m/rad")
 
 
-@in_a_browser
-def test_keys_move_a_slider_and_not_the_time(window):
-    read = "[Number(document.querySelector('#sliders input').value), Number(view.dataset.time)]"
-    window.ask("document.getElementById('usual').click()")
-    window.ask("document.querySelector('#sliders input').focus()")
-    before = window.ask(read)
-    window.press("\ue014")
-    window.settle()
-    assert window.ask(read)[0] > before[0] and window.ask(read)[1] == before[1]
-    assert window.ask("document.querySelector('#sliders output').textContent").endswith("N m/rad")
-
-
-@in_a_browser
-def test_a_run_that_is_clicked_is_told_as_it_was_simulated(window, opened):
-    run = window.ask("Number(document.querySelector('path[data-judged]').dataset.judged)")
-    window.ask("document.querySelector('path[data-judged]').dispatchEvent(new Event('click'))")
-    slider = float(window.ask("document.querySelector('#sliders input').value"))
-    assert slider == pytest.approx(opened.verdicts.values[run, 0], rel=1e-9)
-    numbers = [None if np.isnan(n) else n for n in opened.verdicts.numbers[run]]
-    assert json.loads(window.ask(TOLD)) == numbers
-    assert window.ask(VERDICT) == "Fails: in_time (simulated)."
-    assert window.ask("document.querySelectorAll('.asked[data-judged]').length") == 1
-    window.ask("document.getElementById('usual').click()")
-    assert float(window.ask("document.querySelector('#sliders input').value")) == pytest.approx(0.1)
-
-
-def test_runs_of_many_parameters_are_lines_along_all(opened):
-    (k,) = opened.parameters
-    count = MOST_PARAMETERS + 1
-    values = np.random.default_rng(1).uniform(k["lower"], k["upper"], (30, count))
-    met = values[:, 0] > 0.1
-    facts = {
-        **{name: fact for name, fact in opened.facts.items() if name != "choice"},
-        "parameters": [{**k, "name": f"k{i}"} for i in range(count)],
-        "quantities": [row for row in opened.facts["quantities"] if row["lower"] is None],
-        "requirements": [],
-        "together": {**opened.facts["together"], "fails": None, "halved": {}},
-    }
-    data = replace(
-        opened,
-        facts=facts,
-        verdicts=RunVerdicts(values, met, np.ones((30, 2))),
-        what_if=None,
-        responses=tuple(replace(one, shares=None, widths=None) for one in opened.responses),
-    )
-    found = lines(data)
-    assert [each for _, each, _ in found] == sorted(met, reverse=True)
-    for run, _, places in found:
-        unit = (values[run] - k["lower"]) / (k["upper"] - k["lower"])
-        np.testing.assert_allclose(places, unit, atol=1e-4)
-    assert render(data).count("<polyline") == 30
-    assert lines(opened) == []
-    # Of many runs, some of each kind are drawn.
-    many = np.arange(2000) % 100 == 0
-    values = np.resize(values, (2000, count))
-    drawn = [each for _, each, _ in lines(replace(data, verdicts=RunVerdicts(values, many, None)))]
-    assert len(drawn) == 400 and sum(drawn) == 20
-
-
 def test_what_choices_cost_leaves_out_those_that_end_with_the_runs(opened):
     (panel,) = prices(opened.facts)
     assert panel.marks[-1][2] is None  # the best
@@ -210,40 +150,3 @@ def test_the_error_of_what_is_below_nothing_lies_about_the_bounds(opened, tmp_pa
         height = "document.querySelector('path.{}').getBBox().height"
         band, doubt = (browser.ask(height.format(kind)) for kind in ("band", "doubt"))
     assert 0 < band <= doubt < 2 * band
-
-
-LEFT = "document.getElementById('what-tests').textContent"
-
-
-@in_a_browser
-@pytest.mark.parametrize(
-    ("after", "inside", "outside"),
-    [
-        (0.6, "Within the intervals that the measured curves leave.", "exclude this: k."),
-        (None, "leave nothing of the box.", "leave nothing of the box."),
-    ],
-)
-def test_sliders_tell_what_measured_curves_leave(opened, tmp_path, after, inside, outside):
-    """The lower part of the interval is left, or nothing."""
-    (k,) = opened.parameters
-    width = k["upper"] - k["lower"]
-    row = {"name": "k", "units": k["units"], "before": [k["lower"], k["upper"]], "seen": "upper",
-           "after": after and [k["lower"], k["lower"] + after * width], "best": 0}  # fmt: skip
-    worst = {"time": 0.1, "test": "t", "response": "y", "bands": 3.0, "residual": 1.0, "units": "m"}
-    measured = {"parameters": [row], "refuted": after is None, "least": 3.0, "attained": 0.5,
-                "hull": 0.6, "worst": worst}  # fmt: skip
-    keys = ("tests", "checks", "quantities", "next", "trade_offs", "singles", "disjoint")
-    measured |= {key: [] for key in keys}
-    misfits = [0.5 * 16**share for share in (0, 0.25, 0.5, 0.75, 1)]
-    measured["misfits"] = {"points": [[-1.0], [-0.5], [0.0], [0.5], [1.0]], "values": misfits}
-    measured["left"] = 0.6
-    path = tmp_path / "left.html"
-    write_page(replace(opened, facts=opened.facts | {"measured": measured}), path)
-    with Browser() as browser:
-        browser.open(path)
-        browser.settle()
-        for share, words, bands in ((0.0, inside, "0.5"), (1.0, outside, "8")):
-            browser.ask(SLIDE.format(repr(k["lower"] + share * width)))
-            assert words in browser.ask(LEFT)
-            assert browser.ask(LEFT).endswith(f" Their curve deviates by about {bands} bands.")
-        assert browser.errors() == []

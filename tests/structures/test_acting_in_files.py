@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from structures_for_tests import SMALL, changed, refused, structure
+from structures_for_tests import SMALL, changed, refused
 
-import fpm
 from fpm.elements import (
     Damper,
     Friction,
@@ -304,16 +303,3 @@ def test_what_is_refused_of_motors(old, new, said):
 @pytest.mark.parametrize(("old", "new", "said"), OF_SLIDES)
 def test_what_is_refused_on_slides(old, new, said):
     (_,) = refused(SLIDES, old, new, said)
-
-
-@pytest.mark.slow
-def test_the_latch_of_the_library_catches_at_the_published_time():
-    values = [{}, {"k": 0.2}, {"angle": 60.0}, {"fastest": 1.4}]
-    scenes = [structure("latch").build(**some) for some in values]
-    outcomes = fpm.simulate(scenes, duration=2.5, instants=251, step=5e-4)
-    exact = [1.911912403, 1.911912403 / np.sqrt(2), np.sqrt(10 / 3) * np.arccos(2 / 3)]
-    for time, outcome in zip(exact, outcomes[:3], strict=True):
-        assert outcome.events[0, 0] == pytest.approx(time, abs=1e-6)
-        assert outcome.eventful[0][:2] == ("latch catch", ("latches", "misses"))
-    assert outcomes[0].records["latch_rate"].values[-1, 0] == pytest.approx(1.490188240, abs=1e-6)
-    assert outcomes[3].events[0, 2] == 1  # missed

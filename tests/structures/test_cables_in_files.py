@@ -131,14 +131,6 @@ def test_the_winches_work_is_stored_and_lost(risen):
         assert last["reel"] == pytest.approx(held + last["damping_work"], rel=1e-3)
 
 
-@pytest.mark.slow
-def test_a_prism_of_more_struts_has_another_form():
-    prism = structure("tensegrity")
-    scene = prism.build(n=5, radius=500.0, strut=1.1, wind=10.0)
-    (outcome,) = fpm.simulate(scene, duration=2.0, instants=11)
-    assert twist(outcome)[-1] == pytest.approx(90 - 180 / 5, abs=0.02)
-
-
 RING = """
 parameters: {n: {value: 4, whole: true}, R: {value: 2, unit: m}}
 materials: {steel: {E: 210 GPa, rho: 7850}}

@@ -10,13 +10,6 @@ from structures_for_tests import structure
 import fpm
 from evidence.verification.deployables import crossing
 from fpm.elements import Damper, Latch, SyncLoop
-from fpm.structures import report
-
-
-def test_the_mobility_of_the_ring_is_that_of_a_closed_chain_of_parallelograms():
-    for pairs in (2, 3):
-        scene = structure("ring_truss").build(n=pairs)
-        assert report.mobility(scene).degrees == 6 + 2 * pairs - 3
 
 
 def test_the_cable_has_the_length_of_the_diagonals():

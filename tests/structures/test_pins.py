@@ -59,27 +59,6 @@ def test_it_is_the_same_whose_the_pin_is_where_nothing_rubs():
     assert first == pytest.approx(second, abs=1e-9)
 
 
-@pytest.mark.slow
-def test_without_clearance_it_is_a_hinge():
-    """A pendulum on it: to the depth of its contact, which is soft by 1e-8 m/N."""
-    text = """
-name: pendulum
-gravity: [0, -9.81, 0]
-points: {O: [0, 0, 0], C: [0.3, 0, 0]}
-bodies: {rod: {mass: 1, centre: C, inertia: [1e-3, 1e-2, 1e-2], points: [O]}}
-record: {C: {part: rod, at: C}}
-joints: {hinge: {parts: [ground, rod], at: O, axis: z, KEYS}}
-"""
-    play = (
-        "type: pin with play, clearance: 0, load: 100, depth: 1 um, law: linear, restitution: 0.5"
-    )
-    pin, hinge = (
-        run(text.replace("KEYS", keys), duration=0.6, step=2e-5)
-        for keys in (play, "type: revolute")
-    )
-    assert pin.points["C"][0] == pytest.approx(hinge.points["C"][0], abs=2e-6)
-
-
 @pytest.mark.parametrize(
     ("pin", "words"),
     [

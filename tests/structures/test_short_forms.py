@@ -1,12 +1,9 @@
 """Vectors in expressions, and bodies by their shape: rods, tubes, plates."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from structures_for_tests import changed, refused
 
@@ -136,20 +133,6 @@ def test_what_is_no_vector_or_number_is_refused(old, new, words):
     refused(TEXT, old, new, words)
 
 
-def test_names_of_a_file_come_before_those_of_the_language():
-    """Points that numbers are called like, too, are named by their coordinates."""
-    changes = (
-        ("  k: w.x", "  y: 2 m\n  cross: 1 m\n  R: y + cross + R.z\n  k: R + w.x"),
-        ("-y, stow", "[0, -1, 0], stow"),
-        ("(1 m)*y", "y*z"),
-    )
-    build = loads(changed(TEXT, *changes)).build()
-    assert build.position[-1] == pytest.approx([1.1, 0.0, 1.0])  # half of y*z over A
-    place = build.points["S"].arm + build.position[build.points["S"].particle]
-    assert place[2] == pytest.approx(3 + 0.3 + 2 + np.sqrt(5))
-    assert place[1] == pytest.approx(-0.01)
-
-
 SHAPE = """
 points: {A: [0, 0, 0], B: [0.3, 0, 0.4], C: [1, 0, 0], D: [1, 0.5, 0], E: [0, 0.5, 0]}
 let: {turn: 0 deg}
@@ -212,31 +195,6 @@ def test_plates_are_what_a_fine_grid_of_them_is(turn):
     assert body(plate)[1] == pytest.approx([0.5, 0.25, 0])
 
 
-@pytest.mark.slow
-def test_a_line_swings_on_a_ball_joint_as_the_equations_say_at_the_second_order():
-    """A spherical pendulum of a rod without width, thrown sideways; its spin about itself is 0."""
-    text = changed(SHAPE, ("joints:", "gravity: (-9.81 m/s2)*z\nrecord: {B: {part: body, at: B}}\n"
-                           "initial_velocities: {w: {part: body, about: A, spin: [0, 0, 3]}}\n"
-                           "joints:"))  # fmt: skip
-    scene = loads(text.replace("BODY", "type: rod, from: A, to: B, mass: 2")).build()
-    start = np.array([0.3, 0, 0.4, 0, 0.9, 0])
-
-    def slopes(_, y):  # of its end, on a sphere: u'' = 3/2 g across u - |u'|²/|u|² u
-        u, v = y[:3], y[3:]
-        pull = np.array([0, 0, -1.5 * 9.81])
-        return [*v, *(pull - (u @ pull + v @ v) / (u @ u) * u)]
-
-    times = np.linspace(0, 1.0, 51)
-    exact = solve_ivp(slopes, (0, 1), start, "DOP853", times, rtol=1e-12, atol=1e-12).y[:3].T
-    errors = []
-    for step in (2e-3, 1e-3, 5e-4):
-        (outcome,) = fpm.simulate(scene, duration=1.0, instants=51, step=step)
-        errors.append(np.abs(outcome.points["B"][0] - exact).max())
-    assert errors[-1] < 1e-4
-    assert np.log2(errors[0] / errors[1]) > 1.9
-    assert np.log2(errors[1] / errors[2]) > 1.9
-
-
 SHAPE_REFUSALS = (
     ("type: rod, from: A, to: A, mass: 1", "bodies.body.to: 'A' is not allowed"),
     ("type: rod, from: A, to: B", "mass: missing; allowed: either `mass` or `density`"),
@@ -267,114 +225,3 @@ def test_a_line_that_is_turned_about_itself_is_told_and_no_other():
     for axis, width, doubts in (("A - B", "", 1), ("A - B", ", diameter: 1 cm", 0), ("y", "", 0)):
         scene = loads(text.replace("AXIS", axis).replace("WIDTH", width)).build()
         assert sum("has no width" in text for text in warnings(scene)) == doubts
-
-
-def test_a_mass_in_g_is_told_of_any_shape():
-    for words in ("type: rod, from: A, to: B, mass: 2000, diameter: 1 cm",
-                  "type: plate, corners: [A, C, D], mass: 2000, thickness: 1 mm"):  # fmt: skip
-        scene = loads(SHAPE.replace("BODY", words)).build()
-        assert any("masses are in kg, not in g" in text for text in warnings(scene))
-
-
-CRANK = """
-parameters:
-  turn: {value: 0, unit: deg}
-points:
-  O: [0, 0, 0]
-  A: rotate([0.3 m, 0, 0], z, turn)
-  B: (A.x + sqrt((1 m)**2 - A.y**2))*x
-bodies:
-  wheel: {mass: 1, centre: O, box: [0.6 m, 0.6 m, 20 mm], points: [A]}
-  rod: {type: rod, from: A, to: B, mass: 1}
-  block: {mass: 2, centre: B, box: [0.1 m, 0.1 m, 0.1 m]}
-joints:
-  pin: {type: revolute, parts: [wheel, rod], at: A, axis: z}
-  wrist: {type: revolute, parts: [rod, block], at: B, axis: z}
-  guide: {type: prismatic, parts: [ground, block], at: B, axis: x}
-drives:
-  crank: {part: wheel, at: O, spin: (4 rad/s)*z}
-record:
-  block: {part: block, at: B}
-"""
-MAST = """
-parameters:
-  n: {value: 3, whole: true, range: [1, 100]}
-  q: {value: 80, unit: deg}
-let:
-  bar: rotate([1 m, 0, 0], z, q)
-  step: bar.x*x
-  half: bar.y/2*y
-repeat:
-  bay:
-    count: n
-    index: i
-    points:
-      low: (i - 1)*step - half
-      high: (i - 1)*step + half
-      low_end: low + step
-      high_end: high + step
-      middle: (low + high_end)/2
-    bodies:
-      rising: {type: rod, from: low, to: high_end, mass: 1, points: [middle]}
-      falling: {type: rod, from: high, to: low_end, mass: 1, points: [middle]}
-    joints:
-      pin: {type: revolute, parts: [rising, falling], at: middle, axis: z}
-      top: {type: revolute, parts: [rising, next.falling], axis: z,
-            at: {rising: high_end, next.falling: next.high}}
-      bottom: {type: revolute, parts: [falling, next.rising], axis: z,
-               at: {falling: low_end, next.rising: next.low}}
-joints:
-  root: {type: revolute, parts: [ground, bay.first.rising], at: bay.first.low, axis: z}
-supports:
-  guide: {part: bay.first.falling, at: bay.first.high, translations: x, rotations: none}
-curves:
-  smooth: {times: [0, 0.5 s, 1 s], values: [0, 2, 0]}
-actions:
-  drive: {type: motor, joint: bay.first.pin, rate: 100 deg/s, curve: smooth}
-record:
-  end: {part: bay.last.rising, at: bay.last.high_end}
-"""
-
-
-def run(scene, duration, step):
-    (outcome,) = fpm.simulate(scene, duration=duration, instants=61, step=step)
-    assert outcome.failure is None
-    return outcome
-
-
-@pytest.mark.slow
-def test_a_slider_crank_in_short_form_is_where_its_kinematics_say():
-    outcome = run(loads(CRANK).build(turn=40.0), 1.0, 1e-3)
-    angle = 4.0 * outcome.time + np.radians(40)
-    place = 0.3 * np.cos(angle) + np.sqrt(1 - (0.3 * np.sin(angle)) ** 2)
-    assert outcome.points["block"][0][:, 0] == pytest.approx(place, abs=1e-8)
-
-
-@pytest.mark.slow
-def test_a_scissor_mast_in_short_form_is_as_long_as_its_motor_says():
-    outcome = run(loads(MAST).build(n=2), 1.0, 1e-3)
-    half = np.minimum(outcome.time, 1 - outcome.time)
-    turned = np.where(outcome.time < 0.5, 2 * half**2, 1 - 2 * half**2)
-    length = 2 * np.cos(np.radians(80 - 50 * turned))
-    assert outcome.points["end"][0][:, 0] == pytest.approx(length, abs=1e-8)
-
-
-@pytest.mark.slow
-def test_the_hatch_of_the_page_opens_as_its_equation_says():
-    page = Path(__file__).parents[2].joinpath("docs", "structures.md").read_text("utf-8")
-    (text,) = (block for block in page.split("```yaml\n") if block.startswith("name: hatch\n"))
-    outcome = run(loads(text.split("```")[0]).build(), 0.3, 2.5e-4)
-
-    def slopes(_, y):
-        grip = 0.24 * np.array([np.cos(y[0]), np.sin(y[0])])
-        gap = grip - (0.1, -0.4)
-        length = np.hypot(*gap)
-        force = 200 / (1 - (1 - 1 / 1.3) * max(0.65 - length, 0) / 0.25)
-        arm = (grip[0] * gap[1] - grip[1] * gap[0]) / length
-        moment = force * arm - 5 * 9.81 * 0.3 * np.cos(y[0])
-        return [y[1], moment / (5 * (0.6**2 / 3 + 0.01**2 / 12))]
-
-    exact = solve_ivp(slopes, (0, 0.3), [np.radians(5), 0], "DOP853", outcome.time,
-                      rtol=1e-11, atol=1e-12, max_step=1e-3).y[0]  # fmt: skip
-    assert np.ptp(exact) > 1
-    assert outcome.openings["hinge"] == pytest.approx(exact, abs=2e-5)

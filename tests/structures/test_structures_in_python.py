@@ -121,17 +121,6 @@ def test_names_twice_and_values_of_no_text_are_refused_at_once(name, value, word
         flap().action(name, **value)
 
 
-def test_a_file_may_be_incomplete_until_it_is_built(tmp_path):
-    path = tmp_path / "part.yaml"
-    path.write_text(SMALL.replace("stiffness: 3 N m/rad", "stiffness: k") + "\ndrags: none\n")
-    s = fpm.Structure.read(path)
-    s.parameter("k", 2, "N m/rad")
-    with pytest.raises(StructureError, match="drags: 'none' is not allowed"):
-        s.drag("air", part="arm")
-    del s.table["drags"]
-    assert s.build().springs[0].stiffness == 2
-
-
 @settings(max_examples=25, deadline=None)
 @given(text=st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Zl", "Zp", "Cs"))))
 def test_any_text_comes_back_from_what_is_written(text):

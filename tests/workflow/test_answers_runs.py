@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 import yaml
 
 from deployable import campaign
 from fpm.files.seals import unseal
-
-ROOT = Path(__file__).parents[2]
 
 CONFIG = """\
 campaign: opening
@@ -60,35 +57,3 @@ def test_the_workflow_answers_what_a_campaign_in_one_call_does(workplace):
     dry = workplace.snakemake("--configfile", path, "--dry-run").stdout
     rules = re.findall(r"^(\w+)\s+\d+$", dry.split("Job stats:")[1].split("total")[0], re.M)
     assert set(rules) == {"all", "answers", "figures", "page"}
-
-
-MODULE = """
-import yaml
-
-module campaign:
-    snakefile: {snakefile!r}
-    config: yaml.safe_load(open({config!r}))
-    prefix: "a study"
-
-use rule * from campaign
-"""
-
-
-@pytest.mark.slow
-def test_each_job_of_a_module_gets_its_folder_with_the_prefix(workplace):
-    """Quoted, as all paths are: by their rules alone, jobs would look for other folders."""
-    panel = str(ROOT / "config/structures/panel.yaml")
-    path = workplace.config("opening", CONFIG.replace("structures/panel.yaml", panel))
-    text = MODULE.format(snakefile=str(workplace.folder / "workflow/Snakefile"), config=str(path))
-    (workplace.folder / "Module").write_text(text, encoding="utf-8")
-    results = "a study/results/opening"
-    wanted = [f"{results}/figures/campaign/ranges.png"]
-    done = workplace.snakemake(
-        "-s", "Module", "-n", "-p", "--workflow-profile", "none", *wanted, f"{results}/report.html"
-    )
-    assert done.returncode == 0, done.stdout
-    told = re.findall(r"python -P -m deployable (\w+) (.*)", done.stdout)
-    assert {"plan", "answers", "figures", "page"} <= {stage for stage, _ in told}
-    for stage, rest in told:
-        assert rest.startswith(f"'{results}"), stage
-        assert f"--log '{results}" in rest, stage

@@ -5,8 +5,6 @@ from __future__ import annotations
 import pytest
 
 from deployable.campaign.config.loader import check_snakemake_arguments
-from deployable.campaign.errors import ConfigError
-from deployable.campaign.stages.workflow import Workflow
 
 GOOD = """\
 campaign: mine
@@ -17,36 +15,14 @@ responses:
   BD: {distance: [B, D]}
 """
 
-BAD = {  # others are in tests/campaign/refusals.yaml
-    "a name twice": (
-        GOOD.replace("responses:", "  a: {relative: 0.1}\nresponses:"),
-        ["line 5", "a is defined twice", "line 4"],
-    ),
-    "an interval below zero": (
-        GOOD.replace("a: {nominal: 0.035, relative: 0.01}", "K_C: {nominal: 1, absolute: 2}"),
-        ["intervals.K_C", "lower end -1"],
-    ),
-    "not a mapping": ("- a\n- b\n", ["keys"]),
-    "not YAML": (GOOD.replace("[B, D]", "[B, D"), ["YAML"]),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_a_bad_config_is_refused_where_the_workflow_reads_it(tmp_path, case):
-    text, words = BAD[case]
-    path = tmp_path / "bad.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(ConfigError) as refused:
-        Workflow.from_files([path])
-    for word in ["bad.yaml", *words]:
-        assert word in str(refused.value)
-
 
 def test_a_bad_config_is_refused_before_any_job(workplace):
-    text, words = BAD["an interval below zero"]
-    refused = workplace.snakemake("--configfile", workplace.config("bad", text))
+    """What else is refused is in tests/campaign/refusals.yaml and test_mistakes.py."""
+    text = GOOD.replace("a: {nominal: 0.035, relative: 0.01}", "K_C: {nominal: 1, absolute: 2}")
+    path = workplace.config("bad", text)
+    refused = workplace.snakemake("--configfile", path)
     assert refused.returncode != 0
-    for word in words:
+    for word in ["bad.yaml", "intervals.K_C", "lower end -1"]:
         assert word in refused.stdout
     assert "Traceback" not in refused.stdout
     assert "Job stats" not in refused.stdout

@@ -181,7 +181,7 @@ def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
     needs, found = after(0.2)
     assert found.action == "runs"
     assert found.reason.startswith("x 21 % of the width")
-    assert [name for name, need in needs.items() if not need.why_not] == ["x"]
+    assert [name for name, (_, cause) in needs.items() if not cause] == ["x"]
     assert after(0.05)[1].action == "check"
     _, found = after(0.05, check=("step", "mesh"))
     assert (found.action, found.met) == ("stop", False)

@@ -93,7 +93,8 @@ def test_the_path_is_relative_to_the_file_that_has_it(path, tmp_path, monkeypatc
     with pytest.raises(ConfigError, match="cannot be read"):
         load_config([path], over)
     monkeypatch.chdir(tmp_path)
-    assert Workflow.from_files([path], over).campaign == load_config([path])
+    moved = Workflow.from_files([path], over).campaign
+    assert moved.experiment == load_config([path]).experiment
 
 
 def test_runs_are_named_after_what_the_file_says(path, tmp_path):

@@ -269,7 +269,8 @@ def test_no_error_is_known_of_what_happens_in_one_run_of_several():
     found = fit_scalar(points, np.array([1.0, np.nan, np.nan]), latest=2.0)
     assert found.error == np.inf
     share, open_ = share_of_box([Limit(found, "at_most", 0.9)], np.ones(1))
-    assert (share, open_) == (0.0, pytest.approx(0.5, abs=5e-3))
+    assert share == 0.0
+    assert 0.5 <= open_ < 0.7  # at least what lies beside that run
     assert fit_scalar(points[:1], np.array([1.0])).error == 0.0  # of a box without width
 
 

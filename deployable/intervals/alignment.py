@@ -103,7 +103,7 @@ def difference_across(
     points: np.ndarray, values: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
 ) -> np.ndarray:
     """Return by how much values (R, n, T) of runs with and without an event differ, behind it, at
-    most (n, T): of each run and the nearest one of the other kind.
+    most (n, T): of two that are the nearest ones of the other kind to each other.
 
     points (R, k): of the runs in [-1, 1]^k; time (T): instants, s; runs: times of events by what
     they are (`name_events`), of which the first of a kind counts."""
@@ -113,14 +113,12 @@ def difference_across(
         presence = np.array([key in event_times for event_times in runs])
         if presence.all():
             continue
-        for rows, rivals in itertools.permutations(
-            (np.flatnonzero(presence), np.flatnonzero(~presence))
-        ):
-            nearest = rivals[tree(points[rivals]).query(points[rows])[1]]
-            for row, rival in zip(rows, nearest, strict=True):
-                moment = runs[row if presence[row] else rival][key]
-                change = np.where(time >= moment, np.abs(values[row] - values[rival]), 0.0)
-                differences = np.maximum(differences, change)
+        rows, rivals = np.flatnonzero(presence), np.flatnonzero(~presence)
+        nearest_rival = tree(points[rivals]).query(points[rows])[1]
+        nearest_row = tree(points[rows]).query(points[rivals])[1]
+        for i in np.flatnonzero(nearest_row[nearest_rival] == np.arange(len(rows))):
+            change = np.abs(values[rows[i]] - values[rivals[nearest_rival[i]]])
+            differences = np.maximum(differences, np.where(time >= runs[rows[i]][key], change, 0.0))
     return differences
 
 
@@ -152,11 +150,13 @@ class AlignedCurves:
         lengths = np.append(np.diff(starts, axis=1).mean(axis=0), self.reach)
         self.counts = np.maximum(2 * np.ceil(lengths / step).astype(int) + 1, 5)
         self.offsets = np.cumsum(self.counts) - self.counts
-        mapped_curves = np.array([self._map(y, s) for y, s in zip(values, starts, strict=True)])
-        if times.shape[1]:
-            passages = self._passages(mapped_curves)
-            for curves, y, s, passage in zip(mapped_curves, values, starts, passages, strict=True):
-                self._bridge(curves, y, s, passage)
+        pairs = list(zip(values, starts, strict=True))
+        full = np.array([self._map(y, s, 0) for y, s in pairs])
+        mapped_curves = np.array([self._map(y, s, 1) for y, s in pairs])
+        passages = self._passages(full, mapped_curves)
+        mapped_curves = np.where(np.isnan(mapped_curves), full, mapped_curves)
+        for curves, (y, s), passage in zip(mapped_curves, pairs, passages, strict=True):
+            self._bridge(curves, y, s, passage)
         self._fill(mapped_curves, scales)
 
     def _stretches(self, starts: np.ndarray) -> Iterator[tuple[slice, slice, np.ndarray]]:
@@ -171,11 +171,14 @@ class AlignedCurves:
             times = starts[i] + np.linspace(0.0, 1.0, count) * (ends[i] - starts[i])
             yield slice(first[i], stop[i]), columns, times
 
-    def _map(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    def _map(self, values: np.ndarray, starts: np.ndarray, margin: int) -> np.ndarray:
         """Curves (n, T) of a run over mapped time (n, S), from one side at events; NaN where the
-        run has ended, and in a stretch of less than three instants."""
+        run has ended, and in a stretch of less than three instants. margin: instants beside events
+        that are left out, as rates there may be means of both sides."""
         mapped_curves = np.full((len(values), self.counts.sum()), np.nan)
         for span, columns, times in self._stretches(starts):
+            low = span.start + margin * (columns.start > 0)
+            span = slice(low, span.stop - margin * (columns.stop < self.counts.sum()))
             if span.stop - span.start >= _GAP:
                 curve = scipy.interpolate.CubicSpline(self.time[span], values[:, span], axis=1)
                 mapped_curves[:, columns] = np.where(self._is_known(times), curve(times), np.nan)
@@ -184,21 +187,23 @@ class AlignedCurves:
     def _is_known(self, times: np.ndarray) -> np.ndarray:
         return times <= self.time[-1] + 1e-6 * (self.time[1] - self.time[0])
 
-    def _passages(self, mapped_curves: np.ndarray) -> np.ndarray:
+    def _passages(self, full: np.ndarray, inner: np.ndarray) -> np.ndarray:
         """Values (R, n, E) at events that responses pass without a jump, NaN at others: those of
         the side that changes less. There is none if in most runs both sides differ less than two
-        instants near the event do, or one side has too few instants."""
-        passages = np.full((*mapped_curves.shape[:2], len(self.offsets) - 1), np.nan)
-        changes = np.abs(mapped_curves[..., 2:] - mapped_curves[..., :-2])  # of an instant
+        instants near the event do, or one side has too few instants. full, inner (R, n, S): mapped
+        curves, by all instants and without those beside events."""
+        passages = np.full((*full.shape[:2], len(self.offsets) - 1), np.nan)
+        changes = np.abs(inner[..., 2:] - inner[..., :-2])  # of an instant
         for i, c in enumerate(self.offsets[1:]):
-            low, high = mapped_curves[..., c - 1], mapped_curves[..., c]
-            low_changes, high_changes = changes[..., c - 7 : c - 2], changes[..., c : c + 5]
-            largest = np.nan_to_num(np.concatenate([low_changes, high_changes], axis=-1)).max(
-                axis=-1
+            low, high = full[..., c - 1], full[..., c]
+            near_changes = np.concatenate(
+                [changes[..., c - 7 : c - 2], changes[..., c : c + 5]], -1
             )
-            jump = np.abs(high - low)
-            passes = np.mean((jump <= largest) | np.isnan(jump), axis=0) > 0.5
-            is_lower = np.isnan(high) | (low_changes[..., -1] <= high_changes[..., 0])
+            is_smooth = np.abs(high - low) <= np.nan_to_num(near_changes).max(axis=-1)
+            is_short = np.isnan(inner[..., c] + inner[..., c - 1])
+            passes = np.mean(is_smooth | is_short, axis=0) > 0.5
+            is_lower = np.isnan(high) | ~(changes[..., c - 3] > changes[..., c])
+            is_lower &= ~np.isnan(changes[..., c - 3]) | np.isnan(changes[..., c])
             passages[:, passes, i] = np.where(is_lower, low, high)[:, passes]
         return passages
 
@@ -217,9 +222,11 @@ class AlignedCurves:
             pair = ends[:, i : i + 2]
             for flags in itertools.product((False, True), repeat=2):
                 rows = (np.isfinite(pair) == flags).all(axis=1)
-                if not any(flags) or not rows.any():
+                jumps = np.array([i > 0, i < len(self.counts) - 1]) & ~np.array(flags)
+                if not rows.any() or not any(flags):
                     continue
-                knots, y = self.time[span], values[rows, span]
+                inner = slice(span.start + jumps[0], span.stop - jumps[1])
+                knots, y = self.time[inner], values[rows, inner]
                 distances = np.abs(knots - times[[0, -1], None][list(flags)])
                 is_distant = (distances > 0.25 * step).all(axis=0)
                 knots = np.concatenate([knots[is_distant], times[[0, -1]][list(flags)]])
@@ -271,6 +278,13 @@ class AlignedCurves:
         """Return the event times (P, E), s, at points (P, k)."""
         spline = self.times_spline
         return np.zeros((len(points), 0)) if spline is None else spline.evaluate(points)
+
+    def time_ranges(self) -> np.ndarray:
+        """Return the first and the last times (2, E), s, of events in the runs and over the box."""
+        free = self.spline.scales > 0
+        trial = np.where(free, spread_points(free, _CANDIDATES), self.points[0])
+        times = np.concatenate([self.times, self.times_at(trial)])
+        return np.array([times.min(axis=0), times.max(axis=0)])
 
     def place(self, times: np.ndarray, instants: np.ndarray) -> np.ndarray:
         """Return where instants (P, T) or (T), s, are along mapped time, as fractions (P, T) of its
@@ -433,26 +447,24 @@ class Part:
 
 
 def split_runs(
-    points: np.ndarray, values: np.ndarray, time: np.ndarray, events: list[dict], depth: int = 2
-) -> list[Part]:
+    points: np.ndarray, values: np.ndarray, time: np.ndarray, events: list[dict],
+    with_last: bool = True, depth: int = 2,
+) -> list[Part]:  # fmt: skip
     """Fit aligned curves to runs, in parts where that predicts left-out runs better.
 
     points (R, k): of the runs in [-1, 1]^k; values (R, n, T) at `time` (T, s); events: times of the
-    events of each run by what they are (`name_events`); depth: how many times parts are split."""
+    events of each run by what they are (`name_events`); with_last: which count (`shared_events`);
+    depth: how many times parts are split."""
     rows = distinct(points)  # in an order that is not that of the runs
     rows = rows[np.lexsort(points[rows].T)]
-    return _split(rows, points, values, time, events, [], None, depth)
+    return _split(rows, points, values, time, events, with_last, [], None, depth)
 
 
-def _split(rows, points, values, time, events, borders, scales, depth) -> list[Part]:
+def _split(rows, points, values, time, events, with_last, borders, scales, depth) -> list[Part]:
     event_times = [events[row] for row in rows]
-    tables = [shared_events(event_times, time, flag) for flag in (True, False)]
-    fits = []
-    for times in tables if tables[0].shape != tables[1].shape else tables[:1]:
-        curves = AlignedCurves(points[rows], values[rows], time, times, scales)
-        fits.append([Part(rows, curves, borders)])
-        scales = curves.spline.scales
-    whole = min(fits, key=lambda parts: _loss(parts, values, time))
+    times = shared_events(event_times, time, with_last)
+    curves = AlignedCurves(points[rows], values[rows], time, times, scales)
+    whole, scales = [Part(rows, curves, borders)], curves.spline.scales
     for label in _labels(event_times, time) if depth else ():
         sides = []
         try:
@@ -461,7 +473,9 @@ def _split(rows, points, values, time, events, borders, scales, depth) -> list[P
                 side = rows[label == (sign > 0)]
                 check_spline_runs(points[side])
                 pairs = [*borders, (border, sign)]
-                sides += _split(side, points, values, time, events, pairs, scales, depth - 1)
+                sides += _split(
+                    side, points, values, time, events, with_last, pairs, scales, depth - 1
+                )
         except IntervalError:  # too few runs on one side
             continue
         if _loss(sides, values, time) < GAIN * _loss(whole, values, time):

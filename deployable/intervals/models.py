@@ -296,7 +296,9 @@ class AlignedModel(Model):
 
     kind = "attained range of splines through all runs, aligned at their events"
 
-    def __init__(self, samples: Samples, design: Design | None = None) -> None:
+    def __init__(
+        self, samples: Samples, design: Design | None = None, with_last: bool = True
+    ) -> None:
         check_spline_runs(samples.points)
         # Extremes are looked for in one direction after the other, in the order of names.
         self.order = np.argsort(samples.source["parameter"].values, kind="stable")
@@ -311,7 +313,7 @@ class AlignedModel(Model):
         if all(name in samples.source for name in EVENT_NAMES):
             columns = [samples.source[name].values for name in EVENT_NAMES]
             runs = name_events(np.stack(columns, axis=-1))
-        self.parts = split_runs(self.points, samples.values, samples.time, runs)
+        self.parts = split_runs(self.points, samples.values, samples.time, runs, with_last)
         self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
         if len(self.parts) == 1:
             self.part_error = difference_across(self.points, samples.values, samples.time, runs)
@@ -400,8 +402,9 @@ class AutoModel(Model):
             with suppress(IntervalError):
                 self.fits.append(SplineModel(samples, design))
                 alignment = AlignedModel(samples, design)
-                if alignment.attributes["aligned_events"]:
-                    self.fits.append(alignment)
+                fewer = AlignedModel(samples, design, with_last=False)
+                counts = [fit.attributes["aligned_events"] for fit in (alignment, fewer)]
+                self.fits += [alignment, fewer][: len({*counts} - {0})]
         if not self.fits:
             raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
         self.choice = self._choose(alignment)
@@ -420,30 +423,23 @@ class AutoModel(Model):
         if alignment is not None:
             ends.append(min(alignment.differ, time[-1]))
         for part in alignment.parts if alignment else ():
-            ends += [
-                *part.curves.times.min(axis=0),
-                *part.curves.times.max(axis=0),
-                part.curves.end_time,
-            ]
+            ends += [*part.curves.time_ranges().ravel(), part.curves.end_time]
         tests = self.fits[0].test_rows
         splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first of them
         # More runs tell splines apart than those that the polynomial is not fitted to.
         all_rows = np.arange(len(self.samples.points))
         rows = all_rows if alignment is None else np.union1d(tests, alignment.tests)
         for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
+            start = splines
+            if alignment and len(alignment.parts) > 1 and time[last - 1] > alignment.differ:
+                start += 1  # the others pass over what happens in a part of the box
             best = np.zeros(len(choice), int)
-            if len(errors) > splines:
-                loss = np.array([_mean_square(e[rows, :, first:last]) for e in errors[splines:]])
-                best = loss.argmin(axis=0) + splines
-            if splines and len(tests):
+            if len(errors) > start:
+                loss = np.array([_mean_square(e[rows, :, first:last]) for e in errors[start:]])
+                best = loss.argmin(axis=0) + start
+            if splines and start == splines and len(tests):
                 loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
                 best = np.where(loss[0] <= loss[best, np.arange(len(best))], 0, best)
-            if (
-                alignment is not None
-                and len(alignment.parts) > 1
-                and time[last - 1] > alignment.differ
-            ):
-                best[:] = len(errors) - 1  # the others pass over what happens in a part of the box
             choice[:, first:last] = np.reshape(best, (-1, 1))
         return choice
 

@@ -286,8 +286,9 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
     size = max(count // _BATCHES, 1)
     while True:
         sets = range(len(shares) // size, count // size)
-        starts = [scan_points(start_axes, size, seed=i, corners=False) for i in sets]
-        starts = np.concatenate(starts)
+        starts = np.concatenate(
+            [scan_points(start_axes, size, seed=i, corners=False) for i in sets]
+        )
         signs = (0,) if len(shares) else (0, -1, 1)
         for first in range(0, len(starts), _BLOCK):
             points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)

@@ -120,12 +120,15 @@ class PolynomialModel(Model):
     ) -> ErrorEstimate:
         samples, surrogate = self.samples, self.surrogate
         points, time = samples.points[self.test_rows], samples.time
-        residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
+        values = samples.values[self.test_rows]
+        if columns is not None:  # nothing of the other instants counts in a window
+            coefficients = np.where(columns, surrogate.coefficients, 0.0)
+            surrogate, values = replace(surrogate, coefficients=coefficients), values * columns
+        residuals = values - surrogate.evaluate(points)
         decay = estimate_decay(surrogate, time, window)
         decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
         held_out = np.abs(residuals).max(axis=0, initial=0.0)
-        held_out, decay = _errors_within(held_out, columns), _errors_within(decay, columns)
-        error = estimate_error(time, held_out, decay, window)
+        error = estimate_error(time, held_out, _errors_within(decay, columns), window)
         return replace(error, total=error.total + self.lost_error)
 
     def centre(self) -> np.ndarray:
@@ -418,12 +421,14 @@ class AutoModel(Model):
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
         """The index of the model (n, T)."""
         time, choice = self.samples.time, np.zeros(self.samples.values.shape[1:], int)
+        step = (time[-1] - time[0]) / (len(time) - 1)  # rates may change an instant earlier
         errors = [getattr(fit, "left_out") for fit in self.fits]  # noqa: B009  # splines have it
         ends = [time[0], np.inf]
         if alignment is not None:
             ends.append(min(alignment.differ, time[-1]))
         for part in alignment.parts if alignment else ():
-            ends += [*part.curves.time_ranges().ravel(), part.curves.end_time]
+            first, last = part.curves.time_ranges()
+            ends += [*first - step, *last + step, part.curves.end_time]
         tests = self.fits[0].test_rows
         splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first of them
         # More runs tell splines apart than those that the polynomial is not fitted to.

@@ -21,6 +21,7 @@ import scipy
 
 from .designs import spread_points
 from .errors import IntervalError
+from .estimates import widen
 from .spline_equations import distinct
 from .splines import CHUNK, Spline, check_spline_runs, choose_scales, fit_spline
 
@@ -102,8 +103,9 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
 def difference_across(
     points: np.ndarray, values: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
 ) -> np.ndarray:
-    """Return by how much values (R, n, T) of runs with and without an event differ, behind it, at
-    most (n, T): of two that are the nearest ones of the other kind to each other.
+    """Return by how much values (R, n, T) of runs with and without an event differ, from it until
+    an instant, at most (n, T): of pairs that are the nearest ones of the other kind to each other,
+    and of the run that has it last.
 
     points (R, k): of the runs in [-1, 1]^k; time (T): instants, s; runs: times of events by what
     they are (`name_events`), of which the first of a kind counts."""
@@ -116,9 +118,17 @@ def difference_across(
         rows, rivals = np.flatnonzero(presence), np.flatnonzero(~presence)
         nearest_rival = tree(points[rivals]).query(points[rows])[1]
         nearest_row = tree(points[rows]).query(points[rivals])[1]
-        for i in np.flatnonzero(nearest_row[nearest_rival] == np.arange(len(rows))):
+        moments = np.array([runs[row][key] for row in rows])
+        is_close = nearest_row[nearest_rival] == np.arange(len(rows))
+        is_close[moments.argmax()] = True  # nothing tells how much later it may come
+        for i in np.flatnonzero(is_close):
             change = np.abs(values[rows[i]] - values[rivals[nearest_rival[i]]])
-            differences = np.maximum(differences, np.where(time >= runs[rows[i]][key], change, 0.0))
+            neighbours = tree(points[rows]).query(points[rows[i]], min(3, len(rows)))[1]
+            lag = np.abs(
+                moments[neighbours] - moments[i]
+            ).max()  # between runs it may come so far off
+            change = np.maximum.accumulate(np.where(time >= moments[i], change, 0.0), axis=-1)
+            differences = np.maximum(differences, widen(time, change, lag))
     return differences
 
 
@@ -239,7 +249,7 @@ class AlignedCurves:
 
     def _fill(self, mapped_curves: np.ndarray, scales: np.ndarray | None) -> None:
         """Fit curves (R, n, S), what is not known of a run (NaN) by the splines through others."""
-        is_known = np.isfinite(mapped_curves[:, 0])
+        is_known = np.isfinite(mapped_curves).all(axis=1)
         sure = is_known.all(axis=0)
         if scales is None:
             flat = mapped_curves[:, :, sure].reshape(len(mapped_curves), -1)
@@ -273,6 +283,9 @@ class AlignedCurves:
         if len(self.spline.points) < len(self.points):
             raise IntervalError("runs", len(self.points), "runs that are farther apart")
         self.errors = np.where(is_known[:, None], self.spline.left_out, 0.0)
+        low, high = mapped_curves.min(axis=0), mapped_curves.max(axis=0)
+        # Far from the runs a cubic is anything: at most the range of the runs beyond it.
+        self.limits = 2 * low - high, 2 * high - low
 
     def times_at(self, points: np.ndarray) -> np.ndarray:
         """Return the event times (P, E), s, at points (P, k)."""
@@ -313,7 +326,8 @@ class AlignedCurves:
 
     def evaluate(self, points: np.ndarray, instants: np.ndarray) -> np.ndarray:
         """Return the curves (P, n, T) at points (P, k) in [-1, 1]^k and instants (T), s."""
-        return self.read(self.times_at(points), self.spline.evaluate(points), instants)
+        curves = np.clip(self.spline.evaluate(points), *self.limits)
+        return self.read(self.times_at(points), curves, instants)
 
     def values_at(
         self, points: np.ndarray, response: np.ndarray, instants: np.ndarray
@@ -323,10 +337,15 @@ class AlignedCurves:
         first = np.minimum(place.astype(int), self.mapped_curves.shape[-1] - 2)
         share, w = place - first, self.spline.weights
         weights = w[:, response, first] * (1 - share) + w[:, response, first + 1] * share
+        limits = (
+            x[response, first] * (1 - share) + x[response, first + 1] * share for x in self.limits
+        )
         if self.spline.on_line:
             index, factor = self.spline.line_rows(points)
-            return (factor * weights[index, np.arange(len(index))[:, None]]).sum(axis=1)
-        return np.einsum("cm,mc->c", self.spline.basis(points), weights)
+            values = (factor * weights[index, np.arange(len(index))[:, None]]).sum(axis=1)
+        else:
+            values = np.einsum("cm,mc->c", self.spline.basis(points), weights)
+        return np.clip(values, *limits)
 
     @cached_property
     def left_out(self) -> np.ndarray:
@@ -398,7 +417,8 @@ class Part:
         for start in range(0, len(trial), step):
             part = slice(start, start + step)
             times = curves.times_at(trial[part])
-            values = curves.read(times, sign * curves.spline.evaluate(trial[part]), time[instants])
+            values = np.clip(curves.spline.evaluate(trial[part]), *curves.limits)
+            values = curves.read(times, sign * values, time[instants])
             column = np.rint(curves.place(times, time[instants])).astype(int)
             most = (values + error[:, column].swapaxes(0, 1)).max(axis=0)
             near_values = np.maximum(near_values, most)

@@ -28,6 +28,7 @@ from .estimates import (
     limit_decay,
     power_mean,
     share_outside,
+    widen,
 )
 from .ranges import Range, find_surrogate_range, spread_out, to_range
 from .samples import RunBounds, Samples
@@ -290,7 +291,7 @@ class AlignedModel(Model):
     Where some runs lack an event, or have two in another order, the runs are split by that if the
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
     run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the
-    runs, and their width is the error.
+    runs, and their width, at most within a time as long, is the error.
     The error is what the bounds become with the largest left-out errors of the mapped curves, of
     the runs inside the box and those that `design`, if given, does not contain, and with what is
     near the borders of parts; and their change within the left-out error of event times. Where an
@@ -375,7 +376,8 @@ class AlignedModel(Model):
         for curve in (bounds.inner_lower, bounds.inner_upper):
             total = total + change_within(time, curve, shift)
         is_beyond = time > self.end_time
-        total[:, is_beyond] = (bounds.inner_upper - bounds.inner_lower)[:, is_beyond]
+        width = bounds.inner_upper - bounds.inner_lower
+        total[:, is_beyond] = widen(time, width, time[-1] - self.end_time)[:, is_beyond]
         total = np.maximum(total, self.part_error)
         return ErrorEstimate(total, total, np.zeros_like(total))
 
@@ -404,10 +406,13 @@ class AutoModel(Model):
         if len(samples.points) <= AUTO_RUNS or not self.fits:
             with suppress(IntervalError):
                 self.fits.append(SplineModel(samples, design))
-                alignment = AlignedModel(samples, design)
-                fewer = AlignedModel(samples, design, with_last=False)
-                counts = [fit.attributes["aligned_events"] for fit in (alignment, fewer)]
-                self.fits += [alignment, fewer][: len({*counts} - {0})]
+            for with_last in (True, False):
+                with suppress(IntervalError):
+                    fit = AlignedModel(samples, design, with_last)
+                    count = fit.attributes["aligned_events"]
+                    if alignment is None or count < alignment.attributes["aligned_events"]:
+                        self.fits += [fit] if count else []
+                        alignment = alignment or fit
         if not self.fits:
             raise IntervalError("runs", len(samples.points), "more runs for a polynomial or spline")
         self.choice = self._choose(alignment)

@@ -104,6 +104,8 @@ def check_spline_runs(points: np.ndarray) -> None:
     points = np.asarray(points, dtype=float)
     if len(points) > MAX_RUNS:
         raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
+    if not len(points):
+        raise IntervalError("runs", 0, "runs for a spline")
     points = points[distinct(points)]
     if len(points) == 1:
         return

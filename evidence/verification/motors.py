@@ -94,8 +94,8 @@ def motors(bench: Bench) -> None:
         speed = 2.0 * (1 - np.exp(-decay * time))
         work = cumulative_trapezoid(2.0 * (STIFF * lags + damping * rate), time, initial=0.0)
         exact = work[-1] + INERTIA * speed[-1] ** 2 / 2
-        # 1e-3, and 5e-3 for the loss, before kicks took the mean of a motor's curve: a rate that begins at once, against a
-        # damped drive train, is of the first order in the step since (0.4 and 0.7 % with c = 60).
+        # These were 1e-3 and 5e-3. Kicks take the mean of a motor's curve, so a rate that begins at
+        # once, against a damped drive train, is of the first order: 0.4 and 0.7 % with c = 60.
         bench.check(f"work of both motors, {name} (J)", energies["motor_work"][-1], exact, 5e-3,
                     "∫ M φ' dt and J ω²/2")  # fmt: skip
         loss = cumulative_trapezoid(damping * rate**2, time, initial=0.0)[-1] + 2 * 0.08

@@ -126,7 +126,10 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
         first, second = (
             without_moment((folder / name).read_bytes()) for folder in (results, tmp_path / "small")
         )
-        assert first == second, name
+        # Seals tell the config as seen from their folder, and these are two.
+        paths = [os.path.relpath(config, folder) for folder in (results.parent, tmp_path)]
+        there, here = (f'"config": "{path}"'.encode() for path in paths)
+        assert first.replace(there, here) == second, name
 
 
 @pytest.mark.parametrize(
@@ -169,8 +172,8 @@ def test_changed_code_makes_all_again_whatever_the_times_of_files(small, workpla
     place = beside_code(small, workplace)
     figures = place.folder / "deployable" / "campaign" / "results" / "figures.py"
     text = figures.read_text()
-    assert "dpi=200" in text
-    figures.write_text(text.replace("dpi=200", "dpi=100"))
+    assert "dpi: int = 200" in text
+    figures.write_text(text.replace("dpi: int = 200", "dpi: int = 100"))
     os.utime(figures, (0, 0))
     assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
     again = place.snakemake(*SMALL)

@@ -90,6 +90,11 @@ def shared_events(
     return np.array(selection[:MAX_EVENTS]).reshape(-1, len(runs)).T
 
 
+def has_groups(runs: list[dict[tuple, float]], time: np.ndarray) -> bool:
+    """Whether first and last events of a group both count, as arguments of `shared_events`."""
+    return shared_events(runs, time).shape != shared_events(runs, time, False).shape
+
+
 def first_difference(runs: list[dict[tuple, float]]) -> float:
     """Return the earliest time (s) of an event that not all runs have, infinite if there is none.
     runs: times of events by what they are (`name_events`)."""
@@ -124,9 +129,8 @@ def difference_across(
         for i in np.flatnonzero(is_close):
             change = np.abs(values[rows[i]] - values[rivals[nearest_rival[i]]])
             neighbours = tree(points[rows]).query(points[rows[i]], min(3, len(rows)))[1]
-            lag = np.abs(
-                moments[neighbours] - moments[i]
-            ).max()  # between runs it may come so far off
+            # Between runs the event may come so far off.
+            lag = np.abs(moments[neighbours] - moments[i]).max()
             change = np.maximum.accumulate(np.where(time >= moments[i], change, 0.0), axis=-1)
             differences = np.maximum(differences, widen(time, change, lag))
     return differences
@@ -212,8 +216,10 @@ class AlignedCurves:
             is_smooth = np.abs(high - low) <= np.nan_to_num(near_changes).max(axis=-1)
             is_short = np.isnan(inner[..., c] + inner[..., c - 1])
             passes = np.mean(is_smooth | is_short, axis=0) > 0.5
-            is_lower = np.isnan(high) | ~(changes[..., c - 3] > changes[..., c])
-            is_lower &= ~np.isnan(changes[..., c - 3]) | np.isnan(changes[..., c])
+            low_change, high_change = np.nan_to_num(changes[..., [c - 3, c]], nan=np.inf).transpose(
+                2, 0, 1
+            )
+            is_lower = np.isnan(high) | (low_change <= high_change)
             passages[:, passes, i] = np.where(is_lower, low, high)[:, passes]
         return passages
 
@@ -232,9 +238,9 @@ class AlignedCurves:
             pair = ends[:, i : i + 2]
             for flags in itertools.product((False, True), repeat=2):
                 rows = (np.isfinite(pair) == flags).all(axis=1)
-                jumps = np.array([i > 0, i < len(self.counts) - 1]) & ~np.array(flags)
                 if not rows.any() or not any(flags):
                     continue
+                jumps = np.array([i > 0, i < len(self.counts) - 1]) & ~np.array(flags)
                 inner = slice(span.start + jumps[0], span.stop - jumps[1])
                 knots, y = self.time[inner], values[rows, inner]
                 distances = np.abs(knots - times[[0, -1], None][list(flags)])
@@ -276,10 +282,8 @@ class AlignedCurves:
             mapped_curves[:, :, block] = np.where(
                 is_known[:, None, block], mapped_curves[:, :, block], fills
             )
-        self.mapped_curves, self.spline = (
-            mapped_curves,
-            fit_spline(self.points, mapped_curves, scales),
-        )
+        self.mapped_curves = mapped_curves
+        self.spline = fit_spline(self.points, mapped_curves, scales)
         if len(self.spline.points) < len(self.points):
             raise IntervalError("runs", len(self.points), "runs that are farther apart")
         self.errors = np.where(is_known[:, None], self.spline.left_out, 0.0)

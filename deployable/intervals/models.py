@@ -14,6 +14,7 @@ from .alignment import (
     change_within,
     difference_across,
     first_difference,
+    has_groups,
     name_events,
     split_runs,
 )
@@ -318,6 +319,8 @@ class AlignedModel(Model):
             columns = [samples.source[name].values for name in EVENT_NAMES]
             runs = name_events(np.stack(columns, axis=-1))
         self.parts = split_runs(self.points, samples.values, samples.time, runs, with_last)
+        groups = [runs, *([runs[row] for row in part.rows] for part in self.parts)]
+        self.has_groups = any(has_groups(group, samples.time) for group in groups)
         self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
         if len(self.parts) == 1:
             self.part_error = difference_across(self.points, samples.values, samples.time, runs)
@@ -407,6 +410,8 @@ class AutoModel(Model):
             with suppress(IntervalError):
                 self.fits.append(SplineModel(samples, design))
             for with_last in (True, False):
+                if alignment is not None and not alignment.has_groups:
+                    break  # the same again
                 with suppress(IntervalError):
                     fit = AlignedModel(samples, design, with_last)
                     count = fit.attributes["aligned_events"]

@@ -90,9 +90,8 @@ def assess_limits(
     scales = find_least_scales(model.nominal, model.points[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() <= (1 + 2 * _OVERSHOOT) * largest[0]:
-        run = failing_rows[
-            scales.argmin()
-        ]  # which fails nearer than, or at, the surrogates' border
+        # A run fails nearer than the surrogates' border, or at it.
+        run = failing_rows[scales.argmin()]
         failure_point = model.points[run]
         scale = min(largest[0], float(scales.min()))
         largest = scale, int(margins[:, run].argmin()), failure_point

@@ -23,6 +23,7 @@ from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
 from deployable.intervals.scalars.fits import choose_fit
 from deployable.intervals.scalars.occurrence import FittedOccurrence
+from evidence.search.fractions import one_number, play
 
 HAPPENS = LimitSpec("there", 0, "happens", 1.0)
 BEYOND_THE_ERROR = 3.0
@@ -315,6 +316,18 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
     assert verdict("margin", np.nan * X, X - 2, asked=never) == "all"
     assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "undecided"
     assert verdict("latch", np.where(X > 0, 1, np.nan)) == "some"
+
+
+def test_a_share_that_no_run_tells_is_open_with_half_an_interval_too():
+    """No run of 64 has the event, which happens in 0.08 % of the box, and none refutes it."""
+
+    def spot(x):
+        return np.where(((x - [0.31, 0.17]) ** 2).sum(axis=1) < 1e-3, 1.0, np.nan)
+
+    box = one_number("spot", 2, spot, np.inf)
+    rows = play(box, "default", box.truth())
+    assert [row["kind"] for row in rows] == ["fraction", *2 * ["halved", "gain"]]
+    assert {row["said"] for row in rows} == {0.0} and {row["open"] for row in rows} == {1.0}
 
 
 @pytest.mark.parametrize(

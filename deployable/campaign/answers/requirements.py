@@ -142,7 +142,7 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
         **_judge_limits(model, result, tuple(range(len(result.specs))), shares),
         "max_interval_scale": largest,
     }
-    row["halved"] = _halve_intervals(model, result)
+    row["halved"] = _halve_intervals(model, result, row["share_uncertainty"] >= 1)
     is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
     count = int(is_broken.sum()) + len(model.failed_points)
     row["failures"] = None if model.rest_count else count
@@ -158,10 +158,17 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     return {**row, "fails": fails}
 
 
-def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
-    """The share that meets all if one interval were half as wide, by the parameter's name."""
-    box, limits = model.experiment.box, result.limits
-    return {
-        box.names[j]: find_halving(limits, box.free, model.nominal, int(j))._asdict()
-        for j in np.flatnonzero(box.free)
-    }
+def _halve_intervals(
+    model: ModelEvaluator, result: LimitAssessment, is_unknown: bool
+) -> dict[str, dict[str, float]]:
+    """The share that meets all if one interval were half as wide, by the parameter's name. It is
+    unknown where that of the whole box is (`is_unknown`), and open by what failed runs hide, which
+    may all be in the half."""
+    box, rows = model.experiment.box, {}
+    open_ = 1.0 if is_unknown else 2.0 * model.lost_share
+    for j in np.flatnonzero(box.free):
+        row = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
+        for key in ("share_uncertainty", "gain_uncertainty"):
+            row[key] = min(1.0, row[key] + open_)
+        rows[box.names[j]] = row
+    return rows

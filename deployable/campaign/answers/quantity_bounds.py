@@ -117,7 +117,7 @@ def converge_bounds(
         unmet = progress.find_unmet(bounds, len(model.points))
         points = _infill(model, unmet if is_extra else bounds)
         if not is_extra:
-            points += _find_deciding_points(model, bounds, specs)
+            points += _find_deciding_points(model, bounds, specs, has_borders=True)
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
         if is_extra and not points and confirmations > 0:
@@ -307,12 +307,19 @@ def _infill(model: ModelEvaluator, bounds: Sequence[QuantityBounds]) -> list[np.
 
 
 def _find_deciding_points(
-    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec]
-) -> list[np.ndarray]:
-    """Unit points (k) that decide limits of all quantities, where no run was made."""
+    model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec],
+    has_borders: bool = False,
+) -> list[np.ndarray]:  # fmt: skip
+    """Unit points (k) that decide limits of all quantities, where no run was made: their worst
+    places and, with `has_borders`, the border of a limit that jumps there, which no fit tells."""
     if not specs:
         return []
-    return model.find_missing(assess_limits(model, [b.surrogate for b in bounds], specs).points)
+    assessment = assess_limits(model, [b.surrogate for b in bounds], specs)
+    points = list(assessment.points)
+    for limit in assessment.limits if has_borders else []:
+        if limit.border is not None and limit.border.open_fraction > _MIN_FRACTION:
+            points += list(limit.border.infill_points(_SURFACE))
+    return model.find_missing(points)
 
 
 def _mispredictions(

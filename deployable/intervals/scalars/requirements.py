@@ -72,8 +72,8 @@ class Limit:
             return [(decision, open_band)]
         if type(surrogate.occurrence) is Occurrence:
             open_band = _PART * open_band
-        if self._border is not None:
-            border = self._border
+        if self.border is not None:
+            border = self.border
             band = border.usual_band(points)
             error = band + self.run_error * self._steepness
             return [(decision, open_band), (border.decision(points), error)]
@@ -88,7 +88,7 @@ class Limit:
         rival = None if self.surrogate is None else self.surrogate.rival
         if rival is None:
             return None
-        if self.kind != "happens" and self._border is not None:  # which no fit tells
+        if self.kind != "happens" and self.border is not None:  # which no fit tells
             rival = replace(rival, fit=self.surrogate.fit)
         return replace(self, surrogate=rival)
 
@@ -102,7 +102,7 @@ class Limit:
         return min(1.0, max(ratios, default=1.0))
 
     @cached_property
-    def _border(self) -> Any:
+    def border(self) -> Any:
         """The border by runs alone between those that keep the level and those that do not, where
         it leaves less of the box open than the fit does, or than the volume next to runs whose side
         the fit to all others tells wrongly, as beside steps, plateaus and jumps."""
@@ -126,7 +126,7 @@ class Limit:
         """Change of the border's decision function for one of the quantity, by the runs next to
         the border."""
         fit = self.surrogate.fit
-        decision = np.abs(self._border.decision(fit.points))
+        decision = np.abs(self.border.decision(fit.points))
         rows = np.argsort(decision, kind="stable")[:_NEXT]
         return float(
             np.median(decision[rows] / np.maximum(np.abs(self.level - fit.values[rows]), _TINY))

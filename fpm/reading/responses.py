@@ -127,14 +127,19 @@ class Definition(NamedTuple):
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
+_SIZES = {"velocity": "speed", "angular velocity": "angular speed"}
+"""What the sizes of vectors are called."""
+
+
 def _vector(spec: Definition, names: Lister | None = None, unit: str = "") -> Response:
     """A vector along or about global axes, or its size: of a variable, or of some names."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
     axes = AXES if component == "norm" else (component,)
-    prefix = "magnitude of the " if component == "norm" else f"{component}-component of the "
+    noun = spec.kind.replace("_", " ")
+    noun = f"{component}-{noun}" if component in AXES else _SIZES.get(noun, f"size of the {noun}")
     columns = () if names else tuple((spec.kind, f"{name} {axis}") for axis in axes)
-    text = f"{prefix}{spec.kind.replace('_', ' ')} of {name}"
+    text = f"{noun} of {name}"
     return spec.response((name,), component, unit or spec.variable.unit, text, columns)
 
 

@@ -115,7 +115,7 @@ def test_the_summary_tells_the_intervals(opened):
     # The nominal run is a node, too, and counts once.
     made = len(list(opened.runs("trajectories").glob("*.nc")))
     assert {row["runs_with"] + row["runs_without"] for row in rows.values()} == {made}
-    assert " of the box (by volume, no probability). The interval is that of the part" in text
+    assert " of the box (by volume, not a probability). Its interval covers the part" in text
 
 
 def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):

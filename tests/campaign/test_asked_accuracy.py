@@ -306,8 +306,8 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     assert found["unmet"] == ["y"] and "y (5.06 % for 5 %); 1 other" in text
     found, text = told(False, 0.02, 0.04, "none")
     assert (found["met"], found["unmet"]) == (True, [])
-    assert "is met, after 1 round" in text
-    assert text.endswith("nearest to its limit is y, 4 % for 5 %.")
+    assert "is met. It took 1 round" in text
+    assert text.endswith("earest to its limit is y, 4 % for 5 %.")
 
 
 @pytest.fixture(scope="module")

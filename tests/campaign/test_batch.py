@@ -199,7 +199,7 @@ def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, 
             wanted = values_in(path, config).astype(samples["values"].dtype)
             np.testing.assert_array_equal(samples["values"].values[row], wanted)
         assert samples["response"].values.tolist() == list(raw["responses"])
-        assert samples["response_long_name"].values[0] == "z-component of the velocity of D"
+        assert samples["response_long_name"].values[0] == "z-velocity of D"
 
 
 @pytest.mark.parametrize("keep", KEEP)

@@ -114,7 +114,7 @@ def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_
         min((1.475 - row["at"]["L"]) / 0.525 for row in facts["failures"])
     )
     lines = (folder / "summary.md").read_text().split("\n\n")
-    assert lines[1].startswith("**Not always") and "runs failed" in lines[2]
+    assert lines[1].startswith("**Not everywhere") and "runs failed" in lines[2]
     time, length = bounds["time"].values, np.linspace(1, 2, 201)[:, None]
     curves = place(length, time)
     error = bounds["error"].values[0] + 1e-4  # of the step

@@ -107,26 +107,25 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
 
 
 FOUND = "No failure found in 9 runs"
-YES = "Yes: all requirements are met in every tolerated combination"
-UNSEEN = "Failures in at most 34 % of the combinations may lie between runs and not be seen."
-OF = "of the tolerated combinations (by volume, no probability)"
+YES = "Yes: all requirements are met in the whole tolerance box"
+UNSEEN = "Failures in at most 34 % of the box may lie between runs and not be seen."
+OF = "of the tolerance box (by volume, not a probability)"
 
 
 @pytest.mark.parametrize(
     ("kept", "part", "open_", "text"),
     [
-        ("all", 1.0, 1e-4, f"{YES}, by what was fitted to 9 runs. {UNSEEN}"),
+        ("all", 1.0, 1e-4, f"{YES}, by the fit to 9 runs. {UNSEEN}"),
         ("all", 1.0, 0.03, f"All requirements are met in at least 97 % {OF}."),
-        ("none", 0.0, 1e-4, "No: no tolerated combination meets all requirements."),
+        ("none", 0.0, 1e-4, "No: all requirements together are met nowhere in the tolerance box."),
         ("none", 0.0, 0.28, f"All requirements are met in at most 28 % {OF}."),
-        ("some", 0.5, 0.02, f"Not always: all requirements are met in 50 ± 2 % {OF}."),
-        ("undecided", 1.0, 0.03, f"{FOUND}: all requirements are met in at least 97 % {OF}."),
+        ("some", 0.5, 0.02, f"Not everywhere: all requirements are met in 50 ± 2 % {OF}."),
+        ("undecided", 1.0, 0.03, f"{FOUND}. All requirements are met in at least 97 % {OF}."),
         (
             "undecided",
             1.0,
             0.0,
-            f"{FOUND}, which do not prove that all requirements are met in every "
-            "tolerated combination.",
+            f"{FOUND}. That does not prove that the whole tolerance box meets all requirements.",
         ),
     ],
 )
@@ -312,8 +311,8 @@ def facts_of_two(**changed):
 def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
     facts = facts_of_two()
     text = sentence("tolerance", facts)
-    assert "The k1 (± 10 %). The interval of the largest opening (q) is 0.1 rad wide" in text
-    assert "and 0 rad if it is known exactly, 0.05 rad if half as wide." in text
+    assert "tighten k1 (± 10 %). The range of q (largest opening) is 0.1 rad wide." in text
+    assert "It is 0 rad wide if that is known exactly, and 0.05 rad if its" in text
     assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
 
 
@@ -323,15 +322,15 @@ def test_tolerances_that_cannot_be_told_apart_get_one_sentence():
     together |= {"max_interval_scale": 0.5, "fails": None}
     facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
     text = sentence("tolerance", facts)
-    assert text.startswith("Any of these tolerances: k1 (± 10 %) or k2 (± 10 %). Halving one of")
-    assert text.endswith("requirements from 90 ± 1 % to 100 %, by the fit.")
+    assert text.startswith("Tighten one of these: k1 (± 10 %) or k2 (± 10 %). Halving one raises")
+    assert text.endswith("requirements from 90 ± 1 % to 100 % (by the fit).")
     text = sentence("tolerance", facts | {"choice": {"kept": True, "limits": [{}]}})
     assert text.count("may stay as they are.") == 1
     facts["together"]["halved"]["k2"] = half | {"gain": 0.07}
-    assert sentence("tolerance", facts).startswith("The k1 (± 10 %). Halving it raises")
+    assert sentence("tolerance", facts).startswith("Tighten k1 (± 10 %). Halving it raises")
     for error in ({"gain_uncertainty": 0.11}, {"share_uncertainty": 0.11}):
         facts["together"]["halved"] = {"k1": half | error, "k2": half | error}
-        assert sentence("tolerance", facts).startswith("No single tolerance: ")
+        assert sentence("tolerance", facts).startswith("No single one: ")
 
 
 @pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])
@@ -344,7 +343,7 @@ def test_widths_of_rounding_are_no_widths(count, unit):
     assert "constant" in response and "constant" in quantity and response["grade"] == "none"
     assert decisive(quantity) is None and "shares" not in response
     text = sentence("tolerance", facts)
-    assert text.startswith("None: no response and no quantity varies with k1")
+    assert text.startswith("None: no response or quantity varies with k1")
     assert "does not vary" in sentence("ranges", facts)
     assert sentence("differences", facts) == "The opening (a) does not vary."
 
@@ -352,11 +351,11 @@ def test_widths_of_rounding_are_no_widths(count, unit):
 def test_a_parameter_that_no_quantity_depends_on_is_not_told_as_their_cause():
     facts = facts_of_two()
     facts["parameters"] = facts["parameters"][:1]
-    assert sentence("tolerance", facts).endswith("all differences come from the k1 (± 10 %).")
+    assert sentence("tolerance", facts).endswith("the only uncertain parameter, k1 (± 10 %).")
     facts["quantities"][0]["constant"] = True
     assert sentence("tolerance", facts) == "None: no quantity varies with k1 (± 10 %)."
     facts["quantities"][0]["runs_without"] = 2  # it decides whether there is one
-    assert sentence("tolerance", facts).endswith("from the k1 (± 10 %).")
+    assert sentence("tolerance", facts).endswith("parameter, k1 (± 10 %).")
 
 
 def choices(worth, kept, places):
@@ -398,12 +397,12 @@ def test_a_choice_that_changes_nothing_is_no_advice(kept):
     found = {"kept": kept, "goals": [goal], "limits": []}
     facts = facts_of_two() | {"choice": found | {"parameters": [one | {"decides": False}]}}
     text = sentence("choice", facts)
-    assert "end of its range" not in text and "Best choice" not in text
-    assert ("No choice is better" if kept else "none misses them less") in text
+    assert "end of its range" not in text and "Choose " not in text
+    assert ("No choice is better" if kept else "None misses them less") in text
     other = one | {"name": "k2", "value": 1.5, "decides": True}
     found["parameters"] = [one | {"decides": False}, other]
     text = sentence("choice", facts | {"choice": found})
-    assert "end of its range" not in text and "k1 does not change that" in text
+    assert "end of its range" not in text and "k1 changes that by no more" in text
     found["parameters"] = [one | {"decides": True}]
     assert "k1 is at the lower end" in sentence("choice", facts | {"choice": found})
 

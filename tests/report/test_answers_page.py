@@ -34,8 +34,8 @@ def opened(folder):
 def test_the_headline_is_the_answer(opened):
     text = sentence("headline", opened.facts)
     assert re.fullmatch(
-        r"Not always: all requirements are met in 6\d\.\d+ % of the tolerated combinations "
-        r"\(by volume, no probability\)\.",
+        r"Not everywhere: all requirements are met in 6\d\.\d+ % of the tolerance box "
+        r"\(by volume, not a probability\)\.",
         text,
     )
     assert "is 1.8682 to 1.9640 s." in sentence("ranges", opened.facts)
@@ -55,8 +55,8 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index("all requirements are met in ") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
-                   "The nearest failure is of in_time", "Best choice: k = ", 'id="choice"',
-                   "6", "<b>The box</b> is ", "<b>the surrogate</b> is "):  # fmt: skip
+                   "The nearest failure is of in_time", "Choose k = ", 'id="choice"',
+                   "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
         assert words_ in page
     ends = re.findall(r"<dd>(k = [^<]*)</dd>", page)
     assert len(ends) == 2 and all(re.fullmatch(r"k = [\d.]+ N m/rad", end) for end in ends)

@@ -81,7 +81,7 @@ def test_a_value_within_its_error_of_a_limit_is_about_at_it(window, opened):
     for step, text in ((0.0, "About at the limit: in_time"), (0.1, "Meets all requirements")):
         share = (unit + step + 1) / 2
         window.ask(SLIDE.format(repr(k["lower"] + share * (k["upper"] - k["lower"]))))
-        assert window.ask(VERDICT) == f"{text} (by what was fitted)."
+        assert window.ask(VERDICT) == f"{text} (by the fit)."
 
 
 @in_a_browser

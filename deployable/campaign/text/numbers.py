@@ -86,7 +86,7 @@ def share(share: float, open_: float = 0.0) -> str:
     return f"{percent:.{places}f} ± {half_width:.{places}f} %"
 
 
-VOLUME = "by volume, no probability"  # what stands once beside shares of the box
+VOLUME = "by volume, not a probability"  # what stands once beside shares of the box
 OPEN = 0.05  # per cent of the box from which it is said how large the error of a share may be
 
 

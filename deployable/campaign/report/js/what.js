@@ -127,7 +127,7 @@ class WhatIf {
     const near = run === null ? this.limits.filter((limit) => isAtLimit(limit, numbers[index(limit)], model[index(limit)].error)) : [];
     const broken = names(this.limits.filter((limit) => !near.includes(limit) && !keeps(limit, numbers[index(limit)])));
     const [mark, verdict] = broken.length ? ["bad", `Fails: ${broken.join(", ")}`] : near.length ? ["", `About at the limit: ${names(near).join(", ")}`] : ["good", "Meets all requirements"];
-    const basis = run !== null ? "simulated" : beyond.length ? `by what was fitted to the runs of the choice, ${beyond.map(({ name }) => name).join(", ")} beyond the box` : "by what was fitted";
+    const basis = run !== null ? "simulated" : beyond.length ? `by the fit to the runs of the choice, ${beyond.map(({ name }) => name).join(", ")} beyond the box` : "by the fit";
     byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: mark }, verdict), ` (${basis}).`] : []));
     byId("what-numbers").replaceChildren(...model.flatMap(({ name, words, unit: of, latest, error }, i) => {
       const late = run === null && latest !== null && numbers[i] >= latest;

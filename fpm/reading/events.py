@@ -18,6 +18,9 @@ SPREAD = 2
 impulse of one that holds exactly comes in the step that it happens in and the next, and a velocity
 at an instant is the mean of half a step before and after."""
 
+_UNBROKEN = ("clearance", "distance", "opening", "position", "strut_length")
+"""Kinds of responses that no event breaks: their values at instants are of one side of it."""
+
 MIN_STEPS = 5
 """Steps that two events are apart, at least, if two instants shall lie between them that neither
 touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
@@ -73,20 +76,23 @@ def peak(values: np.ndarray) -> float:
 
 def extreme_value(curves: Curves, response: Response, sign: float) -> float:
     """Return the largest (sign 1) or smallest (-1) value of a response in one run: by a parabola
-    (`peak`), unless something happens between the instants that it goes through, as at an impact.
-    It is then the extreme recorded value, or that just before such an event (`value_at`), beyond it
-    by at most as much as the response changed between the instants before. curves: of the run."""
+    (`peak`), unless an event, such as an impact, lies between the instants that it goes through or
+    touches one of them (`SPREAD`). It is then the extreme recorded value, or that just before such
+    an event (`value_at`), beyond it by at most as much as the response changes in that time at its
+    rate between the instants before. curves: of the run."""
     time, values = curves.time, sign * response.evaluate(curves)
     if response.along:  # no curve over time
         return sign * peak(values)
     i = int(values.argmax())
     start, end = time[max(i - 1, 0)], time[min(i + 1, len(time) - 1)]
     times = curves.events[:, 0]
-    instants = times[(times > start) & (times < end)]
+    step = 0.0 if response.kind in _UNBROKEN else curves.step
+    instants = times[(times > start - SPREAD * step) & (times < end + step)]
     if not len(instants):
         return sign * peak(values)
     ends = [sign * value_at(curves, response, instant, True) for instant in instants]
-    most = values[i] + np.abs(np.diff(values[max(i - 2, 0) : i + 1])).max(initial=0.0)
+    change = np.abs(np.diff(values[max(i - 2, 0) : i + 1])).max(initial=0.0)
+    most = values[i] + change * max(1.0, 2 * (instants.max() - time[i]) / (end - start))
     return sign * float(np.clip(max(ends), values[i], most))
 
 

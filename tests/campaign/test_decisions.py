@@ -91,9 +91,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
-    assert (
-        f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    )
+    assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
     assert "The nearest failure is of in_time" in text
 
 
@@ -149,8 +147,8 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
 @pytest.mark.parametrize("further", [0, 2])
 def test_further_runs_are_told_only_where_there_are_some(further):
     facts = {"together": {"met": "some", "share": 0.5, "share_uncertainty": 0.1, "runs": 9,
-                          "failures": 3, "fails": None, "max_interval_scale": 1, "whole": True}, "quantities": [], "requirements": [],
-             "runs": {"further": further}}  # fmt: skip
+                          "failures": 3, "fails": None, "max_interval_scale": 1, "whole": True},
+             "quantities": [], "requirements": [], "runs": {"further": further}}  # fmt: skip
     line = sentence("required", facts)
     assert "3 of 9 runs fail a requirement" in line
     assert ("runs cluster near the limits" in line) == bool(further)

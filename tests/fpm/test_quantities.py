@@ -26,14 +26,16 @@ EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 
 RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")
 
 
-def read(definition, values, time=TIME, dropped=0, step=TIME[1], events=EVENTS, when=None) -> float:
+def read(
+    definition, values, time=TIME, dropped=0, step=TIME[1], events=EVENTS, when=None, of=RESPONSE
+) -> float:
     """A quantity of a run whose one response has these values."""
     track = np.zeros((len(time), 3))
     track[:, 0] = values
     curves = Curves(time, {"P": (track, track)}, {}, {}, events, ELEMENTS, dropped, step)
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
     names |= {} if when is None else {"when": when}
-    (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
+    (found, *_), problems = parse(names, [of], ELEMENTS)
     assert not problems
     return found.evaluate(curves)
 
@@ -142,6 +144,26 @@ def test_a_peak_at_an_impact_is_not_that_of_a_parabola_across_it(blow, rebound, 
     assert read({kind: "x"}, values, step=1e-5, events=events) == pytest.approx(sign * blow, 1e-9)
 
 
+STEP = TIME[1] - TIME[0]  # an instant is recorded in every step
+
+
+@pytest.mark.parametrize("blow", [0.9001, 0.9023, 0.9049, 0.91])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_peak_at_a_blow_whose_instants_lie_between_both_sides_is_that_before_it(blow, sign):
+    """With a step as long as the instants are apart, the velocity of the instants about a catch
+    lies between both sides of it, and nothing goes beyond rest after it."""
+    mixed = np.where(blow - STEP < TIME, 0.6 * TIME, TIME)
+    mixed = np.where(blow < TIME, 0.3 * TIME, mixed)
+    mixed = sign * np.where(blow + STEP < TIME, 0.0, mixed)
+    events, rest = np.array([[blow, 3, 0]]), TIME > 0.85
+    most, least = ("largest", "smallest")[::sign]
+    speed = Response("x", "velocity", ("P",), "x", "m s-1", "x-velocity of P")
+    options = {"step": STEP, "events": events, "of": speed}
+    assert read({most: "x"}, mixed, **options) == pytest.approx(sign * blow, 1e-9)
+    slowed = np.where(rest, mixed, sign * 0.85)
+    assert read({least: "x"}, slowed, **options) == pytest.approx(0.0, abs=1e-12)
+
+
 def test_a_value_at_an_event_is_the_one_before_it():
     """The curve breaks at 0.9025 s, between two instants."""
     events = EVENTS.copy()
@@ -149,9 +171,6 @@ def test_a_value_at_an_event_is_the_one_before_it():
     assert events[2, 0] == 0.9
     definition = {"value": "x", "at": "shut"}
     assert read(definition, curve) == pytest.approx(0.25, abs=1e-12)
-
-
-STEP = TIME[1] - TIME[0]  # an instant is recorded in every step
 
 
 def test_a_value_at_an_event_is_of_one_side_and_knows_nothing_of_others():

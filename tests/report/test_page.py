@@ -171,7 +171,8 @@ def test_the_headline_says_how_far_the_responses_go(data):
     assert given.startswith("The campaign simulates 0.4 s of pendulum")
     assert "Uncertain: length of the bar (L) ± 5 % and " in given
     wide = {**data.parameters[0], "description": "", "upper": 2.0}
-    assert "Uncertain: L from 0.95 to 2 m. " in sentence("given", data.facts | {"parameters": [wide]})
+    text = sentence("given", data.facts | {"parameters": [wide]})
+    assert "Uncertain: L from 0.95 to 2 m. " in text
 
 
 def parameter(units, *ends):

@@ -159,13 +159,16 @@ class ModelEvaluator:
     def describe_point(self, point: np.ndarray, q: int) -> dict:
         """Describe a normalized point (k) as a dict for JSON: `at`, parameter values by name, in
         their units, None for a point that there is none of; `ran`, whether a run was made there;
-        `simulated`, the value in it of the quantity of index `q`, None without run or value."""
+        `simulated`, the value in it of the quantity of index `q`, None without run or value; and
+        `failed`, True, where the run that was made failed."""
         box = self.experiment.box
         values = dict(zip(box.names, map(number, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
         has_run = bool(distance <= SAME_POINT)
         value = self.numbers[run, q] if has_run else np.nan
-        return {"at": values, "ran": has_run, "simulated": number(value)}
+        row = {"at": values, "ran": has_run, "simulated": number(value)}
+        is_lost = (np.abs(self.failed_points - point).max(axis=1) <= SAME_POINT).any()
+        return row | {"failed": True} if is_lost else row
 
     def add(self, points: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's

@@ -80,7 +80,7 @@ def _write(model: ModelEvaluator, result: str, columns: dict, path: Path, title:
     attributes = model.plan.attributes | {
         "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": count,
-        "check_runs": model.account.count - count,
+        "check_runs": model.account.count - count - len(model.failures),
     }
     write_dataset(dataset_of(result, columns, attributes), path, title)
 

@@ -66,8 +66,13 @@ def facts_of(
         facts["quantities"], runs["further"] = results.rows, results.further_runs
         runs["checks"] += results.check_runs
         failures += read_refinement(folder)[2]
+        rows = {row["name"]: row for row in facts["quantities"]}
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
+            names = [part.name for part in getattr(quantity, "parts", ())]
+            row["late_parts"] = [
+                name for name in names if rows[name]["censored_at"] or rows[name]["may_be_endless"]
+            ]
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
                 row["reached"] = approach
     for name in answers:
@@ -373,13 +378,19 @@ def largest(shares: Mapping[str, float | None]) -> list[str]:
     return [name for name, share in shares.items() if share and share >= 0.99 * most]
 
 
+def fitted_width(row: Mapping) -> float:
+    """Return the width of a quantity's interval by its fit, beside which widths with one parameter
+    known better stand (`influence`): no more than that of the interval, as these."""
+    return min(row["surrogate_upper"] - row["surrogate_lower"], row["upper"] - row["lower"])
+
+
 def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
     """Return whether a parameter that is known exactly (`key` "fixed"), or half as wide ("halved"),
     narrows a quantity's interval by more than the error of these widths."""
     numbers = influence[key], influence["width_error"], row["surrogate_upper"]
     if "constant" in row or None in numbers:
         return False
-    return bool(row["surrogate_upper"] - row["surrogate_lower"] - numbers[0] > numbers[1])
+    return bool(fitted_width(row) - numbers[0] > numbers[1])
 
 
 def gains(half: Mapping[str, float]) -> bool:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
-from deployable.campaign.results.facts import decisive, keeps
+from deployable.campaign.results.facts import decisive, fitted_width, keeps
 from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text import numbers
@@ -585,8 +585,7 @@ class _Sheet:
         texts = []
         for row in self.facts["quantities"]:
             if name := decisive(row):
-                widths = (row["surrogate_upper"] - row["surrogate_lower"],
-                          row["influence"][name]["halved"])  # fmt: skip
+                widths = fitted_width(row), row["influence"][name]["halved"]
                 whole, half = (numbers.quantity(width, row["units"], 2) for width in widths)
                 texts.append(f"{row['name']}: {whole}, {half} with half the tolerance of {name}")
         analysed = "widths of intervals, and with half of the tolerance that widens each most"

@@ -45,8 +45,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "earliest"),
-        facts: ("decisive", "moments", "happens_only", "has_effect", "scarcest", "largest",
-                "gains", "best_halvings", "worst_case"),
+        facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
+                "largest", "gains", "best_halvings", "worst_case"),
     }  # fmt: skip
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}

@@ -1,0 +1,109 @@
+"""MJCF and URDF models as structures' files: what is not taken is listed."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from deployable.campaign.convert.forces import add_actuators, add_joint_forces, add_tendons
+from deployable.campaign.convert.parts import add_joints, add_loops, add_parts
+from deployable.campaign.convert.sheet import GROUPS, Sheet
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import write_text
+
+FLAGS = "CONSTRAINT", "EQUALITY", "FRICTIONLOSS", "LIMIT", "SPRING", "DAMPER", "ACTUATION"
+URDF = (
+    "robot link inertial origin mass inertia visual collision geometry box cylinder sphere capsule "
+    "mesh material color texture joint parent child axis limit dynamics mujoco compiler"
+)
+"""Elements of URDF that MuJoCo reads, or that only say how things look."""
+
+OBJECTS = {
+    "flex": "nflex", "plugin": "nplugin", "sensor": "nsensor", "camera": "ncam", "light": "nlight",
+    "skin": "nskin", "numeric": "nnumeric", "text": "ntext", "tuple": "ntuple",
+}  # fmt: skip
+"""Objects of a model that are not taken, with the fields that count them."""
+
+FIELDS = {
+    "joint": "jnt_stiffnesspoly jnt_springyield jnt_margin dof_armature dof_dampingpoly",
+    "ball or free joint": "jnt_stiffness jnt_limited dof_damping dof_frictionloss",
+    "tendon": "tendon_frictionloss tendon_armature tendon_springyield tendon_stiffnesspoly "
+    "tendon_dampingpoly",
+    "actuator": "actuator_armature actuator_damping",
+    "body": "body_gravcomp",
+}
+"""Fields of objects that are not taken where they are not 0."""
+
+
+def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
+    """Write the model in a file, MJCF or URDF, as the file of a structure; returns notes on what is
+    not taken, or not as it is. CampaignError without `mujoco`, for a model that it cannot read, and
+    for joints without an equivalent. target: file to make (.yaml); keyframe: at which the structure
+    starts; "": where the model's file has its bodies."""
+    try:
+        import mujoco
+    except ImportError:
+        text = "MJCF and URDF need mujoco: pip install 'deployable-intervals[mjcf]'"
+        raise CampaignError(text) from None
+    if target.exists() or target.suffix not in (".yaml", ".yml"):
+        raise CampaignError(f"--to {target}; allowed: a .yaml file that does not exist yet")
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        spec.compiler.fusestatic = False
+        model = spec.compile()
+    except (ValueError, OSError) as error:
+        raise CampaignError(f"{path}: MuJoCo cannot read it: {error}") from None
+    data, keys = mujoco.MjData(model), [model.key(i).name for i in range(model.nkey)]
+    if keyframe and keyframe not in keys:
+        allowed = ", ".join(keys) or "none, as the model has no keyframe"
+        raise CampaignError(f"--keyframe {keyframe} is not in {path}; allowed: {allowed}")
+    if keyframe:
+        mujoco.mj_resetDataKeyframe(model, data, keys.index(keyframe))
+    mujoco.mj_forward(model, data)
+    sheet = Sheet(mujoco, model, data, path.stem)
+    for key in keys:
+        if key != keyframe:
+            sheet.left(f"keyframe {key}", f"the structure starts there by --keyframe {key}")
+    for step in (add_parts, add_joints, add_loops, add_joint_forces, add_tendons, add_actuators):
+        step(sheet)
+    for site in range(model.nsite):
+        if name := model.site(site).name:
+            sheet.add("record", name, **sheet.at_site(site))
+    _note_rest(sheet, path)
+    table = sheet.structure.table
+    for group in [group for group in GROUPS if not table[group]]:
+        del table[group]
+    sheet.structure.build()
+    lines = [f"Made from {path.name} by MuJoCo {mujoco.__version__}.", *sheet.notes]
+    write_text(target, "".join(f"# {line}\n" for line in lines) + sheet.structure.text())
+    return sheet.notes
+
+
+def _note_rest(sheet: Sheet, path: Path) -> None:
+    """Note what of the model has no part in the structure."""
+    m = sheet.model
+    for kind, count in OBJECTS.items():
+        for i in range(getattr(m, count)):
+            sheet.left(f"{kind} {sheet.name_of(kind, i)}")
+    for kind, fields in FIELDS.items():
+        for field in fields.split():
+            rows = [i for i, row in enumerate(getattr(m, field)) if np.any(row)]
+            rows = m.dof_jntid[rows].tolist() if field.startswith("dof") else rows
+            for i in sorted(set(rows) - set(sheet.openings if kind.startswith("ball") else ())):
+                name = sheet.name_of(kind.split()[-1], i)
+                sheet.left(f"{field.partition('_')[2]} of {kind} {name}")
+    touching = np.flatnonzero(m.geom_contype | m.geom_conaffinity)
+    bodies = sorted({sheet.name_of("body", body) for body in m.geom_bodyid[touching]})
+    if len(bodies) > 1:
+        sheet.left(f"contact of {', '.join(bodies)}", "bodies pass through each other")
+    for key in ("wind", "density", "viscosity"):
+        if np.any(getattr(m.opt, key)):
+            sheet.left(f"option {key}")
+    for flag in FLAGS:
+        if sheet.is_off(flag):
+            sheet.left(f"flag {flag.lower()}=disable")
+    root = ElementTree.parse(path).getroot()
+    for element in root.iter() if root.tag == "robot" else ():
+        for child in element:
+            if child.tag not in URDF.split():
+                sheet.left(f"<{child.tag}> of <{element.tag}> {element.get('name', '')}".rstrip())

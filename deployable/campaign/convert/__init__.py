@@ -5,9 +5,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from deployable.campaign.convert.draft import GROUPS, Draft
 from deployable.campaign.convert.forces import add_actuators, add_joint_forces, add_tendons
 from deployable.campaign.convert.parts import add_joints, add_loops, add_parts
-from deployable.campaign.convert.sheet import GROUPS, Sheet
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 
@@ -60,50 +60,51 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
     if keyframe:
         mujoco.mj_resetDataKeyframe(model, data, keys.index(keyframe))
     mujoco.mj_forward(model, data)
-    sheet = Sheet(mujoco, model, data, path.stem)
-    for key in keys:
-        if key != keyframe:
-            sheet.left(f"keyframe {key}", f"the structure starts there by --keyframe {key}")
+    draft = Draft(mujoco, model, data, path.stem)
+    for key in sorted({*keys} - {keyframe}):
+        draft.leave_out(f"keyframe {key}", f"the structure starts there by --keyframe {key}")
     for step in (add_parts, add_joints, add_loops, add_joint_forces, add_tendons, add_actuators):
-        step(sheet)
+        step(draft)
     for site in range(model.nsite):
         if name := model.site(site).name:
-            sheet.add("record", name, **sheet.at_site(site))
-    _note_rest(sheet, path)
-    table = sheet.structure.table
+            draft.add("record", name, **draft.site(site))
+    _note_rest(draft, path)
+    table = draft.structure.table
     for group in [group for group in GROUPS if not table[group]]:
         del table[group]
-    sheet.structure.build()
-    lines = [f"Made from {path.name} by MuJoCo {mujoco.__version__}.", *sheet.notes]
-    write_text(target, "".join(f"# {line}\n" for line in lines) + sheet.structure.text())
-    return sheet.notes
+    draft.structure.build()
+    lines = [f"Made from {path.name} by MuJoCo {mujoco.__version__}.", *draft.notes]
+    write_text(target, "".join(f"# {line}\n" for line in lines) + draft.structure.text())
+    return draft.notes
 
 
-def _note_rest(sheet: Sheet, path: Path) -> None:
+def _note_rest(draft: Draft, path: Path) -> None:
     """Note what of the model has no part in the structure."""
-    m = sheet.model
+    m = draft.model
     for kind, count in OBJECTS.items():
         for i in range(getattr(m, count)):
-            sheet.left(f"{kind} {sheet.name_of(kind, i)}")
+            draft.leave_out(f"{kind} {draft.name_of(kind, i)}")
     for kind, fields in FIELDS.items():
         for field in fields.split():
             rows = [i for i, row in enumerate(getattr(m, field)) if np.any(row)]
             rows = m.dof_jntid[rows].tolist() if field.startswith("dof") else rows
-            for i in sorted(set(rows) - set(sheet.openings if kind.startswith("ball") else ())):
-                name = sheet.name_of(kind.split()[-1], i)
-                sheet.left(f"{field.partition('_')[2]} of {kind} {name}")
-    touching = np.flatnonzero(m.geom_contype | m.geom_conaffinity)
-    bodies = sorted({sheet.name_of("body", body) for body in m.geom_bodyid[touching]})
+            for i in sorted(set(rows) - set(draft.openings if kind.startswith("ball") else ())):
+                name = draft.name_of(kind.split()[-1], i)
+                draft.leave_out(f"{field.partition('_')[2]} of {kind} {name}")
+    geoms = np.flatnonzero(m.geom_contype | m.geom_conaffinity)
+    bodies = sorted({draft.name_of("body", body) for body in m.geom_bodyid[geoms]})
     if len(bodies) > 1:
-        sheet.left(f"contact of {', '.join(bodies)}", "bodies pass through each other")
+        draft.leave_out(f"contact of {', '.join(bodies)}", "bodies pass through each other")
     for key in ("wind", "density", "viscosity"):
         if np.any(getattr(m.opt, key)):
-            sheet.left(f"option {key}")
+            draft.leave_out(f"option {key}")
     for flag in FLAGS:
-        if sheet.is_off(flag):
-            sheet.left(f"flag {flag.lower()}=disable")
+        if draft.is_disabled(flag):
+            draft.leave_out(f"flag {flag.lower()}=disable")
     root = ElementTree.parse(path).getroot()
     for element in root.iter() if root.tag == "robot" else ():
         for child in element:
             if child.tag not in URDF.split():
-                sheet.left(f"<{child.tag}> of <{element.tag}> {element.get('name', '')}".rstrip())
+                draft.leave_out(
+                    f"<{child.tag}> of <{element.tag}> {element.get('name', '')}".rstrip()
+                )

@@ -4,27 +4,26 @@ from collections import defaultdict
 
 import numpy as np
 
-from deployable.campaign.convert.sheet import Sheet, measure, vector
+from deployable.campaign.convert.draft import Draft, digits, with_unit
 from deployable.campaign.errors import CampaignError
 
 PARALLEL = 1e-6
-"""Cosine below which directions are normal to each other, as structures' files have it."""
+"""Cosine up to which directions are normal to each other, as in structures' files."""
 
 OPEN = 1e-7
 """Gap of a loop at the start, as a share of the model's size, from which on it counts as open."""
 
 
-def add_parts(sheet: Sheet) -> None:
+def add_parts(draft: Draft) -> None:
     """Add each part as a body, with the mass and inertia of all that is welded to it."""
-    m, d = sheet.model, sheet.data
-    members = defaultdict(list)
+    m, d, members = draft.model, draft.data, defaultdict(list)
     for body in range(1, m.nbody):
-        members[sheet.part(body)].append(body)
+        members[draft.part(body)].append(body)
     for body in members.pop(0, ()):
-        sheet.notes.append(f"body {sheet.name_of('body', body)} is fixed to the ground")
+        draft.notes.append(f"body {draft.name_of('body', body)} is fixed to the ground")
     for part, bodies in members.items():
-        names = [sheet.name_of("body", body) for body in bodies]
-        sheet.notes += [f"body {name} is held rigidly on {names[0]}" for name in names[1:]]
+        names = [draft.name_of("body", body) for body in bodies]
+        draft.notes += [f"body {name} is held rigidly on {names[0]}" for name in names[1:]]
         masses = m.body_mass[bodies]
         centre = masses @ d.xipos[bodies] / masses.sum()
         tensor = np.zeros((3, 3))
@@ -32,142 +31,137 @@ def add_parts(sheet: Sheet) -> None:
             axes, arm = d.ximat[body].reshape(3, 3), d.xipos[body] - centre
             tensor += axes * m.body_inertia[body] @ axes.T
             tensor += mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-        point = sheet.point(f"{names[0]}_centre", centre)
-        keys = {"mass": vector([masses.sum()])[0], "centre": point, **_inertia(tensor)}
-        name = sheet.parts[part] = sheet.add("bodies", names[0], **keys)
+        point = draft.point(f"{names[0]}_centre", centre)
+        keys = {"mass": digits([masses.sum()])[0], "centre": point, **_inertia(tensor)}
+        name = draft.parts[part] = draft.add("bodies", names[0], **keys)
         motion = np.zeros(6)
-        sheet.library.mj_objectVelocity(m, d, sheet.code("mjtObj.XBODY"), part, motion, 0)
+        draft.library.mj_objectVelocity(m, d, draft.code("mjtObj.mjOBJ_XBODY"), part, motion, 0)
         if motion.any():
-            spin, size = motion[:3], float(np.abs(motion).max())
-            velocity = vector(motion[3:] + np.cross(spin, centre - d.xpos[part]), size)
-            keys = {"part": name, "velocity": velocity, "spin": vector(spin, size), "about": point}
-            sheet.add("initial_velocities", name, **keys)
+            spin, size = motion[:3], np.abs(motion).max()
+            velocity = digits(motion[3:] + np.cross(spin, centre - d.xpos[part]), size)
+            keys = {"part": name, "velocity": velocity, "spin": digits(spin, size)}
+            draft.add("initial_velocities", name, about=point, **keys)
 
 
 def _inertia(tensor: np.ndarray) -> dict:
     """Keys of a body for an inertia tensor (3, 3), in global axes if they are principal."""
-    diagonal = np.diagonal(tensor)
-    if np.abs(tensor - np.diag(diagonal)).max() < 1e-10 * diagonal.max():
-        return {"inertia": vector(diagonal, 0.0)}
+    values, axes = np.diagonal(tensor), np.eye(3)
+    if np.abs(tensor - np.diag(values)).max() < 1e-10 * values.max():
+        return {"inertia": digits(values, 0.0)}
     values, axes = np.linalg.eigh(tensor)
-    up = np.cross(axes[:, 0], axes[:, 1])
-    return {"inertia": vector(values, 0.0), "x": vector(axes[:, 0]), "up": vector(up)}
+    x, z = axes[:, 0], np.cross(axes[:, 0], axes[:, 1])
+    return {"inertia": digits(values, 0.0), "x": digits(x), "up": digits(z)}
 
 
-def add_joints(sheet: Sheet) -> None:
+def add_joints(draft: Draft) -> None:
     """Add the joints of the tree; CampaignError where those of one body have no equivalent."""
-    m, d, foreign = sheet.model, sheet.data, []
-    for part in list(sheet.parts)[1:]:
+    m, d, problems = draft.model, draft.data, []
+    for part in list(draft.parts)[1:]:
         joints = list(range(m.body_jntadr[part], m.body_jntadr[part] + m.body_jntnum[part]))
-        kinds = "".join("fbsh"[m.jnt_type[joint]] for joint in joints)
+        parent, sign = draft.part(m.body_parentid[part]), 1
+        pair, kinds = (parent, part), "".join("fbsh"[m.jnt_type[joint]] for joint in joints)
         if kinds == "f":
             continue
-        found = _equivalent(kinds, d.xaxis[joints], d.qpos[m.jnt_qposadr[joints]])
-        if kinds == "hh" and np.ptp(d.xanchor[joints], axis=0).max() > OPEN * sheet.size:
-            found = None
-        names = [sheet.name_of("joint", joint) for joint in joints]
-        if found is None:
-            foreign.append(f"body {sheet.parts[part]} has the joints {', '.join(names)}")
+        names = [draft.name_of("joint", joint) for joint in joints]
+        if kinds in ("hs", "hss"):  # seen from the second part, slides come first
+            joints, kinds, pair, sign = joints[::-1], kinds[::-1], pair[::-1], -1
+        places = d.xanchor[joints]
+        joint = _equivalent(kinds, sign * d.xaxis[joints], d.qpos[m.jnt_qposadr[joints]])
+        if joint is None or (kinds == "hh" and np.ptp(places, axis=0).max() > OPEN * draft.size):
+            problems.append(f"body {draft.parts[part]} has the joints {', '.join(names)}")
             continue
-        type_, openings, keys = found
-        parent = sheet.part(m.body_parentid[part])
-        text = names[0] if len(names) == 1 else f"{sheet.parts[part]}_joint"
-        keys["at"] = sheet.point(text, d.xanchor[joints[-1]], parent, part)
-        keys = {"type": type_, "parts": [sheet.parts[parent], sheet.parts[part]], **keys}
-        name = sheet.add("joints", text, **keys)
-        for joint, (suffix, sign) in zip(joints, openings.items(), strict=False):
-            sheet.openings[joint] = name + suffix, sign
+        keys, signs = joint
+        text = names[0] if len(names) == 1 else f"{draft.parts[part]}_joint"
+        keys |= {"parts": [draft.parts[p] for p in pair]}
+        keys |= {"at": draft.point(text, places[-1], parent, part)}
+        name = draft.add("joints", text, **keys)
+        for index, (suffix, sign) in zip(joints, signs.items(), strict=False):
+            draft.openings[index] = name + suffix, sign
             if suffix:
-                sheet.notes.append(
-                    f"{sheet.name_of('joint', joint)} is the opening {name + suffix}"
+                draft.notes.append(
+                    f"{draft.name_of('joint', index)} is the opening {name + suffix}"
                 )
-    if foreign:
+    if problems:
         raise CampaignError(
-            f"{'; '.join(foreign)}; allowed for several joints of one body: two hinges that meet "
-            "at right angles, slide and hinge along or normal to it, or two slides and the hinge "
-            "normal to both; put a body with mass between others"
+            f"{'; '.join(problems)}; allowed for several joints of one body: two hinges that meet "
+            "at right angles, a hinge along or normal to a slide, or one normal to two slides that "
+            "are normal to each other; put a body with mass between others"
         )
 
 
-def _equivalent(kinds: str, axes: np.ndarray, q: np.ndarray) -> tuple[str, dict, dict] | None:
-    """Type of the joint that stands for elementary joints of a body (letters b, h, s), by suffix
-    the signs of its openings, and its keys; None if there is none. axes (n, 3): of each, q: its
-    position."""
-    last, angle = vector(axes[-1]), measure(q[-1], "rad")
+def _equivalent(kinds: str, axes: np.ndarray, q: np.ndarray) -> tuple[dict, dict] | None:
+    """Keys of the joint that stands for the elementary joints of a body (letters b, s, h), and the
+    signs of its openings by suffix; None: there is none. axes (n, 3): of each; q: positions."""
+    axis, angle = digits(axes[-1]), with_unit(q[-1], "rad")
+    if kinds == "b":
+        return {"type": "spherical"}, {}
+    if kinds in ("h", "s"):
+        type_, opening = ("revolute", angle) if kinds == "h" else ("prismatic", q[0])
+        return {"type": type_, "axis": axis, "opening": opening}, {"": 1.0}
     cosines = (axes @ axes.T)[np.triu_indices(len(axes), 1)]
-    sign = 1.0
-    if kinds in ("b", "h", "s"):
-        keys = {} if kinds == "b" else {"axis": last, "opening": angle if kinds == "h" else q[0]}
-        types = {"b": "spherical", "h": "revolute", "s": "prismatic"}
-        return types[kinds], {"": 1.0} if keys else {}, keys
-    keys = {"axis": last, "opening_turn": angle}
+    keys, sign = {"axis": axis, "opening_turn": angle}, float(np.sign(cosines[0]))
     if kinds == "sh" and abs(cosines[0]) > 1 - PARALLEL**2:
-        sign = float(np.sign(cosines[0]))
-        keys["opening_slide"] = sign * q[0]
-        return "cylindrical", {"_slide": sign, "_turn": 1.0}, keys
-    if np.abs(cosines).max() > PARALLEL:
+        keys |= {"type": "cylindrical", "opening_slide": sign * q[0]}
+        return keys, {"_slide": sign, "_turn": 1.0}
+    if np.abs(cosines).max() > PARALLEL or kinds not in ("hh", "sh", "ssh"):
         return None
     if kinds == "hh":
-        keys = {"axis": vector(axes[0]), "other": last}
-        keys["openings"] = [measure(x, "rad") for x in q]
-        return "universal", {"_axis": 1.0, "_other": 1.0}, keys
-    keys["x"] = vector(axes[0])
+        keys = {"axis": digits(axes[0]), "other": axis}
+        keys |= {"type": "universal", "openings": [with_unit(x, "rad") for x in q]}
+        return keys, {"_axis": 1.0, "_other": 1.0}
+    keys["x"] = digits(axes[0])
     if kinds == "sh":
-        keys["opening_slide"] = q[0]
-        return "pin in slot", {"_slide": 1.0, "_turn": 1.0}, keys
-    if kinds == "ssh":
-        sign = float(np.sign(np.cross(axes[2], axes[0]) @ axes[1]))
-        keys |= {"opening_x": q[0], "opening_y": sign * q[1]}
-        return "planar", {"_x": 1.0, "_y": sign, "_turn": 1.0}, keys
-    return None
+        keys |= {"type": "pin in slot", "opening_slide": q[0]}
+        return keys, {"_slide": 1.0, "_turn": 1.0}
+    sign = float(np.sign(np.cross(axes[2], axes[0]) @ axes[1]))
+    keys |= {"type": "planar", "opening_x": q[0], "opening_y": sign * q[1]}
+    return keys, {"_x": 1.0, "_y": sign, "_turn": 1.0}
 
 
-def add_loops(sheet: Sheet) -> None:
+def add_loops(draft: Draft) -> None:
     """Add joints for equalities: `weld` is fixed, `connect` spherical, two of the same parts a
     revolute joint about the line through their points."""
-    m, d, loops = sheet.model, sheet.data, defaultdict(list)
-    connect, weld = sheet.code("mjtEq.CONNECT"), sheet.code("mjtEq.WELD")
+    m, d, loops = draft.model, draft.data, defaultdict(list)
+    connect, weld = draft.code("mjtEq.mjEQ_CONNECT"), draft.code("mjtEq.mjEQ_WELD")
     for e in range(m.neq):
-        name, ids = sheet.name_of("equality", e), (m.eq_obj1id[e], m.eq_obj2id[e])
+        name, ids = draft.name_of("equality", e), [m.eq_obj1id[e], m.eq_obj2id[e]]
         if m.eq_type[e] not in (connect, weld) or not m.eq_active0[e]:
-            sheet.left(f"equality {name}", "allowed: connect and weld that are active at the start")
+            draft.leave_out(f"equality {name}", "allowed: connect, weld, active at the start")
             continue
-        if m.eq_objtype[e] == sheet.code("mjtObj.SITE"):
-            parts = [sheet.part(m.site_bodyid[site]) for site in ids]
-            places = d.site_xpos[list(ids)]
+        bodies, places = ids, m.eq_data[e, :6].reshape(2, 3)
+        if m.eq_objtype[e] == draft.code("mjtObj.mjOBJ_SITE"):
+            bodies, places = m.site_bodyid[ids], d.site_xpos[ids]
         else:
-            parts, arms = [sheet.part(body) for body in ids], m.eq_data[e, :6].reshape(2, 3)
-            arms = arms[:: 1 if m.eq_type[e] == connect else -1]
-            pairs = zip(ids, arms, strict=True)
-            places = np.array([d.xpos[b] + d.xmat[b].reshape(3, 3) @ arm for b, arm in pairs])
+            places = places[:: 1 if m.eq_type[e] == connect else -1]
+            places = d.xpos[ids] + np.einsum("ijk,ik->ij", d.xmat[ids].reshape(2, 3, 3), places)
+        parts = [draft.part(body) for body in bodies]
         if parts[0] == parts[1]:
-            sheet.left(f"equality {name}", "both its bodies are one")
+            draft.leave_out(f"equality {name}", "both its bodies are one")
             continue
-        key = (e,) if m.eq_type[e] == weld else tuple(sorted(parts))
-        loops[key].append((e, name, parts, places))
+        loops[(e,) if m.eq_type[e] == weld else tuple(sorted(parts))].append((e, parts, places))
     for loop in loops.values():
-        chord = loop[-1][3][0] - loop[0][3][0]
-        is_pin = len(loop) == 2 and np.linalg.norm(chord) > 1e-4 * sheet.size
-        for ends in loop[:1] if is_pin else loop:
-            keys: dict = {"type": "fixed" if m.eq_type[ends[0]] == weld else "spherical"}
+        chord = loop[-1][2][0] - loop[0][2][0]
+        length = np.linalg.norm(chord)
+        is_pin = len(loop) == 2 and length > 1e-4 * draft.size
+        for e, parts, places in loop[:1] if is_pin else loop:
+            keys: dict = {"type": "fixed" if m.eq_type[e] == weld else "spherical"}
             if is_pin:
-                keys = {"type": "revolute", "axis": vector(chord / np.linalg.norm(chord))}
-                sheet.notes.append(f"{loop[0][1]} and {loop[1][1]} are one revolute joint")
-            _add_loop(sheet, keys, *ends)
+                keys = {"type": "revolute", "axis": digits(chord / length)}
+                names = [draft.name_of("equality", loop[k][0]) for k in (0, 1)]
+                draft.notes.append(f"{names[0]} and {names[1]} are one revolute joint")
+            _add_loop(draft, keys, e, parts, places)
 
 
-def _add_loop(sheet: Sheet, keys: dict, e: int, name: str, parts: list, places: np.ndarray) -> None:
-    d = sheet.data
-    rows = (d.efc_type == sheet.code("mjtConstraint.EQUALITY")) & (d.efc_id == e)
-    gap = float(np.abs(d.efc_pos[rows]).max(initial=0.0))
-    names = [sheet.parts[part] for part in parts]
-    if gap < OPEN * sheet.size or keys["type"] == "fixed":
-        at: str | dict = sheet.point(name, places[0], *parts)
+def _add_loop(draft: Draft, keys: dict, e: int, parts: list, places: np.ndarray) -> None:
+    d, name = draft.data, draft.name_of("equality", e)
+    rows = (d.efc_type == draft.code("mjtConstraint.mjCNSTR_EQUALITY")) & (d.efc_id == e)
+    gap, names = np.abs(d.efc_pos[rows]).max(initial=0.0), [draft.parts[part] for part in parts]
+    if gap < OPEN * draft.size or keys["type"] == "fixed":
+        keys["at"], remedy = draft.point(name, places[0], *parts), "kept as it is"
     else:
         triples = zip(names, places, parts, strict=True)
-        at = {n: sheet.point(f"{name}_{n}", place, part) for n, place, part in triples}
-        sheet.structure.table["assemble"] = "true"
-    if gap >= OPEN * sheet.size:
-        remedy = "kept as it is" if isinstance(at, str) else "closed before the run"
-        sheet.notes.append(f"equality {name} is off by {gap:.3g} at the start, and {remedy}")
-    sheet.add("joints", name, parts=names, at=at, **keys)
+        keys["at"] = {n: draft.point(f"{name}_{n}", place, part) for n, place, part in triples}
+        draft.structure.table["assemble"], remedy = "true", "closed before the run"
+    if gap >= OPEN * draft.size:
+        draft.notes.append(f"equality {name} is off by {gap:.3g} at the start, and {remedy}")
+    draft.add("joints", name, parts=names, **keys)

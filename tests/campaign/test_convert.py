@@ -224,6 +224,7 @@ def test_the_command_prints_what_is_not_taken(tmp_path, capsys):
 
 REFUSED = {
     "no model": ("<mujoco><worldbody>", "", "MuJoCo cannot read it: "),
+    "no joint": (model(""), "", "has no body that moves"),
     "no keyframe": (model(FREE), "home", "allowed: none, as the model has no keyframe"),
     "joints without an equivalent": (
         model('<joint name="a" axis="1 0 0"/><joint name="b" axis="1 1 0"/>'), "",

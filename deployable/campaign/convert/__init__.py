@@ -18,11 +18,8 @@ URDF = (
 )
 """Elements of URDF that MuJoCo reads, or that only say how things look."""
 
-OBJECTS = {
-    "flex": "nflex", "plugin": "nplugin", "sensor": "nsensor", "camera": "ncam", "light": "nlight",
-    "skin": "nskin", "numeric": "nnumeric", "text": "ntext", "tuple": "ntuple",
-}  # fmt: skip
-"""Objects of a model that are not taken, with the fields that count them."""
+OBJECTS = "flex", "plugin", "sensor", "camera", "light", "skin", "numeric", "text", "tuple"
+"""Objects of a model that are not taken."""
 
 FIELDS = {
     "joint": "jnt_stiffnesspoly jnt_springyield jnt_margin dof_armature dof_dampingpoly",
@@ -65,6 +62,8 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
         draft.leave_out(f"keyframe {key}", f"the structure starts there by --keyframe {key}")
     for step in (add_parts, add_joints, add_loops, add_joint_forces, add_tendons, add_actuators):
         step(draft)
+    if len(draft.parts) == 1:
+        raise CampaignError(f"{path} has no body that moves; allowed: a model with joints")
     for site in range(model.nsite):
         if name := model.site(site).name:
             draft.add("record", name, **draft.site(site))
@@ -81,8 +80,8 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
 def _note_rest(draft: Draft, path: Path) -> None:
     """Note what of the model has no part in the structure."""
     m = draft.model
-    for kind, count in OBJECTS.items():
-        for i in range(getattr(m, count)):
+    for kind in OBJECTS:
+        for i in range(m.ncam if kind == "camera" else getattr(m, f"n{kind}")):
             draft.leave_out(f"{kind} {draft.name_of(kind, i)}")
     for kind, fields in FIELDS.items():
         for field in fields.split():
@@ -101,8 +100,8 @@ def _note_rest(draft: Draft, path: Path) -> None:
     for flag in FLAGS:
         if draft.is_disabled(flag):
             draft.leave_out(f"flag {flag.lower()}=disable")
-    root = ElementTree.parse(path).getroot()
-    for element in root.iter() if root.tag == "robot" else ():
+    is_urdf = b"<robot" in path.read_bytes()
+    for element in ElementTree.parse(path).getroot().iter() if is_urdf else ():
         for child in element:
             if child.tag not in URDF.split():
                 draft.leave_out(

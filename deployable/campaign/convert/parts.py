@@ -7,8 +7,16 @@ import numpy as np
 from deployable.campaign.convert.draft import Draft, digits, with_unit
 from deployable.campaign.errors import CampaignError
 
-PARALLEL = 1e-6
+NORMAL = 1e-6
 """Cosine up to which directions are normal to each other, as in structures' files."""
+
+TYPES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "b": ("spherical", ()), "h": ("revolute", ("",)), "s": ("prismatic", ("",)),
+    "hhn": ("universal", ("_axis", "_other")), "shp": ("cylindrical", ("_slide", "_turn")),
+    "shn": ("pin in slot", ("_slide", "_turn")), "sshnnn": ("planar", ("_x", "_y", "_turn")),
+}  # fmt: skip
+"""Joints with the suffixes of their openings, by what they stand for: a ball, slides and hinges,
+with axes that are normal (n) or parallel (p), pair by pair."""
 
 OPEN = 1e-7
 """Gap of a loop at the start, as a share of the model's size, from which on it counts as open."""
@@ -92,30 +100,29 @@ def add_joints(draft: Draft) -> None:
 def _equivalent(kinds: str, axes: np.ndarray, q: np.ndarray) -> tuple[dict, dict] | None:
     """Keys of the joint that stands for the elementary joints of a body (letters b, s, h), and the
     signs of its openings by suffix; None: there is none. axes (n, 3): of each; q: positions."""
-    axis, angle = digits(axes[-1]), with_unit(q[-1], "rad")
-    if kinds == "b":
-        return {"type": "spherical"}, {}
-    if kinds in ("h", "s"):
-        type_, opening = ("revolute", angle) if kinds == "h" else ("prismatic", q[0])
-        return {"type": type_, "axis": axis, "opening": opening}, {"": 1.0}
     cosines = (axes @ axes.T)[np.triu_indices(len(axes), 1)]
-    keys, sign = {"axis": axis, "opening_turn": angle}, float(np.sign(cosines[0]))
-    if kinds == "sh" and abs(cosines[0]) > 1 - PARALLEL**2:
-        keys |= {"type": "cylindrical", "opening_slide": sign * q[0]}
-        return keys, {"_slide": sign, "_turn": 1.0}
-    if np.abs(cosines).max() > PARALLEL or kinds not in ("hh", "sh", "ssh"):
+    is_normal, is_parallel = abs(cosines) < NORMAL, abs(cosines) > 1 - NORMAL**2
+    relations = "".join(np.select([is_normal, is_parallel], ["n", "p"], "-"))
+    if kinds + relations not in TYPES:
         return None
-    if kinds == "hh":
-        keys = {"axis": digits(axes[0]), "other": axis}
-        keys |= {"type": "universal", "openings": [with_unit(x, "rad") for x in q]}
-        return keys, {"_axis": 1.0, "_other": 1.0}
-    keys["x"] = digits(axes[0])
-    if kinds == "sh":
-        keys |= {"type": "pin in slot", "opening_slide": q[0]}
-        return keys, {"_slide": 1.0, "_turn": 1.0}
-    sign = float(np.sign(np.cross(axes[2], axes[0]) @ axes[1]))
-    keys |= {"type": "planar", "opening_x": q[0], "opening_y": sign * q[1]}
-    return keys, {"_x": 1.0, "_y": sign, "_turn": 1.0}
+    type_, suffixes = TYPES[kinds + relations]
+    signs = np.ones(len(kinds))
+    if type_ == "cylindrical":
+        signs[0] = np.sign(cosines[0])
+    if type_ == "planar":
+        signs[1] = np.sign(np.linalg.det(axes[[2, 0, 1]]))
+    values = [
+        with_unit(x, "rad") if k == "h" else s * x for k, s, x in zip(kinds, signs, q, strict=True)
+    ]
+    keys: dict = {"type": type_}
+    if type_ == "universal":
+        keys |= {"axis": digits(axes[0]), "other": digits(axes[1]), "openings": values}
+    elif type_ != "spherical":
+        keys |= {"axis": digits(axes[-1])}
+        keys |= {f"opening{suffix}": x for suffix, x in zip(suffixes, values, strict=True)}
+    if type_ in ("planar", "pin in slot"):
+        keys["x"] = digits(axes[0])
+    return keys, dict(zip(suffixes, signs.tolist(), strict=False))
 
 
 def add_loops(draft: Draft) -> None:

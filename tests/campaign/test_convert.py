@@ -12,7 +12,7 @@ from deployable.campaign.convert import convert
 from deployable.campaign.errors import CampaignError
 from evidence.benchmark.peers import mjcf
 from fpm import structures
-from fpm.elements import Damper, Friction, TorsionSpring
+from fpm.elements import Damper, Friction, TorqueMotor, TorsionSpring
 from fpm.structures import report
 
 FREE = "<freejoint/>"
@@ -157,6 +157,13 @@ def test_parameters_of_what_acts_can_be_intervals(made):
     (spring, servo), (damper,) = (scene.kinds[kind] for kind in (TorsionSpring, Damper))
     assert (spring.stiffness, servo.stiffness, servo.rest) == (3.0, 7.0, 0.2)
     assert (damper.damping, scene.kinds[Friction][0].moment) == (0.5, 0.1)
+
+
+def test_a_motor_without_a_control_can_be_given_one(tmp_path):
+    convert(mjcf.FOLDER / "slider_crank.xml", tmp_path / "crank.yaml")
+    structure = structures.load(tmp_path / "crank.yaml")
+    assert structure.parameters["engine_torque"].default == 0.0
+    assert structure.build(engine_torque=1.5).kinds[TorqueMotor][0].torque == 1.5
 
 
 LEFT = {  # XML of the body, the rest, and what is said of it

@@ -11,6 +11,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import choose, export
 from evidence.benchmark.peers import mjcf
 from fpm import structures
+from fpm.elements import Stop
 
 ZOO = """
 name: zoo
@@ -117,6 +118,27 @@ def test_all_types_of_joints_move_as_in_mujoco_and_come_back(tmp_path):
         assert mjcf.distance(again[name][0], ours[name][0]) < 1e-8, name
 
 
+STRUCK = """opening_rates: {r: {joint: hinge, rate: 2 rad/s}}
+record: {tip: {part: lid, at: B}}
+actions:
+  s: {type: stop, joint: hinge, upper: 20 deg, lower: -10 deg, stiffness: 100, damping: 1}
+"""
+
+
+def test_stops_push_as_in_mujoco_and_come_back(tmp_path):
+    """Without loads, as a limit of MuJoCo gives what it is struck with its own acceleration."""
+    source, back = tmp_path / "flap.yaml", tmp_path / "back.yaml"
+    source.write_text(FLAP + STRUCK)
+    (path,) = export(choose(str(source)), "mjcf", tmp_path)
+    places = mjcf.simulate(mujoco.MjModel.from_xml_path(str(path)), "start", 0.5)["tip"]
+    assert mjcf.distance(_run(source, 1e-4).points["tip"][0], places) < 1e-3
+    convert(path, back, "start")
+    stops = [s.kinds[Stop] for s in (structures.load(f).build() for f in (source, back))]
+    for one, other in zip(*(sorted(pair, key=lambda s: s.side) for pair in stops), strict=True):
+        assert (other.stiffness, other.damping) == pytest.approx((one.stiffness, one.damping))
+        assert (other.angle, other.side) == (pytest.approx(one.angle), one.side)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mjcf.POINTS)
 def test_ten_mechanisms_move_the_same_after_a_round_trip(name, tmp_path):
@@ -157,7 +179,7 @@ FOREIGN = {  # what is added to a flap, and what is said of it
     "bearing": (HINGED % "bearing, joint: hinge, mu: 0.1, radius: 0.01, load: 10", "bearing hinge"),
     "contact": (HINGED % "contact, joint: hinge, stiffness: 10", "contact hinge"),
     "curve": (HINGED % "torque motor, joint: hinge, torque: 1, curve: c" +
-              "curves:\n  c: {times: [0, 1], values: [0, 1]}\n", "torque motor hinge"),
+              "curves:\n  c: {times: [0, 1], values: [0, 1]}\n", "hinge that follows a curve"),
     "gas spring": ("struts:\n  gas: {type: gas spring, between: [{part: ground, at: C}, B], "
                    "force: 1, length: 1.2, stroke: 0.5, ratio: 1.3}\n", "strut gas"),
     "load": ("loads:\n  push: {part: lid, at: B, force: [0, 0, 1]}\n", "load"),

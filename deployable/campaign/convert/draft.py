@@ -33,8 +33,8 @@ def digits(values: Any, size: float = 1.0) -> list[float]:
 class Draft:
     """A structure of a compiled model. A part is the index of the body to which others are welded;
     0 is the ground. library: the module `mujoco`; model, data: MjModel, MjData at the start; notes:
-    what is not taken, or not as it is; parts: names of parts; openings: name of that of a joint of
-    the model, and whether it counts up (1.0) or down (-1.0); size: of the model (m)."""
+    what is not taken, or not as it is; parts: names of parts; openings: of a joint of the
+    model: name, whether it counts up (1.0) or down (-1.0), unit; size: of the model (m)."""
 
     def __init__(self, library: Any, model: Any, data: Any, name: str):
         self.library, self.model, self.data = library, model, data
@@ -43,7 +43,7 @@ class Draft:
         self.structure.table |= {group: {} for group in GROUPS}
         self.notes: list[str] = []
         self.parts = {0: "ground"}
-        self.openings: dict[int, tuple[str, float]] = {}
+        self.openings: dict[int, tuple[str, float, str]] = {}
         self.size = float(np.abs(data.xpos).max(initial=0.0) + model.stat.extent)
         self._sites: dict[int, dict] = {}
         self._names = Names(Problems(""), {})

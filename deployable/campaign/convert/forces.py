@@ -15,15 +15,14 @@ ACTIONS = {  # type, key and unit, each on an angle and on a slide
 
 
 def _act(draft: Draft, joint: int, owner: str, word: str, value: float, **keys: Any) -> None:
-    """Add an action on the opening of a joint, with a parameter for its value."""
-    types, names, units = (row[_slides(draft, joint)] for row in ACTIONS[word])
-    text = word if word == "friction" else names
-    keys[names] = draft.parameter(f"{owner}_{text}", value, units, owner)
-    draft.add("actions", f"{owner}_{word}", type=types, joint=draft.openings[joint][0], **keys)
-
-
-def _slides(draft: Draft, joint: int) -> bool:
-    return bool(draft.model.jnt_type[joint] == draft.code("mjtJoint.mjJNT_SLIDE"))
+    """Add an action on the opening of a joint, with a parameter for its value: a motor, or
+    what is not 0."""
+    opening, _, unit = draft.openings[joint]
+    type_, key, value_unit = (pair[unit == "m"] for pair in ACTIONS[word])
+    if value or word == "motor":
+        text = f"{owner}_{word if word == 'friction' else key}"
+        keys[key] = draft.parameter(text, value, value_unit, owner)
+        draft.add("actions", f"{owner}_{word}", type=type_, joint=opening, **keys)
 
 
 def _limit(solref: np.ndarray, solimp: np.ndarray, inverse: float) -> list[float]:
@@ -39,16 +38,13 @@ def _limit(solref: np.ndarray, solimp: np.ndarray, inverse: float) -> list[float
 def add_joint_forces(draft: Draft) -> None:
     """Add what acts on joints."""
     m = draft.model
-    for joint, (opening, sign) in draft.openings.items():
-        dof, unit = int(m.jnt_dofadr[joint]), "m" if _slides(draft, joint) else "rad"
-        if stiffness := m.jnt_stiffness[joint]:
-            rest = with_unit(sign * m.qpos_spring[m.jnt_qposadr[joint]], unit)
-            _act(draft, joint, opening, "spring", stiffness, rest=rest)
-        if damping := m.dof_damping[dof]:
-            _act(draft, joint, opening, "damper", damping)
-        if loss := m.dof_frictionloss[dof]:
-            sticks = "exactly" if unit == "rad" else None
-            _act(draft, joint, opening, "friction", loss, sticks=sticks)
+    for joint, (opening, sign, unit) in draft.openings.items():
+        dof = int(m.jnt_dofadr[joint])
+        rest = with_unit(sign * m.qpos_spring[m.jnt_qposadr[joint]], unit)
+        sticks = "exactly" if unit == "rad" else None
+        _act(draft, joint, opening, "spring", m.jnt_stiffness[joint], rest=rest)
+        _act(draft, joint, opening, "damper", m.dof_damping[dof])
+        _act(draft, joint, opening, "friction", m.dof_frictionloss[dof], sticks=sticks)
         if m.jnt_limited[joint]:
             lower, upper = (with_unit(x, unit) for x in sorted(sign * m.jnt_range[joint]))
             k, c = _limit(m.jnt_solref[joint], m.jnt_solimp[joint], m.dof_invweight0[dof])
@@ -106,16 +102,15 @@ def add_actuators(draft: Draft) -> None:
             draft.leave_out(f"actuator {name}", "allowed: motors and servos of a hinge or slide")
             continue
         control, gear = float(draft.data.ctrl[m.actuator_ctrladr[i]]), m.actuator_gear[i, 0]
-        force = draft.openings[joint][1] * gear * (m.actuator_gainprm[i, 0] * control + bias[0])
+        _, sign, unit = draft.openings[joint]
+        force = sign * gear * (m.actuator_gainprm[i, 0] * control + bias[0])
         stiffness, damping = -(gear**2) * bias[1:]
         if stiffness:
-            unit = "m" if _slides(draft, joint) else "rad"
             rest = draft.parameter(f"{name}_target", force / stiffness, unit, name)
             _act(draft, joint, name, "spring", stiffness, rest=rest)
         else:
             _act(draft, joint, name, "motor", force)
-        if damping:
-            _act(draft, joint, name, "damper", damping)
+        _act(draft, joint, name, "damper", damping)
         draft.notes.append(f"actuator {name} has the control {control:g} all the time")
         if m.actuator_forcelimited[i] or m.jnt_actfrclimited[joint]:
             draft.leave_out(f"limit of the force of actuator {name}")

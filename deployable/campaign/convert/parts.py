@@ -74,21 +74,20 @@ def add_joints(draft: Draft) -> None:
         if kinds in ("hs", "hss"):  # seen from the second part, slides come first
             joints, kinds, pair, sign = joints[::-1], kinds[::-1], pair[::-1], -1
         places = d.xanchor[joints]
-        joint = _equivalent(kinds, sign * d.xaxis[joints], d.qpos[m.jnt_qposadr[joints]])
-        if joint is None or (kinds == "hh" and np.ptp(places, axis=0).max() > OPEN * draft.size):
+        equivalent = _equivalent(kinds, sign * d.xaxis[joints], d.qpos[m.jnt_qposadr[joints]])
+        if not equivalent or (kinds == "hh" and np.ptp(places, axis=0).max() > OPEN * draft.size):
             problems.append(f"body {draft.parts[part]} has the joints {', '.join(names)}")
             continue
-        keys, signs = joint
+        keys, signs = equivalent
         text = names[0] if len(names) == 1 else f"{draft.parts[part]}_joint"
         keys |= {"parts": [draft.parts[p] for p in pair]}
         keys |= {"at": draft.point(text, places[-1], parent, part)}
         name = draft.add("joints", text, **keys)
-        for index, (suffix, sign) in zip(joints, signs.items(), strict=False):
-            draft.openings[index] = name + suffix, sign
+        for joint, kind, (suffix, sign) in zip(joints, kinds, signs.items(), strict=False):
+            draft.openings[joint] = name + suffix, sign, "rad" if kind == "h" else "m"
             if suffix:
-                draft.notes.append(
-                    f"{draft.name_of('joint', index)} is the opening {name + suffix}"
-                )
+                text = draft.name_of("joint", joint)
+                draft.notes.append(f"joint {text} is the opening {name + suffix}")
     if problems:
         raise CampaignError(
             f"{'; '.join(problems)}; allowed for several joints of one body: two hinges that meet "

@@ -27,7 +27,7 @@ LOOPS = {"solref": "2e-3 1", "solimp": "0.9999 0.9999 1e-3"}
 FRICTION = {"solreffriction": "2e-4 1", "solimpfriction": "0.9999 0.9999 1e-3"}
 """Loops and friction of MuJoCo are soft: by these they differ little from exact ones."""
 
-IMPEDANCE = 0.95  # of limits, by default, with which `solref` says a stop's stiffness and damping
+IMPEDANCE = 0.9999  # of limits, with which `solref` says a stop's stiffness and damping
 CHAINS = {  # elementary joints from the first part to the second, and which opening each is
     "revolute": [("hinge", 0)], "prismatic": [("slide", 0)], "spherical": [("ball", 0)],
     "fixed": [], "universal": [("hinge", 0), ("hinge", 1)],
@@ -81,7 +81,8 @@ def write_mjcf(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 def _title(scene: Any, element: Any) -> str:
     title = element.title(scene) if hasattr(element, "title") else ""
     kind = {"Beams": "bar", "Hinge": "joint"}.get(type(element).__name__, type(element).__name__)
-    return title or f"{kind.lower()} {getattr(element, 'name', '')}".strip()
+    curve = " that follows a curve" if getattr(element, "curve", -1) >= 0 else ""
+    return (title or f"{kind.lower()} {getattr(element, 'name', '')}".strip()) + curve
 
 
 class Tree:
@@ -150,7 +151,8 @@ class Tree:
             ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in pair}
             ((k, c),) = values
             limit = -mobility(name) * np.array([IMPEDANCE * k, c])
-            self.put(self.joints[name], range=[ends["below"], ends["above"]], solreflimit=limit)
+            keys = {"solreflimit": limit, "solimplimit": [IMPEDANCE, IMPEDANCE, 1e-3]}
+            self.put(self.joints[name], range=[ends["below"], ends["above"]], **keys)
 
     def _origin(self, particle: int) -> np.ndarray:
         """Origin (3,), m, of the frame in which points of a particle are stated."""

@@ -143,8 +143,8 @@ def test_urdf_swings_by_its_closed_equation(made):
 
 
 def test_parameters_of_what_acts_can_be_intervals(made):
-    rest = '<actuator><position name="servo" joint="a" kp="7" kv="0.5"/></actuator>'
-    rest += '<keyframe><key name="on" ctrl="0.2"/></keyframe>'
+    rest = '<actuator><position name="servo" joint="a" kp="7" kv="0.5" ctrlrange="-0.2 0.2"/>'
+    rest += '</actuator><keyframe><key name="on" ctrl="0.3"/></keyframe>'  # beyond its range
     text = model('<joint name="a" stiffness="3" frictionloss="0.1"/>', rest)
     _, structure, _ = made(text, "on")
     scene = structure.build()

@@ -220,11 +220,24 @@ def test_a_loop_in_which_all_joints_are_acted_on_is_refused(tmp_path):
         export(choose(str(path)), "mjcf", tmp_path)
 
 
-def test_the_command_writes_the_nominal_run(tmp_path, capsys):
-    (tmp_path / "flap.yaml").write_text(FLAP)
-    command = ["export", str(tmp_path / "flap.yaml"), "--to", "mjcf", "--output", str(tmp_path)]
+CAMPAIGN = """
+campaign: opens
+scene: {file: flap.yaml}
+solver: {duration: 0.1, instants: 11}
+intervals: {k: {nominal: 3, relative: 0.1}}
+responses: {angle: {opening: hinge}}
+"""
+
+
+def test_the_command_writes_the_nominal_run_of_a_campaign(tmp_path, capsys):
+    spring = "actions:\n  s: {type: torsion spring, joint: hinge, stiffness: k}\n"
+    parameters = "parameters: {k: {value: 2, unit: N m/rad}}\n"
+    (tmp_path / "flap.yaml").write_text(FLAP + spring + parameters)
+    (tmp_path / "campaign.yaml").write_text(CAMPAIGN)
+    command = ["export", str(tmp_path / "campaign.yaml"), "--to", "mjcf", "--output", str(tmp_path)]
     assert main(command) == 0
-    assert capsys.readouterr().out == f"{tmp_path / 'flap.xml'}\n"
+    assert capsys.readouterr().out == f"{tmp_path / 'opens.xml'}\n"
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "opens.xml")).jnt_stiffness == [3.0]
 
 
 def test_without_mujoco_the_message_names_the_extra(tmp_path, monkeypatch):

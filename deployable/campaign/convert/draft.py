@@ -68,7 +68,7 @@ class Draft:
         name, entries = name if name[:1].isalpha() else f"n{name}", self.structure.table[group]
         while name in entries or not self._names.allows(name, "", 0, group == "parameters"):
             name += "_"
-        if name != text and group in ("bodies", "joints"):
+        if name != text and group in ("bodies", "joints", "record"):
             self.notes.append(f"{text} is called {name} among {group}")
         getattr(self.structure, GROUPS[group])(name, **keys)
         return name

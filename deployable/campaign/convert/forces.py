@@ -101,8 +101,10 @@ def add_actuators(draft: Draft) -> None:
         if not (is_plain and m.actuator_trntype[i] in trunks and joint in draft.openings):
             draft.leave_out(f"actuator {name}", "allowed: motors and servos of a hinge or slide")
             continue
-        control, gear = float(draft.data.ctrl[m.actuator_ctrladr[i]]), m.actuator_gear[i, 0]
-        _, sign, unit = draft.openings[joint]
+        control, (_, sign, unit) = draft.data.ctrl[m.actuator_ctrladr[i]], draft.openings[joint]
+        if m.actuator_ctrllimited[i]:
+            control = np.clip(control, *m.actuator_ctrlrange[i])
+        gear = m.actuator_gear[i, 0]
         force = sign * gear * (m.actuator_gainprm[i, 0] * control + bias[0])
         stiffness, damping = -(gear**2) * bias[1:]
         if stiffness:

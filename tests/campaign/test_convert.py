@@ -84,6 +84,8 @@ JOINTS = {
     'solimplimit="0.9999 0.9999 1e-3"/>',
     "limits by time and damping ratio": '<joint name="a" axis="0 1 0" range="-0.5 0.2" '
     'solreflimit="0.05 0.3" solimplimit="0.9999 0.9999 1e-3"/>',
+    "friction of a slide": '<joint name="a" type="slide" axis="1 0 0.2" frictionloss="1.5" '
+    'stiffness="50" springref="0.3" solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3"/>',
     "spring between sites": FREE,
     "weld": '<joint name="a" axis="0 1 0"/>',
 }

@@ -41,10 +41,10 @@ def add_joint_forces(draft: Draft) -> None:
     for joint, (opening, sign, unit) in draft.openings.items():
         dof = int(m.jnt_dofadr[joint])
         rest = with_unit(sign * m.qpos_spring[m.jnt_qposadr[joint]], unit)
-        sticks = "exactly" if unit == "rad" else None
+        sticks = {"sticks": "exactly"} if unit == "rad" else {"bristle_deflection": "0.01 mm"}
         _act(draft, joint, opening, "spring", m.jnt_stiffness[joint], rest=rest)
         _act(draft, joint, opening, "damper", m.dof_damping[dof])
-        _act(draft, joint, opening, "friction", m.dof_frictionloss[dof], sticks=sticks)
+        _act(draft, joint, opening, "friction", m.dof_frictionloss[dof], **sticks)
         if m.jnt_limited[joint]:
             lower, upper = (with_unit(x, unit) for x in sorted(sign * m.jnt_range[joint]))
             k, c = _limit(m.jnt_solref[joint], m.jnt_solimp[joint], m.dof_invweight0[dof])

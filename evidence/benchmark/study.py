@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from evidence.benchmark import campaigns, kernel, overheads
-from evidence.benchmark.peers import compare, structures
+from evidence.benchmark.peers import compare, mjcf, structures
 from evidence.results import Report
 from evidence.rows import Row, set_group
 
@@ -19,6 +19,7 @@ _PARTS = {
     "compiling": (overheads.GROUP, lambda n: overheads.time_compilation()),
     "campaign": (campaigns.GROUP, lambda n: campaigns.paper(repeats=3 if n == 1 else 1)),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
+    "mujoco": (mjcf.GROUP, lambda n: mjcf.compare(3 if n == 1 else 1)),
     "structures": (structures.GROUP, lambda n: structures.exudyn(3 if n == 1 else 1)),
 }
 

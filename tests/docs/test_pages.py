@@ -39,6 +39,7 @@ NOT_RUN = {
     "pip install -e": ".ci/run installs the program, with what it depends on",
     "pip install .": "tests/workflow/test_wheel.py installs a wheel",
     "pip install 'deployable-intervals[export]'": "tests have meshio, and one is without it",
+    "pip install 'deployable-intervals[mjcf]'": "tests have mujoco, and some are without it",
     "pip install snakemake": "plugins, for tests/slurm and tests/workflow/test_storage.py",
     "pre-commit": "asks a network; .ci/run gives its three commands",
     "pytest": "these are the tests",
@@ -132,6 +133,8 @@ def folder(tmp_path_factory):
             structure = yaml.safe_load(text).get("name")
             file = f"{structure}.yaml" if structure else CAMPAIGN_OF[name]
             (folder / file).write_text(text, encoding="utf-8")
+    models = ROOT / "evidence/benchmark/peers/models"
+    (folder / "model.xml").symlink_to(models / "slider_crank.xml")
     (folder / "my.yaml").symlink_to(ROOT / "config/small.yaml")
     (folder / "mast.yaml").symlink_to(ROOT / "config/structures/scissor.yaml")
     with pytest.MonkeyPatch.context() as inside:

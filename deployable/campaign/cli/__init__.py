@@ -4,6 +4,7 @@
     python -m deployable check config/paper.yaml        check a file without running anything
     python -m deployable run config/paper.yaml          plan, simulate, bound, draw; no Snakemake
     python -m deployable structure mast.yaml            check a structure, print what it is, draw it
+    python -m deployable convert model.xml --to mine.yaml   a structure of a model in MJCF or URDF
     python -m deployable page results/paper --config config/paper.yaml   make the page again
     python -m deployable export results/paper --to glb  a run for ParaView, viewers, spreadsheets
 

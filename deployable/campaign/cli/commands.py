@@ -64,6 +64,16 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
         "--picture", type=Path, help=".png, .svg or .pdf to draw into (exports/<name>.png)"
     )
     structure.add_argument("--no-picture", action="store_true", help="draw nothing")
+    convert = command(commands, "convert", _convert.__doc__, _convert)
+    convert.add_argument(
+        "model", type=Path, metavar="MODEL", help="file of the model, MJCF or URDF"
+    )
+    convert.add_argument(
+        "--to", required=True, type=Path, metavar="FILE", help="file to make, .yaml"
+    )
+    convert.add_argument(
+        "--keyframe", default="", help="of the model, at which the structure starts"
+    )
     _add_export(command(commands, "export", _export.__doc__, _export))
 
 
@@ -192,6 +202,14 @@ def _structure(options: argparse.Namespace) -> int:
         print(f"\npicture       {write_structure(structure.build(), path)}")
     except OSError as error:
         raise error_of_files(error, path.parent) or error from None
+    return 0
+
+
+def _convert(options: argparse.Namespace) -> int:
+    """Write an MJCF or URDF model as the file of a structure, and print what is not taken."""
+    from deployable.campaign.convert import convert
+
+    print("\n".join([*convert(options.model, options.to, options.keyframe), str(options.to)]))
     return 0
 
 

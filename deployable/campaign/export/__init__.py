@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export.figures import write_figures
+from deployable.campaign.export.mjcf import write_mjcf
 from deployable.campaign.export.selection import SelectedRun, choose
 from deployable.campaign.export.tables import write_tables
 from deployable.campaign.export.vtk import write_vtk
@@ -55,6 +56,7 @@ FORMATS = {
         "",
         ("bounds.nc",),
     ),
+    "mjcf": ExportFormat(write_mjcf, "rigid bodies at their start, for MuJoCo", 0),
 }
 MOVIES = ("gif", "webp")
 COLOURS = ("bars", "stress")  # by what moving pictures are coloured
@@ -71,10 +73,10 @@ def export(
     Parameters
     ----------
     run: the run, as `choose` returns it.
-    kind: name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
+    kind: name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures, csv or mjcf.
     folder: folder of the files; made where it is missing.
-    frames: number of frames, evenly spread over the run; None: the format's own number. csv needs
-        none.
+    frames: number of frames, evenly spread over the run; None: the format's own number. csv and
+        mjcf need none.
     colour: by what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
         ``stress``, equivalent stress."""
     form = FORMATS[kind]

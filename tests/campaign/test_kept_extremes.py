@@ -99,7 +99,7 @@ def test_bounds_of_the_scan_and_answers_are_those_of_all_curves_bit_for_bit(scan
     assert summary["design"]["runs"] == SAMPLES + 1
     assert summary["scan"]["drawn_runs"] == SAMPLES - 4
     told = (folder / "summary.md").read_text()
-    assert "it is no guarantee. The last quarter of the runs widened the bounds by" in told
+    assert "so this is no guarantee. The last quarter of the runs widened the bounds by" in told
 
 
 @pytest.mark.slow

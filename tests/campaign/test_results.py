@@ -35,7 +35,7 @@ from fpm.files.seals import unseal
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"
 DRAWN = ("BD", "vBz", "moments", "responses")
-ESTIMATE = "an estimate of the simulated model's range"
+ESTIMATE = "which estimates the range of the simulated model"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 
 
@@ -158,7 +158,7 @@ def test_an_error_that_no_run_shows_is_told_to_be_foretold():
     bounds = ResponseBounds("x", "place", "m", *np.zeros((3, 2)), kind=polynomial, errors=errors)
     row = {"units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, runs=3)}
     told = sentence("extrapolated", row)
-    assert "misses the 3 runs that were not fitted by at most 0.01 m" in told
+    assert "On the 3 runs kept out of the fit it is off by at most 0.01 m" in told
     assert _extrapolated_error(bounds, 1, runs=3) == {}
     assert _extrapolated_error(replace(bounds, kind="attained range of a spline"), 0, 3) == {}
 

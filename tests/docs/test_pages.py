@@ -59,7 +59,7 @@ NOT_RUN = {
 # Where each campaign of the pages is run. The other tests run it by `python -m deployable run`;
 # tests/workflow shows that Snakemake leaves the same files, and runs `--report` and `--unlock`.
 _TOLD, _GOLDEN = "tests/docs/test_answers_of_pages.py", "tests/golden/values.json"
-_FLOW = "tests/workflow/test_campaign_runs.py"
+_FLOW, _EXAMPLES = "tests/workflow/test_campaign_runs.py", "tests/campaign/test_examples.py"
 CAMPAIGNS = {
     "first": "here", "my": "here", "paper": _FLOW, "aim": _FLOW,
     "small": _GOLDEN, "three": _GOLDEN, "six": _GOLDEN,
@@ -69,6 +69,7 @@ CAMPAIGNS = {
     # With 64 of their 10,000 runs, which take 5 and 16 minutes of a core.
     "scan": _TOLD, "strength_scan": _TOLD,
     "wing": "tests/campaign/test_cases.py",
+    "hatch": _EXAMPLES, "spindle": _EXAMPLES, "winch": _EXAMPLES,
 }  # fmt: skip
 
 # Of the studies, those parts that a page runs alone and that take seconds are run here.

@@ -61,7 +61,7 @@ def test_progress_is_visible(small):
     assert "small: 7 of 7 runs done" in small.output
     assert "(100%) done" in small.output
     started, answer = small.output.split("(100%) done")
-    assert "may differ by up to" in answer and "may differ by up to" not in started
+    assert " differs by up to" in answer and " differs by up to" not in started
     assert answer.count("Open results/small/report.html") == 1 and "Open " not in started
 
 

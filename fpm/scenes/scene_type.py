@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import Number
 from fpm.elements import energies_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
@@ -43,10 +43,10 @@ class Parameter:
         object.__setattr__(self, "description", join_lines(self.description))
 
     @property
-    def limits(self) -> NumberLimits:
+    def limits(self) -> Number:
         """Limits of the parameter's values."""
         is_whole = self.kind == "integer"
-        return NumberLimits(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
+        return Number(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
 
     @property
     def allowed(self) -> str:

@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from fpm.declare import specs
 from fpm.elements import Drag, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
-from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import ElementType

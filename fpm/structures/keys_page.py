@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from fpm.structures.keys import NO_VALUE
+from fpm.declare import NO_VALUE
 from fpm.structures.model import overall
 from fpm.structures.statement import Statement
 from fpm.structures.statements import STATEMENTS

@@ -86,7 +86,7 @@ def graph_of(known, *, annotations=False):
 @pytest.mark.parametrize(
     ("package", "upper", "lower", "flat"),
     [
-        ("fpm", "elements", "kernels", {"errors"}),
+        ("fpm", "elements", "kernels", {"declare", "errors"}),
         ("deployable.campaign", "runs", "plan", {"errors", "folder", "provenance", "interrupts"}),
     ],
 )

@@ -13,7 +13,7 @@ from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import Number
 
 
 class RefusedError(ValueError):
@@ -25,17 +25,16 @@ class RefusedError(ValueError):
         self.key, self.text = key, text
 
 
-@dataclass(frozen=True)
-class Rule(NumberLimits):
+@dataclass(frozen=True, kw_only=True)
+class Rule(Number):
     """Limits and wording of a config key, put beside its type by `Annotated`; pydantic checks by
     them. The limits are of the number, or of how many entries a mapping or list has; `unit`: of the
-    number, "1": none, or what has it: "parameter", "response", "quantity". allowed: what is
+    number, "1": none, or what has it: "parameter", "response", "quantity". phrase: what is
     allowed, in words, if the limits do not say it; text: what an entry of a mapping is; units: of
     the numbers of a definition, pairs of key and unit; pattern: regular expression for the whole
     text."""
 
-    allowed: str = ""
-    text: str = ""
+    phrase: str = ""
     units: tuple[tuple[str, str], ...] = ()
     pattern: str = ""
 
@@ -53,11 +52,11 @@ class Rule(NumberLimits):
         number = len(value) if isinstance(value, str | dict | tuple) else value
         return is_fit and (not isinstance(number, int | float) or super().allows(number))
 
-    def words(self, hint: Any) -> str:
-        """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
+    def describe_type(self, hint: Any) -> str:
+        """Say in words what is allowed, for messages and docs: the text `phrase`, else what the
         limits and the type `hint` of the key imply, such as "a whole number above 0"."""
-        if self.allowed or is_dataclass(hint):
-            return self.allowed or "a mapping"
+        if self.phrase or is_dataclass(hint):
+            return self.phrase or "a mapping"
         if get_origin(hint) is Literal:
             return f"one of {', '.join(f'`{word}`' for word in get_args(hint))}"
         if hint is bool:
@@ -98,13 +97,13 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
     for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
         if get_origin(option) is dict:
             name, entry = map(config_key_of, get_args(option))
-            names = name.rule.allowed
+            names = name.rule.phrase
         elif is_dataclass(option):
             section, hints = option, get_type_hints(option, include_extras=True)
             for f in fields(option):
                 value = f.default if f.default_factory is MISSING else f.default_factory()
                 children[f.name] = config_key_of(hints[f.name], value)
-    return ConfigKey(rule, rule.words(hint), default, section, children, entry, names)
+    return ConfigKey(rule, rule.describe_type(hint), default, section, children, entry, names)
 
 
 def _docstrings(hint: type) -> dict[str, str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import stiffness
+from fpm.declare import stiffness
 from fpm.elements.kind import Energy, Gate
 from fpm.elements.openings.opening import on_hinge
 from fpm.elements.openings.stop import AnyStop

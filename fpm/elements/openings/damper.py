@@ -5,7 +5,7 @@ damper c and spring k on inertia J is stable where h² k/J + 4 h c/J <= 4 (times
 
 from dataclasses import dataclass
 
-from fpm.elements.fields import damping
+from fpm.declare import damping
 from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge
 
 

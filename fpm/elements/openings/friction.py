@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fpm.elements.fields import damping, number, specs
+from fpm.declare import damping, number, specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.turn import ExactConnector

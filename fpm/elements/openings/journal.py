@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import number, word
+from fpm.declare import number, word
 from fpm.elements.kind import Deformations, Energy, Series, Watch
 from fpm.elements.openings.friction import DAMPING_RATIO
 from fpm.elements.openings.opening import (

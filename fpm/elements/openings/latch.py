@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import damping, number, stiffness, topology, word
+from fpm.declare import damping, number, stiffness, topology, word
 from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Gate, Series
 from fpm.elements.openings.opening import (
@@ -63,7 +63,7 @@ class Latch(ExactConnector):
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
-    stiffness: float | None = stiffness(default=None, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")
     damping: float = damping(default=0.0, text="with which it holds")
     capture_range: float = number(
         "rad", 0.0, default=0.0, zero=False, text="how far from `angle` it catches as well"

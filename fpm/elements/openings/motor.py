@@ -18,7 +18,7 @@ of the rates before and after it). Its first rate is that of the start of a run
 from dataclasses import dataclass
 from typing import ClassVar
 
-from fpm.elements.fields import damping, index, number, stiffness, topology
+from fpm.declare import damping, index, number, stiffness, topology
 from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import (
@@ -73,7 +73,9 @@ class Motor(AnyMotor, ExactConnector):
     for N m."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(default=None, text="of its drive train")
+    stiffness: float | None = stiffness(
+        default=None, text="of its drive train; left out: it prescribes exactly"
+    )
     damping: float = damping(default=0.0, text="of its drive train")
     start: float = number(
         "rad", default=0.0, words="opening of {title}", is_shown=False,

@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from fpm.declare import SLIDE_UNITS, index
 from fpm.elements.cross import cross
-from fpm.elements.fields import index
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import Deformations, ElementType, Energy, Gate, Series
 from fpm.elements.particles.drive import Drive
@@ -39,12 +39,6 @@ PARTS = (
     "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "other",
 )  # fmt: skip
 """Parts of the moment on an opening, by the kinds that act on it (ElementType.acts_as)."""
-
-SLIDE_UNITS = {
-    "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
-    "N m/rad": "N/m", "N m s/rad": "N s/m", "kg m2": "kg",
-}  # fmt: skip
-"""Units of what acts on hinges, and those of the same on slides."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import damping, index, number, stiffness, topology
+from fpm.declare import damping, index, number, stiffness, topology
 from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy
 from fpm.elements.openings.latch import Latch
@@ -27,9 +27,11 @@ class Release(ExactConnector):
     ("": none) whose catch frees it."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(default=None, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")
     damping: float = damping(default=0.0, text="with which it holds")
-    hold: float | None = number("rad", default=None, text="opening at which it holds")
+    hold: float | None = number(
+        "rad", default=None, text="opening at which it holds; left out: that at the start"
+    )
     time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it releases")
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
     level: float = number("rad", default=0.0, is_shown=False)

@@ -8,7 +8,7 @@ so that a stop never pulls."""
 
 from dataclasses import dataclass
 
-from fpm.elements.fields import damping, number, stiffness, word
+from fpm.declare import damping, number, stiffness, word
 from fpm.elements.kind import Energy, Gate
 from fpm.elements.openings.opening import (
     JOINT_LOSS,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number, stiffness, topology
+from fpm.declare import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
 from fpm.elements.openings.opening import ConnectorElement, backlashes, mobility, relative_turn
 from fpm.errors import SceneError

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number
+from fpm.declare import index, number
 from fpm.elements.openings.motor import AnyMotor
 from fpm.elements.openings.opening import on_hinge
 

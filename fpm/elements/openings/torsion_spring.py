@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from fpm.elements.fields import number, stiffness
+from fpm.declare import number, stiffness
 from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import Connector, on_hinge
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fpm.arithmetic.expressions import Expression, ExpressionError
+from fpm.declare import Number, Word
 from fpm.elements import Drag, Load
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
@@ -16,13 +17,11 @@ from fpm.elements.particles.drag import stations
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import (
-    ChoiceKey,
     CurveExpressionKey,
     CurvesKey,
     DirectionKey,
     LettersKey,
     ListKey,
-    NumberKey,
     OpeningKey,
     PointKey,
     ReferenceKey,
@@ -47,19 +46,19 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
     times=ListKey(
         None,
         "increasing; these and `values`, or `file` and `column`, or `expression` and `over`",
-        kind=NumberKey(unit="s"),
+        kind=Number(unit="s"),
     ),
-    values=ListKey(None, "one for each time", kind=NumberKey()),
+    values=ListKey(None, "one for each time", kind=Number()),
     file=CurvesKey(None, "with times first, and units in its first line"),
     column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
-    smooth=ChoiceKey(
+    smooth=Word(
         "false", "whether it is a smooth cubic between the values, never beyond two neighbours, "
-        "with no slope at its ends", options=("true", "false"),
+        "with no slope at its ends", values=("true", "false"),
     ),
     expression=CurveExpressionKey(
         None, "of u, which goes from 0 to 1 over `over`, or of t, the time"
     ),
-    over=ListKey(None, "start and end of it", NumberKey(unit="s"), 2, 2),
+    over=ListKey(None, "start and end of it", Number(unit="s"), 2, 2),
 )  # fmt: skip
 def curve(build, args):
     """A curve of time: through values, or by an expression; constant before and after.
@@ -147,9 +146,9 @@ def load(build, args):
     "drags",
     part=PART,
     through=ListKey(kind=POINT, most=2, text="one of its points, or the ends of a line of it"),
-    area=NumberKey(unit="m2", least=0, text="frontal area; of a line its length times its width"),
-    coefficient=NumberKey(least=0, text="drag coefficient: force over density/2 area speed**2"),
-    density=NumberKey(unit="kg/m3", least=0, text="of the air"),
+    area=Number(unit="m2", least=0, text="frontal area; of a line its length times its width"),
+    coefficient=Number(least=0, text="drag coefficient: force over density/2 area speed**2"),
+    density=Number(unit="kg/m3", least=0, text="of the air"),
     normal=DirectionKey(
         None, "of a plate: only the velocity along it drags; left out: that across a line, and all "
         "of that of a point"
@@ -181,21 +180,19 @@ def drag(build, args):
 @statement(
     "cables",
     through=ListKey(kind=PointKey(), least=2, text="its points, in order", units=True),
-    EA=NumberKey(unit="N", above=0, text="tension for a strain of one"),
-    rest=NumberKey(None, "its length without tension; this or `preload`", unit="m", above=0),
-    preload=NumberKey(None, "its tension at the start; this or `rest`", unit="N", least=0),
-    reel=NumberKey(
-        None, "length that a winch at the first point takes in, times `curve`", unit="m"
-    ),
+    EA=Number(unit="N", above=0, text="tension for a strain of one"),
+    rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
+    preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
+    reel=Number(None, "length that a winch at the first point takes in, times `curve`", unit="m"),
     curve=ReferenceKey(None, "of the winch", group="curves"),
-    friction=NumberKey(
+    friction=Number(
         None, "coefficient of friction at the points between its ends; left out: they turn", least=0
     ),
     drum=OpeningKey(
         None, "joint whose opening winds it at the first point", types=("revolute", "universal")
     ),
-    radius=NumberKey(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
-    shortest=NumberKey(
+    radius=Number(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
+    shortest=Number(
         None,
         "length without tension down to which the drum may wind it; left out: a quarter of "
         "that at the start",
@@ -325,7 +322,7 @@ def motion(build, args):
 @statement(
     "opening_rates",
     joint=OpeningKey(text="whose opening changes at the start"),
-    rate=NumberKey(unit="rad/s", text="of its opening"),
+    rate=Number(unit="rad/s", text="of its opening"),
 )
 def opening_rate(build, args):
     """How fast an opening changes at the start; what else moves is as after an impact in these

@@ -9,7 +9,7 @@ from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
 from math import inf
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -41,16 +41,12 @@ class Key:
     words: str = field(default="", kw_only=True)
     is_topology: bool = field(default=False, kw_only=True)
     is_shown: bool = field(default=False, kw_only=True)
+    schema: ClassVar[Any] = {}  # what JSON Schema says of the key's values in a file
 
     @property
     def allowed(self) -> str:
         """Values that the key may have, in words, for messages and documentation."""
         raise NotImplementedError
-
-    @property
-    def schema(self) -> dict[str, Any]:
-        """What JSON Schema says of the key's values in a file; by default anything."""
-        return {}
 
     def for_slides(self, joints: Container[str]) -> "Key":
         """Return this key as an entry about slides takes it, with m for rad; by default unchanged.
@@ -83,6 +79,7 @@ class Number(Key):
     count: int = 1
     zero: bool = True
     joint: str = "joint"
+    schema: ClassVar[Any] = {"type": ["number", "string"]}
 
     def allows(self, value: float) -> bool:
         """Return whether a number, `value`, is within the limits; NaN is not."""
@@ -125,10 +122,6 @@ class Number(Key):
         noun = {"": "a number", "rad": "an angle"}.get(self.unit, f"a value in {self.unit}")
         return self.describe(noun)
 
-    @property
-    def schema(self) -> dict[str, Any]:
-        return {"type": ["number", "string"]}
-
     def for_slides(self, joints):
         of_slide = SLIDE_UNITS.get(self.unit, self.unit)
         return replace(self, unit=of_slide) if self.joint in joints else self
@@ -160,7 +153,7 @@ class Word(Key):
         return ", ".join(map(str, self.values))
 
     @property
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> dict[str, Any]:  # type: ignore[override]
         return {"enum": [x == "true" if x in ("true", "false") else x for x in self.values]}
 
     def read(self, node, place):

@@ -10,7 +10,7 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,9 @@ COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count of units, or number of elements between two points."""
 
+STRING = {"type": "string"}
+"""What JSON Schema says of names and texts."""
+
 BuildValue = Callable[[Builder], Any]
 """Function of a sample's Builder: a key's value in SI units; raises SceneError if it is not
 allowed."""
@@ -42,6 +45,7 @@ COUNT = Number(least=1, most=MOST, is_whole=True)
 class VectorKey(Key):
     """Key of three numbers along x, y, z, (3,) in SI units; unit: of their dimension, as "m/s2"."""
 
+    schema: ClassVar[Any] = {"type": ["array", "string"], "minItems": 3, "maxItems": 3}
     unit: str = ""
 
     @property
@@ -63,6 +67,8 @@ class VectorKey(Key):
 class GravityKey(VectorKey):
     """Key of an acceleration of gravity: a pair of its vector, (3,) m/s², and None or a function of
     the Builder that returns the index of its curve of time, once curves are built."""
+
+    schema = VectorKey.schema | {"type": ["array", "string", "object"]}
 
     @property
     def allowed(self) -> str:
@@ -140,6 +146,7 @@ class ReferenceKey(Key):
     """Key whose value is what was built for an entry, given by its name, of `group`, as "bars".
     ground: whether `ground` is allowed too, in the group "parts"."""
 
+    schema = STRING
     group: str = ""
     ground: bool = False
 
@@ -162,6 +169,7 @@ class OpeningKey(Key):
     that are allowed, (): all; slides: whether it must be a length, or must not, None: either; hint:
     text to add to `allowed`, for messages."""
 
+    schema = STRING
     types: tuple[str, ...] = ()
     slides: bool | None = None
     hint: str = ""
@@ -255,6 +263,11 @@ class ListKey(Key):
     units: bool = False
 
     @property
+    def schema(self) -> dict[str, Any]:  # type: ignore[override]
+        items = {} if self.units else self.kind.schema
+        return {"type": "array", "items": items, "maxItems": self.most}
+
+    @property
     def allowed(self) -> str:
         count = f"{self.least}" if self.least == self.most else f"{self.least} to {self.most}"
         suffix = (
@@ -339,6 +352,7 @@ class AssemblyKey(Key):
 class TextKey(Key):
     """Key whose value is text."""
 
+    schema = STRING
     allowed = "text"
 
     def read(self, node, place):
@@ -398,6 +412,7 @@ class CurveExpressionKey(Key):
 class LettersKey(Key):
     """Key whose value is a set of global axes, as text such as "xz"; "" where `none` is given."""
 
+    schema = STRING
     allowed = "letters out of xyz, or none"
 
     def read(self, node, place):

@@ -49,11 +49,7 @@ MOST_STATEMENTS = 20_000
     ),
 )  # fmt: skip
 def overall(build, args):
-    """What holds for the whole structure.
-
-    build: Builder of the sample, whose `hold`, `gravity_curve` and `is_balanced` are set; args:
-    name, gravity (vector (3,) m/s², curve), damping (1/s), viscosity (share of critical damping),
-    assemble, start. Returns an empty Scene."""
+    """What holds for the whole structure."""
     build.hold, build.is_balanced = args.assemble, args.start == "equilibrium"
     gravity, build.gravity_curve = args.gravity
     scene = Scene(args.name, gravity, args.damping)

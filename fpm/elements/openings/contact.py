@@ -20,9 +20,7 @@ within 0.2 % of its speed, and from the step after it struck the energy balances
 
 @dataclass(frozen=True)
 class Contact(AnyStop):
-    """Faces that touch where the opening of a revolute joint is below zero.
-
-    hinge: index; stiffness: moment that opens it per radian of opening below zero (N m/rad)."""
+    """Faces that touch where the opening of a revolute joint is below zero."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")

@@ -11,9 +11,7 @@ from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge
 
 @dataclass(frozen=True)
 class Damper(Connector):
-    """Resists the motion of a joint, in proportion to its rate.
-
-    hinge: index of a hinge or slide; damping: moment by rate (N m s/rad; N s/m on slides)."""
+    """Resists the motion of a joint, in proportion to its rate."""
 
     hinge: int = on_hinge()
     damping: float = damping(text="moment for each radian a second")

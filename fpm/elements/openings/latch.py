@@ -54,12 +54,9 @@ slides names and units are others (opening.by_unit)."""
 @dataclass(frozen=True)
 class Latch(ExactConnector):
     """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
-    and holds from then on by a spring and a damper, or exactly. hinge: index; angle: rad; stiffness
-    (N m/rad; None: exactly), damping (N m s/rad): it holds with; capture_range: how far from
-    `angle` it catches as well (rad); side: from where it comes when caught ("below", "above",
-    "either"); max_capture_rate: above which it does not catch (rad/s); one_sided: whether it lets
-    the opening go on in the direction of the catch, as a ratchet; name: "": the hinge's. On slides
-    m for rad, N for N m."""
+    and holds from then on by a spring and a damper, or exactly. one_sided: whether it lets the
+    opening go on in the direction of the catch, as a ratchet; name: "": the hinge's. On slides m
+    for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")

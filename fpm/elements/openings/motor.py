@@ -66,11 +66,8 @@ class AnyMotor(Connector):
 @dataclass(frozen=True)
 class Motor(AnyMotor, ExactConnector):
     """Motor that prescribes the joint coordinate of a hinge, through an elastic drive train or
-    exactly: start + turn times a curve of time. hinge: index; stiffness (N m/rad; None: exactly),
-    damping (N m s/rad): of the drive train; start, turn (rad); curve: index in Scene.curves, -1:
-    constant 1; by_rate: whether turn (rad/s) times the curve is the coordinate's rate instead, from
-    `start` on; backlash: of the drive train, all its play (rad), None: none; on slides m for rad, N
-    for N m."""
+    exactly: start + turn times a curve of time. by_rate: whether turn (rad/s) times the curve is
+    the coordinate's rate instead, from `start` on. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     stiffness: float | None = stiffness(

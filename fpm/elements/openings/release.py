@@ -20,11 +20,8 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class Release(ExactConnector):
     """Release that holds a hinge or slide by a spring and a damper, or exactly, and then lets go.
-    hinge: index; stiffness (N m/rad; N/m on a slide; None: exactly), damping (N m s/rad; N s/m),
-    hold: opening (joint coordinate, rad; m) at which its spring has no moment; time: when it lets
-    go (s), infinite: by `watch` or `latch` only; watch: index of a hinge or slide (-1: none) whose
-    opening frees it when it passes `level` (rad; m), if that is earlier; latch: name of a latch
-    ("": none) whose catch frees it."""
+    It does so at `time`, and earlier where the hinge or slide `watch` (-1: none) passes `level`, or
+    the latch of the name `latch` ("": none) catches."""
 
     hinge: int = on_hinge()
     stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")

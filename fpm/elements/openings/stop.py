@@ -29,9 +29,8 @@ class AnyStop(Connector):
 
 @dataclass(frozen=True)
 class Stop(AnyStop):
-    """Stop of a hinge or slide: a spring and a damper that act beyond an opening (joint
-    coordinate). hinge: index; angle: that opening (rad; m on slides); side: "above" or "below" it,
-    where they act; stiffness (N m/rad; N/m), damping (N m s/rad; N s/m): of spring and damper."""
+    """Stop of a hinge or slide: a spring and a damper that act beyond the opening `angle`, on the
+    `side` above or below it."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")

@@ -9,8 +9,7 @@ from fpm.elements.openings.opening import Connector, on_hinge
 
 @dataclass(frozen=True)
 class TorsionSpring(Connector):
-    """Linear spring on the opening (joint coordinate) of a hinge or slide. hinge: index; stiffness:
-    N m/rad (N/m on slides); rest: opening without moment (rad; m on slides)."""
+    """Linear spring on the opening (joint coordinate) of a hinge or slide."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")

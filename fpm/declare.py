@@ -27,6 +27,44 @@ SLIDE_UNITS = {
 _KEY = "fpm"
 
 
+@dataclass(frozen=True, kw_only=True)
+class NumberLimits:
+    """What a number may be. unit: as "N m", "" or "1" for none; least, most: bounds, themselves
+    allowed; above: one that is not; is_whole: whether it has no fraction."""
+
+    unit: str = ""
+    least: float = -inf
+    above: float = -inf
+    most: float = inf
+    is_whole: bool = False
+
+    def allows(self, value: float) -> bool:
+        """Return whether a number, `value`, is within the limits; NaN is not."""
+        is_within = self.least <= value <= self.most and (value > self.above or self.above == -inf)
+        return is_within and (not self.is_whole or value == round(value))
+
+    def describe(self, noun: str = "", unit: str = "") -> str:
+        """Return in words what is allowed: "a number above 0 (m)". noun: for "a number", "": that;
+        unit: "" or "1" for none."""
+        words = noun or ("a whole number" if self.is_whole else "a number")
+        least, most, has_end = _text(self.least), _text(self.most), self.most < inf
+        if self.above > -inf:
+            words += f" above {_text(self.above)}" + f", up to {most}" * has_end
+        elif self.least > -inf:
+            words += f" from {least} to {most}" if has_end else f" of at least {least}"
+        elif has_end:
+            words += f" of at most {most}"
+        return words + f" ({unit})" * (unit not in ("", "1"))
+
+    def check(self, key: str, value: Any, noun: str = "") -> float:
+        """Return a finite number within the limits, an int if whole; SceneError if `value` is none.
+        key, noun: what messages call it, as in `describe`."""
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (is_number and -inf < value < inf and self.allows(value)):
+            raise SceneError(key, value, self.describe(noun, self.unit))
+        return int(value) if self.is_whole else float(value)
+
+
 @dataclass(frozen=True)
 class Key:
     """What a field of an element, or a key of a file, may be (base class). default: its value when
@@ -61,31 +99,23 @@ class Key:
         raise NotImplementedError
 
 
-@dataclass(frozen=True, kw_only=True)
-class Number(Key):
-    """A number, or `count` of them, with their limits. unit: as "N m", "" or "1" for none; least,
-    most: bounds that are allowed themselves; above: one that is not; is_whole: whether it has no
-    fraction; finite: whether infinity is refused; optional: whether None is allowed; zero: whether
-    descriptions say a 0; joint: key of the entry that names the joint that it may be about: if that
-    is a slide, the unit is that of SLIDE_UNITS."""
+@dataclass(frozen=True)
+class Number(Key, NumberLimits):
+    """A number, or `count` of them, with their limits. finite: whether infinity is refused;
+    optional: whether None is allowed; zero: whether descriptions say a 0; joint: key of the entry
+    that names the joint that it may be about: if that is a slide, the unit is that of
+    SLIDE_UNITS."""
 
-    unit: str = ""
-    least: float = -inf
-    above: float = -inf
-    most: float = inf
-    is_whole: bool = False
-    finite: bool = True
-    optional: bool = False
-    count: int = 1
-    zero: bool = True
-    joint: str = "joint"
+    finite: bool = field(default=True, kw_only=True)
+    optional: bool = field(default=False, kw_only=True)
+    count: int = field(default=1, kw_only=True)
+    zero: bool = field(default=True, kw_only=True)
+    joint: str = field(default="joint", kw_only=True)
     schema: ClassVar[Any] = {"type": ["number", "string"]}
 
     def allows(self, value: float) -> bool:
-        """Return whether a number, `value`, is within the limits; NaN is not."""
-        is_within = self.least <= value <= self.most and (value > self.above or self.above == -inf)
-        is_within = is_within and (not self.finite or -inf < value < inf)
-        return is_within and (not self.is_whole or value == round(value))
+        """Return whether a `value` is within the field's limits, and finite if it must be."""
+        return (not self.finite or -inf < value < inf) and super().allows(value)
 
     def fits(self, value: Any) -> bool:
         """Return whether a field's value is as many numbers as it has, all within the limits."""
@@ -93,27 +123,6 @@ class Number(Key):
             return self.optional
         numbers = numbers_in(value)
         return len(numbers) == self.count and all(map(self.allows, numbers))
-
-    def describe(self, noun: str = "", unit: str = "") -> str:
-        """Return in words what is allowed: "a number above 0 (m)". noun: for "a number", "": that;
-        unit: "" or "1" for none."""
-        words = noun or ("a whole number" if self.is_whole else "a number")
-        least, most, has_end = _text(self.least), _text(self.most), self.most < inf
-        if self.above > -inf:
-            words += f" above {_text(self.above)}" + f", up to {most}" * has_end
-        elif self.least > -inf:
-            words += f" from {least} to {most}" if has_end else f" of at least {least}"
-        elif has_end:
-            words += f" of at most {most}"
-        return words + f" ({unit})" * (unit not in ("", "1"))
-
-    def check(self, key: str, value: Any, noun: str = "") -> float:
-        """Return a finite number within the limits, an int if whole; SceneError if `value` is none.
-        key, noun: what messages call it, as in `describe`."""
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not (is_number and -inf < value < inf and self.allows(value)):
-            raise SceneError(key, value, self.describe(noun, self.unit))
-        return int(value) if self.is_whole else float(value)
 
     @property
     def allowed(self) -> str:

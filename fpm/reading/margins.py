@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.declare import Number
+from fpm.declare import NumberLimits
 from fpm.elements import Journal
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
@@ -333,7 +333,7 @@ def _numbers(spec, key: str) -> dict[str, float]:
 
 
 def _number(spec, key: str, value: object) -> float:
-    return Number(least=0).check(f"responses.{spec.name}.{key}", value)
+    return NumberLimits(least=0).check(f"responses.{spec.name}.{key}", value)
 
 
 def _opening(spec, key: str, hinge, unit: str) -> float | None:

@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Any
 
 from fpm.arithmetic import expressions
-from fpm.declare import Number
+from fpm.declare import NumberLimits
 from fpm.elements.kind import Eventful
 from fpm.errors import SceneError
 from fpm.reading.definitions import check_choice, kind_of
@@ -16,7 +16,7 @@ from fpm.reading.quantity_expressions import QuantityExpression, unit_of
 from fpm.reading.responses import Response
 
 DIRECTIONS = ("rising", "falling", "either")
-_COUNT = Number(least=1, most=10_000, is_whole=True)
+_COUNT = NumberLimits(least=1, most=10_000, is_whole=True)
 
 
 def _count(key: str, value: object) -> int:
@@ -97,8 +97,8 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         return _add_long_name(Quantity(name, kind, unit, "", instant=quantities[target]))
     response = responses[check_choice(f"{key}.{kind}", target, responses)]
     read: dict[str, Callable] = {
-        **dict.fromkeys(("level", "about"), Number(unit=response.unit).check),
-        "within": Number(unit=response.unit, above=0).check,
+        **dict.fromkeys(("level", "about"), NumberLimits(unit=response.unit).check),
+        "within": NumberLimits(unit=response.unit, above=0).check,
         "number": _count,
         "way": lambda key, value: check_choice(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
@@ -183,7 +183,7 @@ def _ordinal(number: int) -> str:
 def _moment(key: str, instant: object, quantities: Mapping[str, Quantity]) -> Quantity | float:
     times = [name for name, quantity in quantities.items() if quantity.is_time]
     if not isinstance(instant, str):
-        return Number(unit="s").check(key, instant)
+        return NumberLimits(unit="s").check(key, instant)
     if instant not in times:
         allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
         raise SceneError(key, instant, allowed)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.declare import SLIDE_UNITS, Number
+from fpm.declare import SLIDE_UNITS, NumberLimits
 from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.errors import SceneError
@@ -163,7 +163,7 @@ def _section(spec: Definition) -> Response:
     """A component of what a section of a bar bears, or the size of both of two axes."""
     parts, name = spec.variable.parts, spec.one_of(spec.variable.names(spec.scene))
     key, share = f"responses.{spec.name}.at", "a share of the bar's length,"
-    fraction = Number(least=0, most=1).check(key, spec.data["at"], share)
+    fraction = NumberLimits(least=0, most=1).check(key, spec.data["at"], share)
     bending = parts[1].removesuffix("_y")
     component = spec.one_of((*parts, bending), "component")
     labels = parts[1:] if component == bending else (component,)

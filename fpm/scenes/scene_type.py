@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fpm.declare import Number
+from fpm.declare import NumberLimits
 from fpm.elements import energies_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
@@ -43,10 +43,10 @@ class Parameter:
         object.__setattr__(self, "description", join_lines(self.description))
 
     @property
-    def limits(self) -> Number:
+    def limits(self) -> NumberLimits:
         """Limits of the parameter's values."""
         is_whole = self.kind == "integer"
-        return Number(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
+        return NumberLimits(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
 
     @property
     def allowed(self) -> str:

@@ -14,7 +14,7 @@ from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from fpm.declare import NO_VALUE, Number
+from fpm.declare import NO_VALUE, NumberLimits
 
 
 class RefusedError(ValueError):
@@ -26,15 +26,16 @@ class RefusedError(ValueError):
         self.key, self.text = key, text
 
 
-@dataclass(frozen=True, kw_only=True)
-class Rule(Number):
+@dataclass(frozen=True)
+class Rule(NumberLimits):
     """Declaration of a config key, put beside its type by `Annotated`. Limits are of the number, or
     of how many entries a mapping or list has; `unit`: of the number, "1": none, or what has it:
-    "parameter", "response", "quantity". phrase: what is allowed, in words, if the limits do not say
-    it; text: what an entry of a mapping is; units: of the numbers of a definition, pairs of key and
-    unit; pattern: regular expression for the whole text."""
+    "parameter", "response", "quantity". allowed: what is allowed, in words, if the limits do not
+    say it; text: what an entry of a mapping is; units: of the numbers of a definition, pairs of key
+    and unit; pattern: regular expression for the whole text."""
 
-    phrase: str = ""
+    allowed: str = ""
+    text: str = ""
     units: tuple[tuple[str, str], ...] = ()
     pattern: str = ""
 
@@ -44,11 +45,11 @@ class Rule(Number):
         number = len(value) if isinstance(value, str | dict | tuple) else value
         return is_fit and (not isinstance(number, int | float) or self.allows(number))
 
-    def describe_type(self, hint: Any) -> str:
-        """Say in words what is allowed, for messages and docs: the text `phrase`, else what the
+    def words(self, hint: Any) -> str:
+        """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
         limits and the type `hint` of the key imply, such as "a whole number above 0"."""
-        if self.phrase or is_dataclass(hint):
-            return self.phrase or "a mapping"
+        if self.allowed or is_dataclass(hint):
+            return self.allowed or "a mapping"
         if get_origin(hint) is Literal:
             return f"one of {', '.join(f'`{word}`' for word in get_args(hint))}"
         if hint is bool:
@@ -125,7 +126,7 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
             for f in fields(option):
                 value = f.default if f.default_factory is MISSING else f.default_factory()
                 children[f.name] = config_key_of(hints[f.name], value)
-    allowed = rule.describe_type(hint)
+    allowed = rule.words(hint)
     return ConfigKey(rule, allowed, default, section, children, entry, names, options)
 
 

@@ -9,27 +9,26 @@ from typing import Annotated, Any, Literal
 
 from deployable.campaign.config.keys import RefusedError, Rule
 
-Name = Annotated[str, Rule(
-    phrase="a name of up to 64 letters, digits and `_` that starts with a letter",
+Name = Annotated[str, Rule("a name of up to 64 letters, digits and `_` that starts with a letter",
     pattern="[A-Za-z][A-Za-z0-9_]{0,63}")]  # fmt: skip
 CampaignName = Annotated[str, Rule(
-    phrase="up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
-    "name of a study",
+    "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name of "
+    "a study",
     pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
     "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]  # fmt: skip
 CaseName = Annotated[str, Rule(
-    phrase="a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
+    "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
     "not that of a folder of results, or `all`",
     pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
     "$)[A-Za-z][A-Za-z0-9 _-]{0,63}")]  # fmt: skip
 Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
 OrAuto = Literal["auto"]
-StructureFile = Annotated[str, Rule(phrase="the path of a `.yaml` file", pattern=r"[^\0]*")]
+StructureFile = Annotated[str, Rule("the path of a `.yaml` file", pattern=r"[^\0]*")]
 SceneValues = Annotated[
-    dict[str, Annotated[Any, Rule(phrase="a number", unit="parameter")]],
-    Rule(phrase="a mapping from the scene's parameter names to values"),
+    dict[str, Annotated[Any, Rule("a number", unit="parameter")]],
+    Rule("a mapping from the scene's parameter names to values"),
 ]
-Definitions = Rule(phrase="a mapping from names (letters, digits, `_`, starting with a letter) to "
+Definitions = Rule("a mapping from names (letters, digits, `_`, starting with a letter) to "
                    "definitions")  # fmt: skip
 Pair = tuple[float, float]
 PAIR = "`[lower, upper]`, two numbers"
@@ -51,8 +50,7 @@ class Aim:
     tolerance_by_name: Annotated[
         dict[str, Annotated[float, Rule(text="Share of the width of one response or quantity.",
                                        least=1e-4, most=1, unit="1")]],
-        Rule(phrase="a mapping from names of `responses` and `quantities` to numbers from 0.0001 "
-             "to 1"),
+        Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
     max_runs: Annotated[int, Rule(least=1, most=4000)] = 1000
@@ -69,7 +67,7 @@ class Aim:
 class SceneSection:
     """What is simulated: a structure that is shipped, by its `name`, or that of a `file`."""
 
-    name: Annotated[str, Rule(phrase="the name of a structure, e.g. `bennett`")] = ABSENT
+    name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
     file: StructureFile = ABSENT
     """A structure's text file (docs/structures.md), sought from the folder of the config."""
@@ -90,9 +88,7 @@ class Solver:
     """Simulated time."""
     instants: Annotated[int, Rule(least=2, most=1_000_000)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
-    step: Annotated[
-        float | OrAuto, Rule(phrase="`auto` or a number above 0", unit="s", above=0)
-    ] = "auto"
+    step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
     """Time step. `auto` takes the largest that is stable over the whole box, times `safety`, but no
     longer one than the time in which a curve of time rises or falls; either way it is shortened
     until the recording interval is a whole number of steps. One step serves all runs of a campaign,
@@ -117,18 +113,16 @@ class Solver:
 class IntervalSpec:
     """One interval: `relative` or `absolute` half width about `nominal`, or `lower` and `upper`."""
 
-    nominal: Annotated[float, Rule(phrase="a number inside the interval", unit="parameter")] = (
-        ABSENT
-    )
+    nominal: Annotated[float, Rule("a number inside the interval", unit="parameter")] = ABSENT
     """Value of the nominal run. Default: the scene's value with `relative` and `absolute`, the
     middle with `lower` and `upper`."""
     relative: Annotated[float, Rule(least=0, unit="1")] = ABSENT
     """Half width as a share of the nominal value; 0.01 is ± 1 %."""
     absolute: Annotated[float, Rule(least=0, unit="parameter")] = ABSENT
     """Half width."""
-    lower: Annotated[float, Rule(phrase="a number, at most `upper`", unit="parameter")] = ABSENT
+    lower: Annotated[float, Rule("a number, at most `upper`", unit="parameter")] = ABSENT
     """Lower end; needs `upper`."""
-    upper: Annotated[float, Rule(phrase="a number, at least `lower`", unit="parameter")] = ABSENT
+    upper: Annotated[float, Rule("a number, at least `lower`", unit="parameter")] = ABSENT
     """Upper end; needs `lower`."""
 
     def __post_init__(self):
@@ -149,7 +143,7 @@ class IntervalSpec:
 
 
 OneInterval = Annotated[IntervalSpec, Rule(
-    phrase="a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
+    "a mapping such as `{relative: 0.1}`, `{absolute: 2}` or "
     "`{lower: 1, upper: 3}`, perhaps with `nominal`")]  # fmt: skip
 
 
@@ -252,7 +246,7 @@ LIMITS = tuple(Limits.__dataclass_fields__)
 
 Goals = Annotated[
     str | Annotated[tuple[str, ...], Rule(most=2)],
-    Rule(phrase="one or two of `upper(q)`, `lower(q)`, `width(q)`"),
+    Rule("one or two of `upper(q)`, `lower(q)`, `width(q)`"),
 ]
 
 
@@ -264,12 +258,9 @@ class ChooseSection:
 
     parameters: Annotated[
         dict[
-            str,
-            Annotated[
-                Pair, Rule(phrase=PAIR, text="Range of the nominal value.", unit="parameter")
-            ],
+            str, Annotated[Pair, Rule(PAIR, text="Range of the nominal value.", unit="parameter")]
         ],
-        Rule(phrase="a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
+        Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
     `relative` grows with the choice, any other keeps its width; a parameter without an interval is
@@ -302,7 +293,7 @@ class CaseSection:
     """File of another structure, in the place of the campaign's."""
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
-        dict[str, OneInterval], Rule(phrase="a mapping from parameter names to intervals", most=60)
+        dict[str, OneInterval], Rule("a mapping from parameter names to intervals", most=60)
     ] = field(default_factory=dict)
     """Intervals that stand in the place of the campaign's, or are further ones, as there."""
 
@@ -320,7 +311,7 @@ class Jobs:
     """How the runs are grouped. Only `keep: responses` changes numbers: to single precision."""
 
     runs_per_job: Annotated[
-        int | OrAuto, Rule(phrase="a whole number of at least 1, or `auto`", least=1)
+        int | OrAuto, Rule("a whole number of at least 1, or `auto`", least=1)
     ] = "auto"
     """Most runs in one job. A job is one process; it starts in about 1 s, the time of some 50 runs,
     so few jobs are best, but there should be one for each core. `auto`: 512, or more where that
@@ -350,8 +341,8 @@ class Jobs:
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
-Times = Annotated[Pair, Rule(phrase=PAIR, unit="s")]
-_ByResponse = Rule(phrase="a mapping from names of responses in `columns` to numbers above 0")
+Times = Annotated[Pair, Rule(PAIR, unit="s")]
+_ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
 _Size = Annotated[float, Rule(above=0, unit="response")]
 
 
@@ -378,12 +369,11 @@ class UnknownSensor:
 class MeasuredTest:
     """Measured curves of one test, and what held in it (docs/measured.md)."""
 
-    file: Annotated[str, Rule(phrase="the path of a CSV file", pattern=r"[^\0]*")]
+    file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")]
     """A CSV file, sought from the folder of the config: in its first line names with units, the
     time first (`t [s],angle [rad]`), then rows of numbers."""
     columns: Annotated[
-        dict[str, Name],
-        Rule(phrase="a mapping from names of columns to names of responses", least=1),
+        dict[str, Name], Rule("a mapping from names of columns to names of responses", least=1)
     ]
     """Which column measures which response; the unit of the column may be any that fits."""
     band: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
@@ -393,10 +383,8 @@ class MeasuredTest:
     """By how much the model may be wrong, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
-        dict[
-            str, Annotated[Pair, Rule(phrase=PAIR, text="Interval in this test.", unit="parameter")]
-        ],
-        Rule(phrase="a mapping from the scene's parameter names to `[lower, upper]`"),
+        dict[str, Annotated[Pair, Rule(PAIR, text="Interval in this test.", unit="parameter")]],
+        Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
     ] = field(default_factory=dict)
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
     its start: they are eliminated within it."""
@@ -413,7 +401,7 @@ def _definition(noun: str, example: str, **units: str) -> Rule:
     """The rule of a response's or quantity's definition, which the mechanics read; units: of its
     numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
-    return Rule(phrase=f"a mapping such as {example}", text=text, units=pairs, least=1)
+    return Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
 
 
 _OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
@@ -425,17 +413,17 @@ class Config:
 
     campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""
-    accuracy: Annotated[
-        Share | Aim, Rule(phrase="a number from 0.0001 to 1, or a mapping", unit="1")
-    ] = ABSENT
+    accuracy: Annotated[Share | Aim, Rule("a number from 0.0001 to 1, or a mapping", unit="1")] = (
+        ABSENT
+    )
     scene: Annotated[
         SceneSection,
-        Rule(phrase="a mapping with the key `name` or the key `file`, not both, and `parameters`"),
+        Rule("a mapping with the key `name` or the key `file`, not both, and `parameters`"),
     ]
     solver: Solver = Solver()
     intervals: Annotated[
         dict[str, OneInterval],
-        Rule(phrase="a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
+        Rule("a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
     ]
     """The uncertain parameters, by the scene's parameter names."""
     design: DesignSection = DesignSection()
@@ -450,8 +438,8 @@ class Config:
                 "response", "`{distance: [B, D]}` or `{velocity: B, component: z}`",
                 at="1", **_OF_MARGINS)],
         ],
-        Rule(phrase="a mapping from at least one name (letters, digits, `_`, starting with a "
-             "letter) to definitions"),
+        Rule("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
+            "definitions"),
     ]  # fmt: skip
     """The curves to bound, by names of your own: distances, positions, velocities, openings,
     tensions, energies, forces, stresses and others (docs/responses.md); at least one, unless there
@@ -496,7 +484,7 @@ class Config:
     moves no margin."""
     published: Annotated[
         dict[str, Annotated[float, Rule(text="Published largest difference.", unit="response")]],
-        Rule(phrase="a mapping from names of `responses` to numbers"),
+        Rule("a mapping from names of `responses` to numbers"),
     ] = field(default_factory=dict)
     """Largest differences of the bounds that somebody has published, by response; the summary puts
     ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
@@ -508,27 +496,24 @@ class Config:
     verify: Verify = Verify()
     requirements: Annotated[
         dict[Name, Annotated[
-            dict[str, Annotated[Limits, Rule(phrase="a mapping with `at_least`, `at_most` or "
+            dict[str, Annotated[Limits, Rule("a mapping with `at_least`, `at_most` or "
                 "`happens`, by quantity as in `{t_shut: {at_most: 0.32}}`")]],
-            Rule(phrase="a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
+            Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 text="The limits of one requirement, by quantity; all of them must be kept. A "
                 "list `cases: [on ground]` beside them: it is of these cases alone."),
         ]],
-        Rule(phrase="a mapping from names to limits of quantities, such as `{in_time: {t_shut: "
-            "{at_most: 0.32}}}`"),
+        Rule("a mapping from names to limits of quantities, such as `{in_time: {t_shut: {at_most: "
+            "0.32}}}`"),
     ] = field(default_factory=dict)  # fmt: skip
     """What must hold all over the box, by names of your own: limits of quantities. The campaign
     tells whether all, some or none of the box meets each and all together, with which margin, and
     where it fails (docs/quantities.md)."""
     choose: Annotated[
-        ChooseSection, Rule(phrase="a mapping with `parameters`, and `minimise` or `maximise`")
+        ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[
-            Name,
-            Annotated[MeasuredTest, Rule(phrase="a mapping with `file`, `columns` and `band`")],
-        ],
-        Rule(phrase="a mapping from names of tests to mappings"),
+        dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
+        Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
     """Tests whose measured curves tell which part of the box is left, or that none is, by names of
     your own."""
@@ -538,12 +523,10 @@ class Config:
         dict[
             CaseName,
             Annotated[
-                CaseSection, Rule(phrase="a mapping with `scene`, `file`, `solver` and `intervals`")
+                CaseSection, Rule("a mapping with `scene`, `file`, `solver` and `intervals`")
             ],
         ],
-        Rule(
-            phrase="a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"
-        ),
+        Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
     ] = field(default_factory=dict)
     """Variants of the campaign, by names of your own, such as `on ground` or `one spring out`: each
     is run over the whole box, with results in `results/<campaign>/<name>/`, and a page tells which

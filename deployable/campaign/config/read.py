@@ -67,7 +67,7 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
                 faults.append((place, _no_key([*path], name, key)))
                 raise RefusedError
             if name not in key.children and not key.names.fits(name):
-                allowed = f"not a name that can be used; allowed: {key.names.phrase}"
+                allowed = f"not a name that can be used; allowed: {key.names.allowed}"
                 faults.append((place, f"{'.'.join(place)}: {allowed}"))
                 raise RefusedError
             inner = is_entry or name not in key.children

@@ -210,7 +210,7 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
     for stop in (stop for stop in Stop.find(scene) if stop.hinge == index):
         (ceilings if stop.side == "above" else floors).append(stop.angle)
     for latch in Latch.find(scene):
-        lets_pass = latch.one_sided or np.isfinite(latch.max_capture_rate)
+        lets_pass = latch.is_ratchet or np.isfinite(latch.max_capture_rate)
         if latch.hinge == index and not lets_pass:
             is_up = (SIDES[latch.side] or latch.angle - start) > 0
             (ceilings if is_up else floors).append(latch.angle)

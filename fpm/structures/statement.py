@@ -158,7 +158,9 @@ class Entry:
         """Note in the file's `problems` that the entry cannot be built, in the file's own words: a
         key that is left out as missing, a number with its unit as it is written. error: what its
         statement raised, whose `key` is one of `args`."""
-        first, _, rest = error.key.removeprefix(f"{self.key}.").partition(".")
+        element_key = re.match(r"(\w+) of ", error.key)  # that of an element's field
+        key = element_key[1] if element_key else error.key.removeprefix(f"{self.key}.")
+        first, _, rest = key.partition(".")
         name = self.key_names.get(first, first)
         path, value = join_key(self.key, name, rest), show(error.value)
         if value_node := self.node.entries.get(name):

@@ -7,7 +7,7 @@ Where a run starts within that range, or at the very angle, it catches at the st
 It holds at the opening psi_c at which it caught, so that nothing jumps: no moment before; then
 
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
-    k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
+    k s + max(c ds/dt, -k s),  s = psi_c - psi    `one way`: only against going back, where s > 0
 
 (for one that catches on the way up).
 
@@ -54,8 +54,9 @@ slides names and units are others (opening.by_unit)."""
 @dataclass(frozen=True)
 class Latch(ExactConnector):
     """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
-    and holds from then on by a spring and a damper, or exactly. one_sided: whether it lets the
-    opening go on in the direction of the catch, as a ratchet; name: "": the hinge's. On slides m
+    and holds from then on by a spring and a damper, or exactly. One that
+    holds one way lets the opening go on in the direction of the catch, as a ratchet. name: "": the
+    hinge's. On slides m
     for rad, N for N m."""
 
     hinge: int = on_hinge()
@@ -70,7 +71,11 @@ class Latch(ExactConnector):
         "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}",
         text="rate above which it does not catch",
     )  # fmt: skip
-    one_sided: bool = word({False: 1.0, True: -1.0}, default=False)
+    holds: str = word(
+        {"both ways": 1.0, "one way": -1.0},
+        default="both ways",
+        text="`one way`: only against going back",
+    )
     name: str = topology("")
 
     stores = Energy("latch", "latch_energy", "energy of the latches")
@@ -94,7 +99,12 @@ class Latch(ExactConnector):
         return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
 
     def stiffness_in(self, scene):
-        return struck_stiffness(self) if self.one_sided else self.stiffness
+        return struck_stiffness(self) if self.is_ratchet else self.stiffness
+
+    @property
+    def is_ratchet(self) -> bool:
+        """Whether it holds one way only."""
+        return self.holds == "one way"
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times

@@ -21,13 +21,6 @@ def _at_start(build, hinge: int) -> float:
     return build.scene.hinges[hinge].opening
 
 
-def _refuse_without_stiffness(build, args, **is_given: bool) -> None:
-    """Refuse what needs a spring where there is none, as it holds exactly."""
-    for key, is_wrong in is_given.items():
-        if is_wrong and args.stiffness is None:
-            build.refuse(key, getattr(args, key), "none without a `stiffness`")
-
-
 def _of_slide(key: Any) -> Number:
     text = key.text.replace("moment", "force").replace("radian", "metre")
     return replace(key.for_slides(["joint"]), text=text)
@@ -148,17 +141,6 @@ def stop(build, args):
             build.scene.add(element(elements.Stop, args, angle=angle, side=side))
 
 
-@connector(
-    elements.Latch,
-    holds=Word("both ways", "`one way`: only against going back", values=("both ways", "one way")),
-)
-def latch(build, args):
-    """Catches a joint at an opening and holds it from then on."""
-    one_sided = args.holds == "one way"
-    _refuse_without_stiffness(build, args, damping=args.damping > 0, holds=one_sided)
-    build.scene.add(element(elements.Latch, args, one_sided=one_sided))
-
-
 MOMENTS = ListKey(
     kind=Number(unit="N m"), least=2, text="one for each, > 0 where it opens; straight between"
 )
@@ -228,8 +210,6 @@ def motor(build, args):
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
-    has_backlash = args.backlash is not None
-    _refuse_without_stiffness(build, args, damping=args.damping > 0, backlash=has_backlash)
     by_rate = args.turn is None
     turn = args.rate if by_rate else args.turn
     build.scene.add(element(elements.Motor, args, start=start, turn=turn, by_rate=by_rate))
@@ -256,7 +236,6 @@ def release(build, args):
         build.refuse("watch", latch, f"a joint, or a latch: {', '.join(labels) or 'there is none'}")
     start = _at_start(build, args.joint)
     hold = start if args.hold is None else args.hold
-    _refuse_without_stiffness(build, args, damping=args.damping > 0)
     is_exact = args.stiffness is None
     if is_exact and build.is_balanced:
         build.openings[args.joint] = hold

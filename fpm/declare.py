@@ -152,14 +152,14 @@ class Number(Key, NumberLimits):
 
 @dataclass(frozen=True)
 class Word(Key):
-    """One of some words (or False, True), as "above". values: allowed ones; of an element's field
-    each with the number that stands for it in kernels' arrays."""
+    """One of some words, as "above". values: allowed ones, a tuple; of an element's field each with
+    the number that stands for it in kernels' arrays."""
 
-    values: Mapping[Any, float] | tuple[str, ...] = ()
+    values: Any = ()
 
     @property
     def allowed(self) -> str:
-        return ", ".join(map(str, self.values))
+        return ", ".join(self.values)
 
     @property
     def schema(self) -> dict[str, Any]:  # type: ignore[override]
@@ -247,12 +247,14 @@ def plain_field() -> Any:
     return field()
 
 
-@cache
-def specs(kind: Any) -> dict[str, Any]:
+def _specs(kind: Any) -> dict[str, Any]:
     """Return the declarations (Key: unit, limits, words) of the fields of a dataclass `kind`, by
     field name, for checks and packing; fields without one are left out."""
     key_fields = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in key_fields}
+
+
+specs: Callable[[Any], dict[str, Any]] = cache(_specs)
 
 
 def numbers_in(value: Any) -> Any:

@@ -56,7 +56,7 @@ def _default(value: Any) -> str:
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of structure files, by which editors complete and check them. What
     depends on names and units is left to the program."""
-    tables = {
+    tables: dict[str, Any] = {
         group: {"additionalProperties": {"anyOf": [_entry(kind) for kind in kinds.values()]}}
         for group, kinds in GROUPS.items()
     }

@@ -98,15 +98,16 @@ class ConfigKey:
             texts = {name: {"description": text} for name, text in texts.items()}
             children = {n: child.schema | texts.get(n, {}) for n, child in self.children.items()}
             limits = {"minProperties": self.rule.least, "maxProperties": self.rule.most}
-            table = {
+            table: dict[str, Any] = {
                 "type": "object",
                 "properties": children,
                 "additionalProperties": self.entry.schema if self.entry else False,
                 "required": [n for n, child in self.children.items() if child.default is MISSING],
                 **{name: int(limit) for name, limit in limits.items() if abs(limit) < inf},
             }
-            names = {"propertyNames": {"pattern": f"^(?:{self.names.pattern})$"}}
-            parts.append(table | (names if self.names.pattern else {}))
+            if self.names.pattern:
+                table["propertyNames"] = {"pattern": f"^(?:{self.names.pattern})$"}
+            parts.append(table)
         parts = [part for part in parts if part]
         result = {"anyOf": parts} if len(parts) > 1 else dict(*parts)
         return result | ({"description": self.text} if self.text else {})
@@ -159,7 +160,7 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
     kind, kinds = get_origin(hint), get_args(hint)
     if hint in (int, float):
         limits = {"minimum": rule.least, "exclusiveMinimum": rule.above, "maximum": rule.most}
-        number = {"type": "integer" if hint is int else "number"}
+        number: dict[str, Any] = {"type": "integer" if hint is int else "number"}
         number |= {name: limit for name, limit in limits.items() if abs(limit) < inf}
         with_unit = {"type": "string", "pattern": r"^\s*[-+.\d]"}
         return {"anyOf": [number, with_unit]} if rule.unit else number

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fpm.errors import SceneError, hint_new
+from fpm.errors import SceneError, did_you_mean
 
 NO_VALUE = object()
 """Default of a key that must be given."""
@@ -167,7 +167,7 @@ class Word(Key):
 
     def read(self, node, place):
         if node.text not in self.values:
-            place.refuse(node, self.allowed + hint_new(node.text, self.values))
+            place.refuse(node, self.allowed + did_you_mean(node.text, self.values))
         return lambda build: node.text
 
 

@@ -95,8 +95,9 @@ class ConfigKey:
         parts = [_schema(option, self.rule) for option in self.options]
         if self.section or self.entry:
             texts = _docstrings(self.section) if self.section else {}
-            texts = {name: {"description": text} for name, text in texts.items()}
-            children = {n: child.schema | texts.get(n, {}) for n, child in self.children.items()}
+            children = {name: child.schema for name, child in self.children.items()}
+            for name, text in texts.items():
+                children[name]["description"] = text
             limits = {"minProperties": self.rule.least, "maxProperties": self.rule.most}
             table: dict[str, Any] = {
                 "type": "object",

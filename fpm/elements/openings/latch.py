@@ -53,11 +53,11 @@ slides names and units are others (opening.by_unit)."""
 
 @dataclass(frozen=True)
 class Latch(ExactConnector):
-    """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
-    and holds from then on by a spring and a damper, or exactly. One that
+    """Catches a joint at an opening and holds it from then on.
+
+    It does so by a spring and a damper, or exactly, where the opening passes `angle`. One that
     holds one way lets the opening go on in the direction of the catch, as a ratchet. name: "": the
-    hinge's. On slides m
-    for rad, N for N m."""
+    hinge's. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")

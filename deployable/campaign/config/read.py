@@ -12,6 +12,7 @@ from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_
 from deployable.campaign.config.models import Config
 from fpm.declare import NO_VALUE
 from fpm.errors import did_you_mean, likely, number_hint
+from fpm.reading import quantities, responses
 from fpm.structures.model import KEYS
 from fpm.structures.reading import commas
 
@@ -46,6 +47,19 @@ def schema() -> dict[str, Any]:
     result["required"].remove("responses")  # there may be margins
     requirement = result["properties"]["requirements"]["additionalProperties"]
     requirement["properties"]["cases"] = {"type": "array", "items": {"type": "string"}}
+    margins = {"along": responses.KINDS["margin"]}
+    groups = {"responses": responses.KINDS, "quantities": quantities.KINDS, "margins": margins}
+    for group, kinds in groups.items():
+        definitions: list[dict[str, Any]] = [
+            {
+                "properties": {key: {} for key in (name, *kind.mandatory, *kind.optional)},
+                "required": [name, *kind.mandatory],
+                "additionalProperties": False,
+            }
+            for name, kind in kinds.items()
+        ]
+        expression = [{"type": "string"}] * (group == "quantities")
+        result["properties"][group]["additionalProperties"] = {"anyOf": definitions + expression}
     return result
 
 

@@ -187,9 +187,9 @@ def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
     default = "(from others)" if parameter.default is None else _number(parameter.default)
     unit = "" if parameter.unit == "1" else parameter.unit
     notes = [
-        parameter.description,
+        parameter.text,
         "the mesh" * is_mesh,
-        "no interval" * (parameter.kind != "real"),
+        "no interval" * parameter.is_whole,
     ]
     allowed = parameter.allowed.removesuffix(f" ({unit})")
     return [default, unit, allowed, "; ".join(filter(None, notes))]

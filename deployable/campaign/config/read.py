@@ -48,7 +48,11 @@ def schema() -> dict[str, Any]:
     requirement = result["properties"]["requirements"]["additionalProperties"]
     requirement["properties"]["cases"] = {"type": "array", "items": {"type": "string"}}
     margins = {"along": responses.KINDS["margin"]}
-    groups = {"responses": responses.KINDS, "quantities": quantities.KINDS, "margins": margins}
+    groups: dict[str, Any] = {
+        "responses": responses.KINDS,
+        "quantities": quantities.KINDS,
+        "margins": margins,
+    }
     for group, kinds in groups.items():
         definitions: list[dict[str, Any]] = [
             {

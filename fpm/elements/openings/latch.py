@@ -82,6 +82,7 @@ class Latch(ExactConnector):
     takes = JOINT_LOSS
     events = ("latches", "misses")
     acts_as = "latch"
+    onset = ONSET
     noun = "latch"
 
     def check(self, scene):
@@ -105,11 +106,6 @@ class Latch(ExactConnector):
     def is_ratchet(self) -> bool:
         """Whether it holds one way only."""
         return self.holds == "one way"
-
-    def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
-        return ONSET * self.damping
 
     @classmethod
     def pack(cls, batch):

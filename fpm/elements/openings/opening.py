@@ -133,6 +133,7 @@ class Connector(ConnectorElement):
     subclass declares the field `hinge`, the hinge's index in the scene, by `on_hinge`."""
 
     hinge: Any
+    onset: ClassVar[float] = 1.0  # largest share of a kick with which its damper begins
 
     def acts_on(self):
         return (self.hinge,)
@@ -177,8 +178,9 @@ class Connector(ConnectorElement):
 
     def damping_in(self, scene) -> float | None:
         """Return the damping (N m s/rad, on slides N s/m) with which the element limits the scene's
-        stable time step: its field `damping`; None: it has none."""
-        return getattr(self, "damping", None)
+        stable time step: its field `damping`, times `onset`; None: it has none."""
+        damping = getattr(self, "damping", None)
+        return None if damping is None else self.onset * damping
 
     @classmethod
     def deformations(cls, scene):

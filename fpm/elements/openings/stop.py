@@ -41,6 +41,7 @@ class Stop(AnyStop):
     stores = Energy("stop", "stop_energy", "energy of the stops")
     events = ("leaves", "hits")
     acts_as = "stop"
+    onset = ONSET
     noun = "stop"
 
     @classmethod
@@ -52,8 +53,3 @@ class Stop(AnyStop):
 
     def gate(self):
         return Gate(self.angle, {"above": 1.0, "below": -1.0}[self.side])
-
-    def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
-        return ONSET * self.damping

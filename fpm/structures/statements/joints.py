@@ -58,15 +58,6 @@ def _meet(build, args) -> tuple[list[int], np.ndarray]:
     return particles, np.array([point.position for point in points])
 
 
-def _axes(build, args) -> np.ndarray:
-    """The axis of a revolute joint for each of its parts (k, 3)."""
-    axes = np.array(_per_part(build, args, "axis", "one"))
-    gap = float(np.abs(axes - axes[0]).max())
-    if gap > POINT_TOL and build.hold is None:
-        build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
-    return axes if build.hold is not None else np.array([axes[0]] * len(axes))
-
-
 def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     """Name and particles of joints of the first part with those after the second; their places."""
     for k in range(2, len(particles)):
@@ -101,7 +92,15 @@ def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[i
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it."""
     particles, points = _meet(build, args)
-    axes, refs, scene = _axes(build, args), args.references, build.scene
+    axes, refs, scene = (
+        np.array(_per_part(build, args, "axis", "one")),
+        args.references,
+        build.scene,
+    )
+    if build.hold is None:
+        if float(np.abs(axes - axes[0]).max()) > POINT_TOL:
+            build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
+        axes = np.array([axes[0]] * len(axes))
     if refs is not None:
         refs = _per_part(build, args, "references", "one")
         refs = [_normal_part(build, *pair) for pair in zip(refs, axes, strict=True)]

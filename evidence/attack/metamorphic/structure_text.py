@@ -66,7 +66,8 @@ def _map_value(value: Any, kind: Key | None, change: Change) -> Any:
         return [change(x, kind.kind.unit) for x in value]
     if isinstance(kind, VectorKey):
         return [change(x, kind.unit) for x in value]
-    return change(value, kind.unit) if isinstance(kind, Number) else value
+    is_number = isinstance(kind, Number) and not kind.is_whole
+    return change(value, kind.unit) if is_number else value
 
 
 class _Dumper(yaml.SafeDumper):

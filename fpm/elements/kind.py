@@ -14,8 +14,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from fpm.declare import Index, Key, Number, Word, numbers_in, specs
 from fpm.elements.batch import Batch, SceneData
-from fpm.elements.fields import FieldSpec, Index, Number, Word, check_number, numbers_in, specs
 from fpm.errors import SceneError
 
 AXES = "xyz"
@@ -157,16 +157,18 @@ class ElementType:
     def check(self, scene: SceneData) -> None:
         """Check the element's fields against their limits, and that indices exist in the scene,
         before it is added; raises SceneError if one does not fit. The scene is not changed."""
-        for name, field in specs(type(self)).items():
+        for name, key in specs(type(self)).items():
             value = getattr(self, name)
-            if isinstance(field, Index):
+            if isinstance(key, Index):
                 for index in value if isinstance(value, tuple) else (value,):
-                    self.check_index(scene, field, index)
-            elif isinstance(field, Number):
-                unit = self.unit_in(scene, field.unit)
-                check_number(self.subject(scene, field), value, field, unit)
-            elif isinstance(field, Word) and value not in field.values:
-                raise SceneError(self.subject(scene, field), value, ", ".join(field.values))
+                    self.check_index(scene, key, index)
+            elif isinstance(key, Number) and not key.fits(value):
+                noun = f"{'finite ' * key.finite}number"
+                noun = f"a {noun}" if key.count == 1 else f"{key.count} {noun}s"
+                allowed = key.describe(noun, self.unit_in(scene, key.unit))
+                raise SceneError(self.subject(scene, key), value, allowed)
+            elif isinstance(key, Word) and value not in key.values:
+                raise SceneError(self.subject(scene, key), value, key.allowed)
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
         """Check that an index in one of the element's fields exists in a list of the scene; raises
@@ -176,7 +178,7 @@ class ElementType:
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
-    def subject(self, scene: SceneData, field: FieldSpec) -> str:
+    def subject(self, scene: SceneData, field: Key) -> str:
         """Return what messages call a field of this element, as "stiffness of latch A". scene: has
         the element's hinge, which may be named; field: the field's spec, with name or words."""
         words = field.words or field.name.replace("_", " ") + " of {title}"

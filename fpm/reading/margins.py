@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import NumberLimits
 from fpm.elements import Journal
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS

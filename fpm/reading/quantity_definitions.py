@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Any
 
 from fpm.arithmetic import expressions
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import NumberLimits
 from fpm.elements.kind import Eventful
 from fpm.errors import SceneError
 from fpm.reading.definitions import check_choice, kind_of

@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import SLIDE_UNITS, NumberLimits
 from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
-from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
@@ -216,7 +215,7 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
     for stop in (stop for stop in Stop.find(scene) if stop.hinge == index):
         (ceilings if stop.side == "above" else floors).append(stop.angle)
     for latch in Latch.find(scene):
-        lets_pass = latch.one_sided or np.isfinite(latch.max_capture_rate)
+        lets_pass = latch.is_ratchet or np.isfinite(latch.max_capture_rate)
         if latch.hinge == index and not lets_pass:
             is_up = (SIDES[latch.side] or latch.angle - start) > 0
             (ceilings if is_up else floors).append(latch.angle)

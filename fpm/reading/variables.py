@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.declare import SLIDE_UNITS
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import AXES, Series
-from fpm.elements.openings.opening import PARTS, SLIDE_UNITS
+from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import Number
 from fpm.elements import energies_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
@@ -21,43 +21,30 @@ def join_lines(text: str) -> str:
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """Definition of a parameter of a structure.
+class Parameter(Number):
+    """Definition of a parameter of a structure, as a `Number`; only one that is not whole may be an
+    interval.
 
     Attributes
     ----------
     default: value in `unit`; None: it follows from other parameters.
+    text: one line on it.
     unit: as UDUNITS spells it, "1" for pure numbers.
-    description: one line of text.
-    lower, upper: least and largest allowed value, in `unit`.
-    kind: "real" or "integer"; only real ones may be intervals."""
-
-    default: float | int | None
-    unit: str
-    description: str
-    lower: float = float("-inf")
-    upper: float = float("inf")
-    kind: str = "real"
+    least, most: bounds of its values, in `unit`.
+    is_whole: whether it takes whole numbers only."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "description", join_lines(self.description))
-
-    @property
-    def limits(self) -> NumberLimits:
-        """Limits of the parameter's values."""
-        is_whole = self.kind == "integer"
-        return NumberLimits(unit=self.unit, least=self.lower, most=self.upper, is_whole=is_whole)
+        object.__setattr__(self, "text", join_lines(self.text))
 
     @property
     def allowed(self) -> str:
-        """Allowed values of the parameter, in words."""
-        return self.limits.describe(unit=self.unit)
+        return self.describe(unit=self.unit)
 
-    def check(self, name: str, value: object) -> None:
+    def check(self, key: str, value: Any, noun: str = "") -> Any:
         """Check a value of the parameter, in its `unit`; raises SceneError if it is not allowed.
-        name: the parameter's, for the message; value: None is allowed if the default is None."""
-        if not (value is None and self.default is None):
-            self.limits.check(name, value)
+        key: the parameter's name, for the message; value: None is allowed if the default is None;
+        noun: for "a number"."""
+        return None if value is self.default is None else super().check(key, value, noun)
 
 
 @dataclass(frozen=True)

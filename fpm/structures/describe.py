@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from fpm.declare import specs
 from fpm.elements import Drag, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
-from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import ElementType
@@ -187,9 +187,9 @@ def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
     default = "(from others)" if parameter.default is None else _number(parameter.default)
     unit = "" if parameter.unit == "1" else parameter.unit
     notes = [
-        parameter.description,
+        parameter.text,
         "the mesh" * is_mesh,
-        "no interval" * (parameter.kind != "real"),
+        "no interval" * parameter.is_whole,
     ]
     allowed = parameter.allowed.removesuffix(f" ({unit})")
     return [default, unit, allowed, "; ".join(filter(None, notes))]

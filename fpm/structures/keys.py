@@ -4,128 +4,48 @@
 Builder of every sample, which returns the value there or raises SceneError for numbers that are not
 allowed. A further type of value goes here."""
 
-import re
 from collections import ChainMap
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fpm.arithmetic.expressions import Expression
-from fpm.arithmetic.limits import NumberLimits
 from fpm.arithmetic.units import NUMBER, unit
+from fpm.declare import Key, Number
 from fpm.elements.cross import length
 from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 from fpm.elements.kind import AXES
-from fpm.elements.openings.opening import SLIDE_UNITS
-from fpm.errors import SceneError, hint_new
+from fpm.errors import SceneError
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
-from fpm.structures.names import Bound, Context, NamedNumber, Place
+from fpm.structures.names import Context, NamedNumber, Place
 from fpm.structures.reading import Node, SkippedError, commas
 
-NO_VALUE = object()
 COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count of units, or number of elements between two points."""
+
+STRING = {"type": "string"}
+"""What JSON Schema says of names and texts."""
 
 BuildValue = Callable[[Builder], Any]
 """Function of a sample's Builder: a key's value in SI units; raises SceneError if it is not
 allowed."""
 
-
-@dataclass(frozen=True)
-class Key:
-    """One key that a statement of a structure file takes (base class). default: its value when it
-    is left out, NO_VALUE if it must not be; text: its meaning, for the documentation."""
-
-    default: Any = NO_VALUE
-    text: str = ""
-
-    @property
-    def allowed(self) -> str:
-        """Values that the key may have, in words, for messages and documentation."""
-        raise NotImplementedError
-
-    def for_slides(self, joints: Container[str]) -> "Key":
-        """Return this key as an entry about slides takes it, with m for rad; by default unchanged.
-        joints: keys of the entry, such as "joint", that name slides."""
-        return self
-
-    def read(self, node: Node, place: Place) -> BuildValue:
-        """Read this key's value in a file; returns a function of the Builder, which returns it in a
-        sample (SI units). node: the value (Node of the YAML file); place: where it stands (Place).
-        What is wrong is noted in place.problems, and SkippedError raised."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True)
-class NumberKey(Key, NumberLimits):
-    """Key of an entry in a structure file, whose value is a number, with its limits (SI units), of
-    the dimension of `unit`. joint: key of the entry that names the joint that the number may be
-    about: if that is a slide, the unit is what SLIDING has for it (m for rad, N for N m, N/m for
-    N m/rad)."""
-
-    joint: str = "joint"
-
-    @property
-    def allowed(self) -> str:
-        noun = {"": "a number", "rad": "an angle"}.get(self.unit, f"a value in {self.unit}")
-        return self.describe(noun)
-
-    def for_slides(self, joints):
-        of_slide = SLIDE_UNITS.get(self.unit, self.unit)
-        return replace(self, unit=of_slide) if self.joint in joints else self
-
-    def read(self, node, place):
-        _refuse_angle_units(node, place, self.unit)
-        bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
-        return _check(bound, place, self.allowed, self.allows)
-
-
-@dataclass(frozen=True)
-class WholeKey(Key):
-    """Key whose value is a whole number, 1 to 1000, made of whole-number parameters, as it decides
-    what there is: counts of units and elements."""
-
-    limits = NumberLimits(least=1, most=MOST, is_whole=True)
-    allowed = f"{limits.describe()}, of parameters with `whole: true`"
-
-    def read(self, node, place):
-        value = place.whole(node, self.allowed)
-        number = _check(value, place, self.allowed, self.limits.allows)
-        return lambda build: round(number(build))
-
-
-def _refuse_angle_units(node: Any, place: Place, unit_text: str) -> None:
-    """Refuse rates of an angle in Hz, and lengths for each radian: in units a turn is a number."""
-    text = node.text or ""
-    if unit_text == "rad/s" and re.search(r"(?<![\w.])Hz\b", text):
-        place.refuse(node, "a value in rad/s, deg/s or rpm (1 turn a second is 2*pi rad/s)")
-    if unit_text == "m" and re.search(r"/\s*(rad|deg)\b", text):
-        place.refuse(node, "a length in m, not one for each radian or degree")
-
-
-def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> BuildValue:
-    """The value of an expression, which must be right."""
-
-    def value(build: Builder) -> Any:
-        number: Any = build.number(bound, place.key)
-        if not right(number):
-            raise SceneError(place.key, number, allowed)
-        return number
-
-    return value
+COUNT = Number(least=1, most=MOST, is_whole=True)
+"""A count of units or elements, of whole-number parameters alone, as it decides what there is."""
 
 
 @dataclass(frozen=True)
 class VectorKey(Key):
     """Key of three numbers along x, y, z, (3,) in SI units; unit: of their dimension, as "m/s2"."""
 
+    schema: ClassVar[Any] = {"type": ["array", "string"], "minItems": 3, "maxItems": 3}
     unit: str = ""
 
     @property
@@ -134,15 +54,12 @@ class VectorKey(Key):
         return f"three numbers [x, y, z]{suffix}{COMMA}, or a vector"
 
     def read(self, node, place):
-        dimension = unit(self.unit).dimension
-        for item in node.items or [node]:
-            _refuse_angle_units(item, place, self.unit)
         if node.text:
-            vector = place.number(node, dimension._replace(vector=True), self.allowed)
+            vector = place.number(node, self.unit, self.allowed, vector=True)
             return lambda build: build.number(vector, place.key)
         if len(node.items) != 3:
             place.refuse(node, self.allowed)
-        bounds = [place.number(item, dimension, self.allowed) for item in node.items]
+        bounds = [place.number(item, self.unit, self.allowed) for item in node.items]
         return lambda build: np.array([build.number(bound, place.key) for bound in bounds])
 
 
@@ -150,6 +67,8 @@ class VectorKey(Key):
 class GravityKey(VectorKey):
     """Key of an acceleration of gravity: a pair of its vector, (3,) m/s², and None or a function of
     the Builder that returns the index of its curve of time, once curves are built."""
+
+    schema = VectorKey.schema | {"type": ["array", "string", "object"]}
 
     @property
     def allowed(self) -> str:
@@ -227,6 +146,7 @@ class ReferenceKey(Key):
     """Key whose value is what was built for an entry, given by its name, of `group`, as "bars".
     ground: whether `ground` is allowed too, in the group "parts"."""
 
+    schema = STRING
     group: str = ""
     ground: bool = False
 
@@ -249,6 +169,7 @@ class OpeningKey(Key):
     that are allowed, (): all; slides: whether it must be a length, or must not, None: either; hint:
     text to add to `allowed`, for messages."""
 
+    schema = STRING
     types: tuple[str, ...] = ()
     slides: bool | None = None
     hint: str = ""
@@ -336,10 +257,15 @@ class ListKey(Key):
     no two alike. units: whether {each: REPEAT, through: [...]} in the list may stand for the values
     in all units (numbered copies) of the repeat of that name; then values may be alike."""
 
-    kind: Key = Key()
+    kind: Key = field(default_factory=Key)
     least: int = 1
     most: int = MOST
     units: bool = False
+
+    @property
+    def schema(self) -> dict[str, Any]:  # type: ignore[override]
+        items = {} if self.units else self.kind.schema
+        return {"type": "array", "items": items, "maxItems": self.most}
 
     @property
     def allowed(self) -> str:
@@ -384,7 +310,7 @@ class MapKey(Key):
     `kind`. single: whether one such value may be given for all; it is the key's value then."""
 
     group: str = "parts"
-    kind: Key = Key()
+    kind: Key = field(default_factory=Key)
     single: bool = False
 
     @property
@@ -426,6 +352,7 @@ class AssemblyKey(Key):
 class TextKey(Key):
     """Key whose value is text."""
 
+    schema = STRING
     allowed = "text"
 
     def read(self, node, place):
@@ -466,7 +393,7 @@ class CurveExpressionKey(Key):
         names, inputs = copy(place.names), CURVE_INPUTS.items()
         numbers = {name: NamedNumber(place.key, node.line, dimension) for name, dimension in inputs}
         names.numbers = ChainMap(place.names.numbers, numbers)  # vectors are added to the first
-        bound = replace(place, names=names).number(node, NUMBER, self.allowed)
+        bound = replace(place, names=names).number(node, "", self.allowed)
         full = {name: n for name, n in bound.full.items() if name not in CURVE_INPUTS}
         for name in CURVE_INPUTS.keys() & bound.full.keys():
             if bound.full[name] in place.names.numbers:
@@ -482,25 +409,10 @@ class CurveExpressionKey(Key):
 
 
 @dataclass(frozen=True)
-class ChoiceKey(Key):
-    """Key whose value is one word out of `options`."""
-
-    options: tuple[str, ...] = ()
-
-    @property
-    def allowed(self) -> str:
-        return ", ".join(self.options)
-
-    def read(self, node, place):
-        if node.text not in self.options:
-            place.refuse(node, self.allowed + hint_new(node.text, self.options))
-        return lambda build: node.text
-
-
-@dataclass(frozen=True)
 class LettersKey(Key):
     """Key whose value is a set of global axes, as text such as "xz"; "" where `none` is given."""
 
+    schema = STRING
     allowed = "letters out of xyz, or none"
 
     def read(self, node, place):

@@ -11,11 +11,12 @@ import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError
 from fpm.arithmetic.units import NUMBER, unit
+from fpm.declare import Number, Word
 from fpm.elements.bars.bar_damping import BarDamping
 from fpm.elements.joints.joint_types import SUFFIXES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
-from fpm.structures.keys import COMMA, MOST, AssemblyKey, ChoiceKey, GravityKey, NumberKey, WholeKey
+from fpm.structures.keys import COMMA, COUNT, MOST, AssemblyKey, GravityKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
 from fpm.structures.reading import Node, SkippedError, check_keys, join_key, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
@@ -32,8 +33,8 @@ MOST_STATEMENTS = 20_000
     gravity=GravityKey(
         (np.zeros(3), None), "acceleration of everything; `curve` scales it with time", unit="m/s2"
     ),
-    damping=NumberKey(0.0, "mass-proportional damping", unit="1/s", least=0),
-    viscosity=NumberKey(
+    damping=Number(0.0, "mass-proportional damping", unit="1/s", least=0),
+    viscosity=Number(
         0.0, "bulk viscosity of bars, a share of critical damping of an element: 0.2 against waves "
         "that ring in the mesh", least=0,
     ),
@@ -41,18 +42,14 @@ MOST_STATEMENTS = 20_000
         None, "whether parts are forced together whose points do not meet at their joints; `hold`: "
         "joints that keep their opening"
     ),
-    start=ChoiceKey(
+    start=Word(
         "as stated", "where the run begins; `equilibrium`: where all that acts at t = 0 is in "
         "balance",
-        options=("as stated", "equilibrium"),
+        values=("as stated", "equilibrium"),
     ),
 )  # fmt: skip
 def overall(build, args):
-    """What holds for the whole structure.
-
-    build: Builder of the sample, whose `hold`, `gravity_curve` and `is_balanced` are set; args:
-    name, gravity (vector (3,) m/s², curve), damping (1/s), viscosity (share of critical damping),
-    assemble, start. Returns an empty Scene."""
+    """What holds for the whole structure."""
     build.hold, build.is_balanced = args.assemble, args.start == "equilibrium"
     gravity, build.gravity_curve = args.gravity
     scene = Scene(args.name, gravity, args.damping)
@@ -136,12 +133,12 @@ class FileStatements:
     def _count(self, node: Node, place: Place, line: int, counts: Mapping[str, float]) -> int:
         """How many units there are, by parameters that are whole numbers."""
         if "count" not in node.entries:
-            self.problems.say(line, f"{place.key}: missing; allowed: {WholeKey.allowed}")
+            self.problems.say(line, f"{place.key}: missing; allowed: {COUNT.allowed}")
             raise SkippedError(place.key)
         count_node = node.entries["count"]
         size = sum(len(part.entries) for part in node.entries.values())
         most = min(MOST, MOST_STATEMENTS // max(size, 1))
-        bound = place.whole(count_node, WholeKey.allowed)
+        bound = place.whole(count_node, COUNT.allowed)
         try:
             count = bound.value(counts)
         except ExpressionError:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
-from fpm.arithmetic.units import NUMBER, Dimension, is_unit
+from fpm.arithmetic.units import Dimension, is_unit, unit
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CurvesFile
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
@@ -320,22 +320,25 @@ class Place:
         self.names.bounds.append(Bound(expression, full))
         return self.names.bounds[-1]
 
-    def number(
-        self, node: Node, dimension: Dimension | None, allowed: str, angle=False, vector=False
-    ) -> Bound:
+    def number(self, node: Node, symbol: str | None, allowed: str, vector=False) -> Bound:
         """Return the expression in `node` with its names found and its dimension checked; what is
-        wrong is noted, and SkippedError raised. dimension: required (None: with any unit, of a
-        number or, with `vector`, a vector); allowed: what the value may be, in words; angle:
-        whether a number other than 0 needs a unit."""
+        wrong is noted, and SkippedError raised. symbol: unit of the dimension required, as "N m"
+        (None: any); an angle other than 0 needs a unit; allowed: what the value may be, in words;
+        vector: whether it is a vector instead of a number."""
+        if symbol == "rad/s" and re.search(r"(?<![\w.])Hz\b", node.text):
+            self.refuse(node, "a value in rad/s, deg/s or rpm (1 turn a second is 2*pi rad/s)")
+        if symbol == "m" and re.search(r"/\s*(rad|deg)\b", node.text):
+            self.refuse(node, "a length in m, not one for each radian or degree")
         bound = self.bind(node, allowed)
         try:
             actual = bound.dimension(self.names.numbers)
-            zero = angle and bound.expression.bare and bound.value({}) == 0
+            zero = symbol == "rad" and bound.expression.bare and bound.value({}) == 0
         except ExpressionError as error:
             self._say(node, f": {error}")
-        if not actual.fits(actual._replace(vector=vector) if dimension is None else dimension):
+        target = actual if symbol is None else unit(symbol).dimension
+        if not actual.fits(target._replace(vector=vector)):
             self._say(node, f" is {actual}; allowed: {allowed}")
-        if angle and actual.bare and not zero:
+        if symbol == "rad" and actual.bare and not zero:
             self.refuse(node, f"{allowed}, whose unit must be said, such as 90 deg or 1.5 rad")
         return bound
 
@@ -345,7 +348,7 @@ class Place:
         found here, and may still be none, as of `n / 2`. What is wrong is noted, and SkippedError
         raised. node: the value in the structure's file; allowed: what it may be, in words, for the
         message."""
-        bound = self.number(node, NUMBER, allowed)
+        bound = self.number(node, "", allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)
         return bound

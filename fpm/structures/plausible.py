@@ -350,7 +350,7 @@ def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> 
     for latch in Latch.find(scene):
         place = sign * (latch.angle - hinge.opening)
         is_met = latch.hinge == number and place > 0 and SIDES[latch.side] * sign >= 0
-        is_met &= not latch.one_sided
+        is_met &= not latch.is_ratchet
         if is_met and place - latch.capture_range < abs(travel) - 1e-9:
             edge = opening_text(hinge, latch.angle - sign * latch.capture_range)
             return f"beyond {edge}, where latch {latch.label(scene)} catches"

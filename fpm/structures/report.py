@@ -143,10 +143,9 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
     changes = []
     for name, parameter in structure.parameters.items():
         value = parameter.default
-        if not value or parameter.kind not in ("real", "integer"):
+        if not value:
             continue
-        whole = parameter.kind == "integer"
-        for trial in (max(value // 2, 1),) if whole else (0.9 * value, 1.1 * value):
+        for trial in (max(value // 2, 1),) if parameter.is_whole else (0.9 * value, 1.1 * value):
             try:
                 ratio = find_stable_step(structure.build(**{name: trial})).step / step
             except Exception:  # whatever a structure's own code says to a value of ours

@@ -5,30 +5,18 @@ element's keys follow from its fields. A new joint or action is a function in `s
 
 import re
 from collections.abc import Callable, Collection, Container, Mapping
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
-from fpm.arithmetic.limits import NumberLimits
-from fpm.elements.fields import Index, Word, specs
+from fpm.declare import NO_VALUE, Index, Key, Number, Word, specs
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import ElementType
 from fpm.errors import SceneError, did_you_mean, likely
 from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
-from fpm.structures.keys import (
-    NO_VALUE,
-    BuildValue,
-    ChoiceKey,
-    Key,
-    ListKey,
-    NumberKey,
-    OpeningKey,
-    ReferenceKey,
-)
+from fpm.structures.keys import BuildValue, ListKey, OpeningKey, ReferenceKey
 from fpm.structures.names import Place
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
 
@@ -98,32 +86,21 @@ def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Cal
 JOINT = OpeningKey(text="on which joint it acts")
 """The key of a field `hinge`."""
 
-CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options=tuple(CLASSES))}
+CLASS = {"class": Word(None, "in margins; left out: by what it is", values=tuple(CLASSES))}
 """The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 
-def key_of(kind: type[Any], name: str, default_text: str = "", **changes: Any) -> Key:
-    """Return the Key of a structure file for a field, `name`, of an element type, `kind`.
-    default_text: what leaving it out means, without default; changes: attributes of it."""
-    field = specs(kind)[name]
-    default = {f.name: f.default for f in fields(kind)}[name]
-    default = NO_VALUE if default is MISSING else default
-    if isinstance(field, Index) and field.group == "hinges":
-        return replace(JOINT, types=field.types, slides=False if field.only_angles else None)
-    if isinstance(field, Index):
-        default = None if default == -1 else default
-        key: Key = ReferenceKey(default, field.text, group=field.group)
-    elif isinstance(field, Word):
-        key = ChoiceKey(default, field.text, options=tuple(field.values))
-    else:
-        default = None if default == np.inf else default
-        limits = {name: getattr(field, name) for name in NumberLimits.__dataclass_fields__}
-        key = NumberKey(default, field.text, **limits)
-        if (count := field.count) > 1:
-            item = replace(key, default=NO_VALUE, text="")
-            key = ListKey(default, field.text, item, count, count)
-    if default_text:
-        key = replace(key, default=None, text=f"{key.text}; left out: {default_text}")
+def key_of(kind: type[Any], name: str, **changes: Any) -> Key:
+    """Return the Key of a structure file for a field, `name`, of an element type, `kind`. changes:
+    attributes of it that are others."""
+    key = specs(kind)[name]
+    if isinstance(key, Index) and key.group == "hinges":
+        key = replace(JOINT, types=key.types, slides=False if key.only_angles else None)
+    elif isinstance(key, Index):
+        key = ReferenceKey(key.default, key.text, group=key.group)
+    elif isinstance(key, Number) and key.count > 1:
+        item = replace(key, default=NO_VALUE, count=1)
+        key = ListKey(key.default, key.text, item, key.count, key.count)
     return replace(key, **changes)
 
 
@@ -137,22 +114,14 @@ def element(kind: type[Any], args: SimpleNamespace, **extra: Any) -> ElementType
     return kind(**{name: value for name, value in arguments.items() if value is not None})
 
 
-def connector(
-    kind: type[ElementType],
-    text: str = "",
-    /,
-    exclusions: Container[str] = (),
-    default_texts: Mapping[str, str] | None = None,
-    **extra: Key,
-) -> Callable:
-    """Return a decorator that makes a Statement of `actions` for the element type `kind`, with its
-    fields as keys, required ones first, and registers it. text: what it is, "": the first line of
-    the function's docstring; exclusions: fields that are no keys; default_texts: by field without
-    default, what leaving its key out means, None: nothing is said; extra: Keys to add, or to
-    replace those of fields."""
-    names = [name for name in specs(kind) if name not in exclusions]
-    table = {name: key_of(kind, name, (default_texts or {}).get(name, "")) for name in names}
-    keys = {"joint": table.pop("hinge")} if "hinge" in table else {}
+def connector(kind: type[ElementType], text: str = "", /, **extra: Key) -> Callable:
+    """Return a decorator that makes a Statement of `actions` for the element type `kind` and
+    registers it: its keys are the fields that have a `text`, required ones first. text: what it is,
+    "": the first line of the function's docstring; extra: Keys to add, or to replace those of
+    fields."""
+    keys_by_field = specs(kind)
+    table = {name: key_of(kind, name) for name, key in keys_by_field.items() if key.text}
+    keys: dict[str, Key] = {"joint": key_of(kind, "hinge")} if "hinge" in keys_by_field else {}
     keys |= {**{name: key for name, key in extra.items() if name not in table}, **table, **extra}
     keys |= CLASS if kind.resists_as else {}
     required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not NO_VALUE)
@@ -189,7 +158,9 @@ class Entry:
         """Note in the file's `problems` that the entry cannot be built, in the file's own words: a
         key that is left out as missing, a number with its unit as it is written. error: what its
         statement raised, whose `key` is one of `args`."""
-        first, _, rest = error.key.removeprefix(f"{self.key}.").partition(".")
+        element_key = re.match(r"(\w+) of ", error.key)  # that of an element's field
+        key = element_key[1] if element_key else error.key.removeprefix(f"{self.key}.")
+        first, _, rest = key.partition(".")
         name = self.key_names.get(first, first)
         path, value = join_key(self.key, name, rest), show(error.value)
         if value_node := self.node.entries.get(name):

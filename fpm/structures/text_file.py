@@ -58,7 +58,7 @@ class GivenParameter:
     @property
     def whole(self) -> bool:
         """Whether it takes whole numbers only, so that counts of units may depend on it."""
-        return self.parameter.kind == "integer"
+        return self.parameter.is_whole
 
     def si(self, value: float) -> float:
         """Return a value, given in the parameter's unit, in SI units."""
@@ -240,11 +240,11 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenPara
     ends = _range(f"{key}.range", node.entries.get("range"), problems)
     if value is None or parameter_unit is None or ends is None:
         return None
-    kind = "integer" if whole == "true" else "real"
-    if kind == "integer" and value == round(value):
+    is_whole, (least, most) = whole == "true", ends
+    if is_whole and value == round(value):
         value = round(value)
-    description = texts.get("description", "")
-    parameter = Parameter(value, parameter_unit.udunits, description, *ends, kind=kind)
+    limits: Any = {"unit": parameter_unit.udunits, "least": least, "most": most}
+    parameter = Parameter(value, texts.get("description", ""), is_whole=is_whole, **limits)
     try:
         parameter.check(key, value)
     except SceneError as error:

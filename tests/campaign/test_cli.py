@@ -61,7 +61,7 @@ def test_help_names_all_commands(capsys, arguments):
         main(arguments)
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    for name in ("check", "run", "keys", "structure", "export", *STAGES):
+    for name in ("check", "run", "keys", "schema", "structure", "export", *STAGES):
         assert f"\n    {name}" in told
 
 

@@ -1,9 +1,23 @@
-"""The reference of config keys follows the models."""
+"""The reference of config keys, and the schemas for editors, follow the declarations."""
 
 from __future__ import annotations
 
+import io
+import json
+from contextlib import redirect_stdout
+from functools import cache
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+
+from deployable.campaign.cli import main
 from deployable.campaign.config.keys import rows, table
 from deployable.campaign.config.read import whole
+from fpm.structures.statements import GROUPS
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_every_key_is_in_the_reference():
@@ -15,3 +29,73 @@ def test_nested_keys_are_in_the_table():
     keys = [row[0] for row in rows(whole())]
     for key in ("campaign", "solver.step", "intervals.<name>.relative", "jobs.group"):
         assert key in keys
+
+
+@cache
+def validator(of):
+    done = io.StringIO()
+    with redirect_stdout(done):
+        assert main(["schema", of]) == 0
+    schema = json.loads(done.getvalue())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+CONFIGS = ROOT / "config"
+SHIPPED = [("campaign", path) for path in sorted(CONFIGS.glob("*.yaml"))]
+SHIPPED += [("structure", path) for path in sorted((CONFIGS / "structures").glob("*.yaml"))]
+
+
+@pytest.mark.parametrize(("of", "path"), SHIPPED, ids=lambda x: getattr(x, "stem", x))
+def test_what_we_ship_is_as_the_schemas_have_it(of, path):
+    validator(of).validate(yaml.safe_load(path.read_text("utf-8")))
+
+
+@pytest.mark.parametrize(("of", "place", "value"), [
+    ("campaign", ("solver", "durations"), 1),
+    ("campaign", ("solver", "duration"), "long"),
+    ("campaign", ("solver", "duration"), -1),
+    ("campaign", ("solver", "instants"), 2.5),
+    ("campaign", ("design", "method"), "roots"),
+    ("campaign", ("jobs", "keep"), True),
+    ("campaign", ("verify", "discretization"), 1),
+    ("campaign", ("intervals",), {}),
+    ("campaign", ("intervals", "k", "relative"), -0.1),
+    ("campaign", ("choose",), {"parameters": {"k": [1]}}),
+    ("campaign", ("responses", "1st"), {"opening": "A"}),
+    ("campaign", ("responses", "psi"), {"opening": "A", "component": "x"}),
+    ("campaign", ("responses", "v"), {"velocity": "A"}),
+    ("campaign", ("quantities", "top"), {"largst": "psi"}),
+    ("campaign", ("margins", "root"), {"along": "A", "to": "90 deg"}),
+    ("structure", ("actions", "damper"), {"type": "damper", "joint": "root"}),
+    ("structure", ("actions", "damper"), {"type": "dampr", "joint": "root", "damping": 1}),
+    ("structure", ("actions", "damper"), {"joint": "root", "damping": 1}),
+    ("structure", ("actions", "stop"), {"type": "stop", "joint": "root", "stifness": 1}),
+    ("structure", ("actions", "latch"), {"type": "latch", "joint": "root", "angle": 1, "side": 1}),
+    ("structure", ("bodies", "a"), {"type": "rod", "from": "P"}),
+    ("structure", ("start",), "at rest"),
+    ("structure", ("joint",), {}),
+    ("structure", ("parameters", "k"), {"valu": 1}),
+    ("structure", ("gravity",), [0, 0]),
+])  # fmt: skip
+def test_the_schemas_refuse_what_is_wrong(of, place, value):
+    name = "deploys.yaml" if of == "campaign" else "structures/solar_array.yaml"
+    data = yaml.safe_load((CONFIGS / name).read_text("utf-8"))
+    validator(of).validate(data)
+    table = data
+    for key in place[:-1]:
+        table = table.setdefault(key, {})
+    table[place[-1]] = value
+    with pytest.raises(jsonschema.ValidationError):
+        validator(of).validate(data)
+
+
+def test_the_schemas_know_every_key():
+    for row in rows(whole()):
+        part = validator("campaign").schema
+        for name in row[0].split("."):
+            parts = [part, *part.get("anyOf", [])]
+            (table,) = (one for one in parts if "properties" in one)
+            part = table["properties"].get(name) or table["additionalProperties"]
+    groups = validator("structure").schema["properties"]
+    assert {*GROUPS} < {*groups}

@@ -114,7 +114,7 @@ def test_what_cannot_be_run_is_refused_before_anything_is_written(raw, tmp_path)
 
 def test_importing_is_cheap():
     # scipy itself is light, and loads its modules where they are used.
-    heavy = {"numba", "xarray", "matplotlib", "pydantic", "netCDF4"}
+    heavy = {"numba", "xarray", "matplotlib", "netCDF4"}
     heavy |= {f"scipy.{name}" for name in ("linalg", "optimize", "sparse", "spatial", "stats")}
     code = (
         "import sys, deployable.campaign.cli, deployable.campaign.stages.workflow; "

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number, stiffness
+from fpm.declare import index, number, stiffness
 from fpm.elements.kind import Deformations, ElementType, Energy, Series
 
 

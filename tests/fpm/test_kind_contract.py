@@ -9,13 +9,13 @@ import pytest
 from flaps import bare
 
 import fpm
+from fpm import declare
 from fpm.elements import (
     Damper,
     Joint,
     Latch,
     Motor,
     Release,
-    fields,
 )
 from fpm.elements.kind import BATCH_ARRAYS, ElementType
 from fpm.files.outcome import eventful
@@ -99,7 +99,7 @@ def test_the_page_names_all_that_a_kind_may_state():
     own = {name for name in vars(ElementType) if not name.startswith("_")}
     makes = {
         name
-        for name, made in inspect.getmembers(fields, inspect.isfunction)
+        for name, made in inspect.getmembers(declare, inspect.isfunction)
         if name[0] != "_" and "_field(" in inspect.getsource(made)
     }
     assert makes >= {"number", "word", "index", "topology"}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import NumberLimits
 from fpm.errors import SceneError
 
 SAID = {

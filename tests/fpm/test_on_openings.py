@@ -22,7 +22,7 @@ CASES = {
     "undamped": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0}),
     "one-sided": flap(
         rate=1.0, spring=(1.0, 0.0),
-        latch={"angle": 0.3, "stiffness": 100.0, "damping": 8.0, "one_sided": True},
+        latch={"angle": 0.3, "stiffness": 100.0, "damping": 8.0, "holds": "one way"},
     ),
     "missed": flap(**PANEL, latch={
         "angle": np.pi / 2, "stiffness": 100.0, "max_capture_rate": 1.4}),
@@ -175,7 +175,7 @@ def test_the_stable_step_knows_all_of_them():
     exact = 2 * np.sqrt(J / 50)
     assert limit(Latch(0, 1.0, 50.0)) == pytest.approx(exact)
     assert limit(Stop(0, 1.0, "above", 50.0)) == pytest.approx(exact / FINER[0])
-    assert limit(Latch(0, 1.0, 50.0, one_sided=True)) == pytest.approx(exact / FINER[0])
+    assert limit(Latch(0, 1.0, 50.0, holds="one way")) == pytest.approx(exact / FINER[0])
     assert limit(Friction(0, 0.05, damping=0.0)) == pytest.approx(exact)
     assert limit(TableSpring(0, (0.0, 0.1, 1.0), (0.0, -5.0, 3.0))) == pytest.approx(exact)
     assert limit(Damper(0, 0.5)) == pytest.approx(J / 0.5)
@@ -284,7 +284,7 @@ def test_two_latches_on_a_hinge_need_names():
     [
         (0.0, {"angle": 1.0}, {"angle": 2.0, "side": "above"}, (None, 1.0)),
         (3.0, {"angle": 1.0}, {"angle": 2.0, "side": "below"}, (2.0, None)),
-        (0.0, {"angle": 1.0, "one_sided": True}, {"angle": 2.0, "side": "above"}, (None, 2.0)),
+        (0.0, {"angle": 1.0, "holds": "one way"}, {"angle": 2.0, "side": "above"}, (None, 2.0)),
         (
             0.0,
             {"angle": 1.0, "max_capture_rate": 9.0},

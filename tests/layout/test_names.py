@@ -40,7 +40,7 @@ ALLOWED = {
     "evidence/attack/metamorphic/pairs.py:what": "a key of the lines of JSON that it prints",
     "evidence/rows.py:passed": "a key of rows in summary.json of studies",
     "deployable/intervals/scalars/surrogate.py:alone": "a variable of quantities.nc",
-    "fpm/elements/fields.py:above": "keyword of `number`, docs/mechanics.md",
+    "fpm/declare.py:above": "keyword of `number`, docs/mechanics.md",
     "deployable/campaign/results/review.py:met": "the verdict of a clause",
 }
 """Terms of the field, with the reason; `path:name` allows it there."""

@@ -93,7 +93,7 @@ def test_what_acts_on_joints_is_in_the_scene():
         Friction: [Friction(0, 0.4)],
         Stop: [Stop(0, np.radians(least), side, 1e3, 2.0)
                for least, side in ((-10, "below"), (100, "above"))],
-        Latch: [pin, Latch(0, 0.5, 1e3, max_capture_rate=2, one_sided=True, name="lock")],
+        Latch: [pin, Latch(0, 0.5, 1e3, max_capture_rate=2, holds="one way", name="lock")],
         TableSpring: [TableSpring(0, (0.0, np.radians(5), 1.0), (0.0, -2.0, -0.2))],
     }  # fmt: skip
     for kind, elements in expected.items():
@@ -245,7 +245,7 @@ OF_MOTORS = [
     ("[root, knee], radii", "[root, root], radii", "each once"),
     ("[root, knee], radii", "[root, nee], radii", "there is no joint 'nee'"),
     ("[60 mm, -30 mm]", "[60 mm]", "actions.belt.radii: "),
-    ("[60 mm, -30 mm]", "[60 mm, 0]", "radii of loop belt"),
+    ("[60 mm, -30 mm]", "[60 mm, 0]", "actions.belt.radii: (0.06, 0.0)"),
     ("preload: 5 N}", "preload: -5 N}", "actions.belt.preload: -5"),
     ("stiffness: 20 kN/m", "stiffness: 20 kN", "actions.belt.stiffness: "),
     ("turn: 60 deg, ", "", "actions.drive.turn: missing"),
@@ -259,7 +259,7 @@ OF_MOTORS = [
     ("watch: root, level: 45 deg", "watch: root", "an opening, with a joint to `watch`"),
     ("watch: root, level: 45 deg", "level: 45 deg", "a time, or a joint or latch to `watch`"),
     ("level: 45 deg", "level: stow", "does not have at the start"),
-    ("stiffness: 10 N m/rad, damping", "damping", "actions.pin.damping: 1"),
+    ("stiffness: 10 N m/rad, damping", "damping", "actions.pin.hold: 0.366519"),
     ("stiffness: 10 N m/rad, damping: 1, ", "", "actions.pin.hold: 0.366519"),
     ("time: 0.5 s", "time: 0", "actions.pin.time: 0"),
     ("joint: root, stiffness: 10 N", "joint: knee, stiffness: 10 N", "without a release"),

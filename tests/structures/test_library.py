@@ -28,13 +28,13 @@ def test_every_structure_of_the_library_is_a_scene_type(path):
     found = load(path)
     assert found.name == path.stem
     assert found.description
-    assert all(parameter.description for parameter in found.parameters.values())
+    assert all(parameter.text for parameter in found.parameters.values())
     assert len(found.digest) == 16
     scene = found.build()
     assert tuple(scene.points) == found.points
     assert tuple(hinge.name for hinge in scene.hinges) == found.hinges
     if scene.beams:
-        assert found.parameters[found.mesh].kind == "integer"
+        assert found.parameters[found.mesh].is_whole
         finer = found.build(**{found.mesh: 2 * found.parameters[found.mesh].default})
         assert len(finer.position) > len(scene.position)
     else:  # rigid bodies have no mesh
@@ -220,9 +220,9 @@ def test_any_allowed_values_give_a_scene_or_are_refused(data):
     found = structure(data.draw(st.sampled_from(["bennett", "zfold", "scissor", "panel"])))
     values = {}
     for name, parameter in found.parameters.items():
-        low = max(parameter.lower, -1e3)
-        high = max(low, min(parameter.upper, 1e3))
-        if parameter.kind == "integer":
+        low = max(parameter.least, -1e3)
+        high = max(low, min(parameter.most, 1e3))
+        if parameter.is_whole:
             values[name] = data.draw(st.integers(int(low), int(min(high, 4))))
         else:
             values[name] = data.draw(st.floats(low, high))

@@ -125,7 +125,7 @@ def test_no_number_anywhere_ends_in_a_traceback(value):
 @pytest.mark.parametrize("length", [0.0, -1.0])
 def test_a_structure_that_cannot_be_computed_says_at_which_values(length):
     """In Python, whose arithmetic is the user's: a quotient by zero, a root of less."""
-    parameters = {"L": Parameter(1.0, "m", "length")}
+    parameters = {"L": Parameter(1.0, "length", unit="m")}
     found = SceneType("mast", "", parameters, (), (), lambda L: math.sqrt(L) / L)
     with pytest.raises(SceneError, match=rf"scene mast = .*'L': {length}.* at which it can be bui"):
         found.build(L=length)

@@ -270,7 +270,7 @@ def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str
         step = min(time.step, stable.step)
         finer = replace(plan, experiment=finer_plan, time=replace(stable, step=step))
         third = None
-        if number % 2 == 0 and number // 2 >= parameter.lower:
+        if number % 2 == 0 and number // 2 >= parameter.least:
             third = replace(plan, experiment=with_mesh(number // 2), time=time)
         levels["mesh"] = RefinementLevel(finer, third, False)
     return levels

@@ -11,7 +11,8 @@
 `deployable-intervals` is the same command, where the package is installed.
 
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
-the config as a YAML file (or the sections that it needs, as JSON). `keys` prints all keys."""
+the config as a YAML file (or the sections that it needs, as JSON). `keys` prints all keys, `schema`
+a JSON Schema of them."""
 
 import argparse
 import sys

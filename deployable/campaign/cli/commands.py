@@ -1,6 +1,7 @@
 """The commands that are about whole campaigns and structures, not about one stage (`cli`)."""
 
 import argparse
+import json
 import math
 import sys
 from collections.abc import Callable
@@ -11,12 +12,12 @@ from pathlib import Path
 import fpm
 from deployable.campaign.answers.estimate import describe_work, estimate
 from deployable.campaign.cli.new import list_starts, make_folder
+from deployable.campaign.config import read
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
 from deployable.campaign.config.measured import band_warnings
 from deployable.campaign.config.plausible import requirement_warnings
-from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
@@ -53,8 +54,9 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
         "--require", action="store_true",
         help="end with status 3 unless all of the box meets all requirements",
     )  # fmt: skip
-    keys = command(commands, "keys", _keys.__doc__, _keys)
-    keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
+    for name, function in (("keys", _keys), ("schema", _schema)):
+        keys = command(commands, name, function.__doc__ or "", function)
+        keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
     structure = command(commands, "structure", _structure.__doc__, _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
     structure.add_argument(
@@ -169,7 +171,15 @@ def _keys(options: argparse.Namespace) -> int:
     """Print all keys of a campaign's config, or of a structure, as Markdown."""
     from fpm.structures.keys_page import keys_page
 
-    print(keys_page() if options.of == "structure" else table(whole()), end="")
+    print(keys_page() if options.of == "structure" else table(read.whole()), end="")
+    return 0
+
+
+def _schema(options: argparse.Namespace) -> int:
+    """Print the JSON Schema of a campaign's config, or of a structure, for editors."""
+    from fpm.structures import keys_page
+
+    print(json.dumps((keys_page if options.of == "structure" else read).schema(), indent=1))
     return 0
 
 

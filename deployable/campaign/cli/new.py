@@ -95,7 +95,7 @@ def campaign_of(path: Path, name: str) -> str:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:
         raise CampaignError(str(error)) from None
-    real = [key for key, p in scene.parameters.items() if p.kind == "real" and p.default]
+    real = [key for key, p in scene.parameters.items() if p.default and not p.is_whole]
     if not real:
         raise CampaignError(f"{path} has no real parameter, so that nothing can be an interval")
     latches = [

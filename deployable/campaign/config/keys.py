@@ -1,4 +1,4 @@
-"""What the keys of a config are: their limits for pydantic, words for messages and the table."""
+"""What the keys of a config are: their limits, words for messages, table and JSON Schema."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import re
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from itertools import pairwise
+from math import inf
 from textwrap import dedent
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from fpm.arithmetic.limits import NumberLimits
+from fpm.declare import NO_VALUE, NumberLimits
 
 
 class RefusedError(ValueError):
@@ -27,31 +28,22 @@ class RefusedError(ValueError):
 
 @dataclass(frozen=True)
 class Rule(NumberLimits):
-    """Limits and wording of a config key, put beside its type by `Annotated`; pydantic checks by
-    them. The limits are of the number, or of how many entries a mapping or list has; `unit`: of the
-    number, "1": none, or what has it: "parameter", "response", "quantity". allowed: what is
-    allowed, in words, if the limits do not say it; text: what an entry of a mapping is; units: of
-    the numbers of a definition, pairs of key and unit; pattern: regular expression for the whole
-    text."""
+    """Declaration of a config key, put beside its type by `Annotated`. Limits are of the number, or
+    of how many entries a mapping or list has; `unit`: of the number, "1": none, or what has it:
+    "parameter", "response", "quantity". allowed: what is allowed, in words, if the limits do not
+    say it; text: what an entry of a mapping is; units: of the numbers of a definition, pairs of key
+    and unit; pattern: regular expression for the whole text."""
 
     allowed: str = ""
     text: str = ""
     units: tuple[tuple[str, str], ...] = ()
     pattern: str = ""
 
-    __is_annotated_types_grouped_metadata__: ClassVar = True
-
-    def __iter__(self) -> Iterator[Any]:
-        """The limits as pydantic knows them."""
-        from annotated_types import Predicate
-
-        yield Predicate(self.allows)
-
-    def allows(self, value: Any) -> bool:
+    def fits(self, value: Any) -> bool:
         """Return whether a `value` is within the limits, or fits the pattern."""
         is_fit = not self.pattern or re.fullmatch(self.pattern, value) is not None
         number = len(value) if isinstance(value, str | dict | tuple) else value
-        return is_fit and (not isinstance(number, int | float) or super().allows(number))
+        return is_fit and (not isinstance(number, int | float) or self.allows(number))
 
     def words(self, hint: Any) -> str:
         """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
@@ -68,8 +60,8 @@ class Rule(NumberLimits):
 @dataclass(frozen=True)
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
-    of any name, whose `names` are allowed; allowed: in words; default: `MISSING` if required;
-    section: class of which the children are fields, or None."""
+    of any name, as `names` allows them; allowed: in words; default: `MISSING` if required; section:
+    class of which the children are fields, or None; options: types that its value may be of."""
 
     rule: Rule
     allowed: str
@@ -77,7 +69,8 @@ class ConfigKey:
     section: Any
     children: dict[str, ConfigKey]
     entry: ConfigKey | None
-    names: str
+    names: Rule
+    options: tuple[Any, ...]
 
     @property
     def text(self) -> str:
@@ -88,23 +81,96 @@ class ConfigKey:
         """Return the description of the key `name` below this one, else of any entry, else None."""
         return self.children.get(name, self.entry)
 
+    def take(self, value: Any) -> Any:
+        """Return a value that is no mapping of keys as the type of the key has it (a number is a
+        float, a list a tuple), or NO_VALUE if it is of no type that is allowed, or not within the
+        limits."""
+        values = (_take(option, value) for option in self.options)
+        value = next((x for x in values if x is not NO_VALUE), NO_VALUE)
+        return value if value is NO_VALUE or self.rule.fits(value) else NO_VALUE
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """What JSON Schema says of the key's values."""
+        parts = [_schema(option, self.rule) for option in self.options]
+        if self.section or self.entry:
+            texts = _docstrings(self.section) if self.section else {}
+            children = {name: child.schema for name, child in self.children.items()}
+            for name, text in texts.items():
+                children[name]["description"] = text
+            limits = {"minProperties": self.rule.least, "maxProperties": self.rule.most}
+            table: dict[str, Any] = {
+                "type": "object",
+                "properties": children,
+                "additionalProperties": self.entry.schema if self.entry else False,
+                "required": [n for n, child in self.children.items() if child.default is MISSING],
+                **{name: int(limit) for name, limit in limits.items() if abs(limit) < inf},
+            }
+            if self.names.pattern:
+                table["propertyNames"] = {"pattern": f"^(?:{self.names.pattern})$"}
+            parts.append(table)
+        parts = [part for part in parts if part]
+        result = {"anyOf": parts} if len(parts) > 1 else dict(*parts)
+        return result | ({"description": self.text} if self.text else {})
+
 
 def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
     """Describe a config key of a type, a dataclass, a dict or a union of these, with all keys below
     it."""
-    rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
-    hint = get_args(hint)[0] if get_origin(hint) is Annotated else hint
-    section, children, entry, names = None, {}, None, ""
-    for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
+    rule, hint = _parts(hint)
+    section, children, entry, names = None, {}, None, Rule()
+    options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    for option in options:
         if get_origin(option) is dict:
-            name, entry = map(config_key_of, get_args(option))
-            names = name.rule.allowed
+            names, entry = _parts(get_args(option)[0])[0], config_key_of(get_args(option)[1])
         elif is_dataclass(option):
             section, hints = option, get_type_hints(option, include_extras=True)
             for f in fields(option):
                 value = f.default if f.default_factory is MISSING else f.default_factory()
                 children[f.name] = config_key_of(hints[f.name], value)
-    return ConfigKey(rule, rule.words(hint), default, section, children, entry, names)
+    allowed = rule.words(hint)
+    return ConfigKey(rule, allowed, default, section, children, entry, names, options)
+
+
+def _parts(hint: Any) -> tuple[Rule, Any]:
+    """The Rule beside a type, and the type itself."""
+    rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
+    return rule, get_args(hint)[0] if get_origin(hint) is Annotated else hint
+
+
+def _take(hint: Any, value: Any) -> Any:
+    """The value as a type has it, NO_VALUE if it is none of it: no text for a number, no 2.0 for a
+    whole number."""
+    rule, hint = _parts(hint)
+    kind, kinds = get_origin(hint), get_args(hint)
+    if kind is tuple and isinstance(value, list):
+        kinds = kinds[:1] * len(value) if kinds[-1] is ... else kinds
+        items = tuple(map(_take, kinds, value))
+        value = items if len(kinds) == len(value) and NO_VALUE not in items else NO_VALUE
+    elif hint is float and isinstance(value, int | float) and not isinstance(value, bool):
+        value = float(value)
+    elif not (hint is Any or (kind is Literal and value in kinds) or type(value) is hint):
+        return NO_VALUE
+    return value if value is NO_VALUE or rule.fits(value) else NO_VALUE
+
+
+def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
+    """What JSON Schema says of a type within the limits of a rule; {} for mappings."""
+    type_rule, hint = _parts(hint)
+    rule = rule if type_rule == Rule() else type_rule
+    kind, kinds = get_origin(hint), get_args(hint)
+    if hint in (int, float):
+        limits = {"minimum": rule.least, "exclusiveMinimum": rule.above, "maximum": rule.most}
+        number: dict[str, Any] = {"type": "integer" if hint is int else "number"}
+        number |= {name: limit for name, limit in limits.items() if abs(limit) < inf}
+        with_unit = {"type": "string", "pattern": r"^\s*[-+.\d]"}
+        return {"anyOf": [number, with_unit]} if rule.unit else number
+    if kind is Literal:
+        return {"enum": [*kinds]}
+    if kind is tuple:
+        count = {} if kinds[-1] is ... else {"minItems": len(kinds), "maxItems": len(kinds)}
+        return {"type": "array", "items": _schema(kinds[0], rule), **count}
+    return {str: {"type": "string"}, bool: {"type": "boolean"}}.get(hint, {})
 
 
 def _docstrings(hint: type) -> dict[str, str]:

@@ -1,11 +1,11 @@
-"""What a config says: a class for each section, by which pydantic checks it.
+"""What a config says: a class for each section, whose fields are its keys.
 
 Types and `Rule`s are the limits; the texts below the fields are those of docs/config.md; what
-fields of a section must be together is in `__post_init__`. pydantic is imported where a config is
-checked, not where a section is used, since that takes 0.1 s."""
+fields of a section must be together is in `__post_init__`. A section is a
+mapping with these keys and no others."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from deployable.campaign.config.keys import RefusedError, Rule
 
@@ -37,15 +37,8 @@ ABSENT: Any = None
 """Of a key without a default; a config cannot say it."""
 
 
-class ConfigSection:
-    """Base class of config sections: a mapping with the keys of a dataclass and no others, no text
-    for a number, no 2.0 for a whole number."""
-
-    __pydantic_config__: ClassVar[dict] = {"extra": "forbid", "strict": True}
-
-
 @dataclass(frozen=True)
-class Aim(ConfigSection):
+class Aim:
     """How wrong the bounds may be, as a share of the width of each response and quantity: the
     estimated error of surrogate, mesh and step together. It chooses mesh, step, runs and model, so
     leave out `design`, `bounds` and `held_out`; a mesh that the config gives is kept, and a step
@@ -71,7 +64,7 @@ class Aim(ConfigSection):
 
 
 @dataclass(frozen=True)
-class SceneSection(ConfigSection):
+class SceneSection:
     """What is simulated: a structure that is shipped, by its `name`, or that of a `file`."""
 
     name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
@@ -88,7 +81,7 @@ class SceneSection(ConfigSection):
 
 
 @dataclass(frozen=True)
-class Solver(ConfigSection):
+class Solver:
     """How each run is integrated and recorded."""
 
     duration: Annotated[float, Rule(least=1e-9, most=1e6, unit="s")] = 1.0
@@ -117,7 +110,7 @@ class Solver(ConfigSection):
 
 
 @dataclass(frozen=True)
-class IntervalSpec(ConfigSection):
+class IntervalSpec:
     """One interval: `relative` or `absolute` half width about `nominal`, or `lower` and `upper`."""
 
     nominal: Annotated[float, Rule("a number inside the interval", unit="parameter")] = ABSENT
@@ -155,7 +148,7 @@ OneInterval = Annotated[IntervalSpec, Rule(
 
 
 @dataclass(frozen=True)
-class DesignSection(ConfigSection):
+class DesignSection:
     """Where in the box the runs are, and what is fitted to them."""
 
     method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "sobol", "screening"] = (
@@ -180,7 +173,7 @@ class DesignSection(ConfigSection):
 
 
 @dataclass(frozen=True)
-class BoundsChoice(ConfigSection):
+class BoundsChoice:
     """How bounds are taken from the runs."""
 
     model: Literal["auto", "polynomial", "spline", "aligned"] = "auto"
@@ -194,7 +187,7 @@ class BoundsChoice(ConfigSection):
 
 
 @dataclass(frozen=True)
-class ErrorDisplay(ConfigSection):
+class ErrorDisplay:
     """How the error of the bounds is shown."""
 
     shade_above: Annotated[float, Rule(above=0, unit="1")] = 0.1
@@ -203,7 +196,7 @@ class ErrorDisplay(ConfigSection):
 
 
 @dataclass(frozen=True)
-class Verify(ConfigSection):
+class Verify:
     """How the intervals of quantities are verified."""
 
     max_iterations: Annotated[int, Rule(least=0, most=50)] = 6
@@ -220,7 +213,7 @@ class Verify(ConfigSection):
 
 
 @dataclass(frozen=True)
-class Limits(ConfigSection):
+class Limits:
     """Limits of one quantity, at least one. `at_least` and `at_most` are broken where it has no
     value, as its event does not happen; `happens: false` stands alone."""
 
@@ -258,7 +251,7 @@ Goals = Annotated[
 
 
 @dataclass(frozen=True)
-class ChooseSection(ConfigSection):
+class ChooseSection:
     """The nominal values that are best in the worst case: over choices and the box about each,
     surrogates of quantities tell which keeps all requirements and has the best goal, and its worst
     case is simulated."""
@@ -283,7 +276,7 @@ class ChooseSection(ConfigSection):
 
 
 @dataclass(frozen=True)
-class CaseSolver(ConfigSection):
+class CaseSolver:
     """What of the solver differs in a case."""
 
     duration: Annotated[float, Rule(least=1e-9, most=1e6, unit="s")] = ABSENT
@@ -291,7 +284,7 @@ class CaseSolver(ConfigSection):
 
 
 @dataclass(frozen=True)
-class CaseSection(ConfigSection):
+class CaseSection:
     """One case: what differs from the campaign, which has the rest; `{}` is the campaign itself."""
 
     scene: SceneValues = field(default_factory=dict)
@@ -306,7 +299,7 @@ class CaseSection(ConfigSection):
 
 
 @dataclass(frozen=True)
-class FigureChoice(ConfigSection):
+class FigureChoice:
     """What the figures show."""
 
     moments: Annotated[int, Rule(least=2, most=12)] = 5
@@ -314,7 +307,7 @@ class FigureChoice(ConfigSection):
 
 
 @dataclass(frozen=True)
-class Jobs(ConfigSection):
+class Jobs:
     """How the runs are grouped. Only `keep: responses` changes numbers: to single precision."""
 
     runs_per_job: Annotated[
@@ -354,7 +347,7 @@ _Size = Annotated[float, Rule(above=0, unit="response")]
 
 
 @dataclass(frozen=True)
-class UnknownSensor(ConfigSection):
+class UnknownSensor:
     """What is not known of the sensor, and eliminated within this test."""
 
     delay: Times = (0.0, 0.0)
@@ -373,7 +366,7 @@ class UnknownSensor(ConfigSection):
 
 
 @dataclass(frozen=True)
-class MeasuredTest(ConfigSection):
+class MeasuredTest:
     """Measured curves of one test, and what held in it (docs/measured.md)."""
 
     file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")]
@@ -415,7 +408,7 @@ _OF_MARGINS = {"specified_acceleration": "rad/s2", "output_torque": "N m"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Config(ConfigSection):
+class Config:
     """A campaign's config as a user gives it in YAML, a field for each key (see docs/config.md)."""
 
     campaign: CampaignName

@@ -4,17 +4,17 @@ import json
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import MISSING
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_of
 from deployable.campaign.config.models import Config
+from fpm.declare import NO_VALUE
 from fpm.errors import did_you_mean, likely, number_hint
+from fpm.reading import quantities, responses
 from fpm.structures.model import KEYS
 from fpm.structures.reading import commas
-
-_LABELS = ("[key]", "dict[str,any]", "str")
-"""What pydantic puts into the places of errors besides names: of keys, of a choice of types."""
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
@@ -25,15 +25,13 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     right, problems = _correct_sections(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
                  for key, value in endless.items()]  # fmt: skip
-    config, faults = _validate(right)
-    for fault in sorted(faults):
-        if ".".join(fault.path) not in endless and fault.text not in problems:
-            problems.append(fault.text)
-    if faults and not endless:
-        for fault in faults:
-            _remove(right, fault.faulty_path)
-        config, _ = _validate(right)
-    return None if endless else config, right, problems
+    faults: list[tuple[tuple[str, ...], str]] = []
+    try:
+        config = _load(whole(), right, (), faults, False)
+    except RefusedError:
+        config = None
+    texts = (text for path, text in sorted(faults) if ".".join(path) not in endless)
+    return None if endless else config, right, [*dict.fromkeys([*problems, *texts])]
 
 
 @cache
@@ -42,69 +40,88 @@ def whole() -> ConfigKey:
     return config_key_of(Config)
 
 
-@cache
-def _adapter() -> Any:
-    from pydantic import TypeAdapter
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of configs, by which editors complete and check them. What depends on
+    a structure's names and units is left to the program."""
+    result = whole().schema
+    result["required"].remove("responses")  # there may be margins
+    requirement = result["properties"]["requirements"]["additionalProperties"]
+    requirement["properties"]["cases"] = {"type": "array", "items": {"type": "string"}}
+    margins = {"along": responses.KINDS["margin"]}
+    groups: dict[str, Any] = {
+        "responses": responses.KINDS,
+        "quantities": quantities.KINDS,
+        "margins": margins,
+    }
+    for group, kinds in groups.items():
+        definitions: list[dict[str, Any]] = [
+            {
+                "properties": {key: {} for key in (name, *kind.mandatory, *kind.optional)},
+                "required": [name, *kind.mandatory],
+                "additionalProperties": False,
+            }
+            for name, kind in kinds.items()
+        ]
+        expression = [{"type": "string"}] * (group == "quantities")
+        result["properties"][group]["additionalProperties"] = {"anyOf": definitions + expression}
+    return result
 
-    return TypeAdapter(Config)
 
-
-class Fault(NamedTuple):
-    """A problem of a config: a sentence, `text`, on the key at `path`, and `faulty_path`, what must
-    be removed to check the rest: of a mapping's entry the whole entry."""
-
-    path: tuple[str, ...]
-    faulty_path: tuple[str, ...]
-    text: str
-
-
-def _validate(raw: Any) -> tuple[Config | None, list[Fault]]:
-    from pydantic import ValidationError
-
-    try:  # as JSON, in which a strict model takes lists for tuples
-        return _adapter().validate_json(json.dumps(raw, default=str)), []
-    except ValidationError as error:
-        faults = [_fault(raw, detail) for detail in error.errors(include_url=False)]
-    # Of a choice of types, the one that goes deepest was meant.
-    paths = [fault.path for fault in faults]
-    return None, [f for f in faults if not any(p[: len(f.path)] == f.path != p for p in paths)]
-
-
-def _fault(raw: Any, error: Mapping) -> Fault:
-    """What pydantic found, from its place: names of keys, types of a choice, numbers in lists."""
-    names, kind = list(error["loc"]), error["type"]
-    unknown = [names.pop()] if kind == "unexpected_keyword_argument" else []
-    path, keys, value = [], [whole()], raw
+def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool) -> Any:
+    """The value of a key as its section has it. What is wrong goes to `faults`, as path and
+    sentence, and is taken out of `value`, of an entry of any name (is_entry: within one) the whole
+    entry; RefusedError where the rest cannot be used."""
+    if not isinstance(value, dict) or not (key.section or key.entry):
+        result = key.take(value)
+        if result is NO_VALUE:
+            faults.append((path, _refusal(key, path, value)))
+            raise RefusedError
+        return result
+    result, names = {}, [*value]
     for name in names:
-        if name not in _LABELS and (child := keys[-1].child(name)):
-            path.append(name)
-            keys.append(child)
-            value = value.get(name) if isinstance(value, Mapping) else None
-    entry = next((i for i, name in enumerate(path, 1) if name not in keys[i - 1].children), None)
-    refusal = error.get("ctx", {}).get("error")
-    if unknown:
-        (unknown_key,) = unknown
-        text = _no_key(path, unknown_key, keys[-1])
-        path += unknown
-    elif isinstance(refusal, RefusedError) and refusal.text:
-        place = [*path, refusal.key] if refusal.key else path
-        return Fault((*place,), (*path[:entry],), f"{'.'.join(place)}: {refusal.text}")
-    else:
-        key, allowed = ".".join(path) or "the file", keys[-1].allowed
-        if "[key]" in names:
-            reason, allowed = "not a name that can be used", keys[-2].names
-        elif kind == "missing" and names[-1] in path:
-            reason = "missing"
-        else:
-            unit = keys[-1].rule.unit
-            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            if "number" not in allowed:
-                is_word = isinstance(value, str) and value[:1].isalpha()
-                hint = did_you_mean(value, re.findall(r"`(\w+)`", allowed)) if is_word else ""
-            allowed += f" ({unit})" if unit in ("s", "min") else ""
-            reason = f"{show(value)} is not allowed{hint}"
-        text = f"{key}: {reason}; allowed: {allowed}"
-    return Fault((*path,), (*path[:entry],), text)
+        place, child = (*path, name), key.child(name)
+        try:
+            if child is None:
+                faults.append((place, _no_key([*path], name, key)))
+                raise RefusedError
+            if name not in key.children and not key.names.fits(name):
+                allowed = f"not a name that can be used; allowed: {key.names.allowed}"
+                faults.append((place, f"{'.'.join(place)}: {allowed}"))
+                raise RefusedError
+            inner = is_entry or name not in key.children
+            result[name] = _load(child, value[name], place, faults, inner)
+        except RefusedError:
+            if not is_entry:
+                del value[name]
+    mandatory = [name for name, child in key.children.items() if child.default is MISSING]
+    for name in mandatory:
+        if name not in names:
+            place = (*path, name)
+            text = f"{'.'.join(place)}: missing; allowed: {key.children[name].allowed}"
+            faults.append((place, text))
+    is_sound = len(result) == len(names)
+    if (is_entry and not is_sound) or not result.keys() >= {*mandatory}:
+        raise RefusedError
+    try:
+        if not key.rule.fits(result):
+            raise RefusedError
+        return key.section(**result) if key.section else result
+    except RefusedError as error:
+        place = (*path, error.key) if error.key else path
+        text = f"{'.'.join(place)}: {error.text}" if error.text else _refusal(key, path, value)
+        faults += [(place, text)] * is_sound
+        raise
+
+
+def _refusal(key: ConfigKey, path: tuple, value: Any) -> str:
+    """That a key may not have a value, with what is likely meant."""
+    allowed, unit = key.allowed, key.rule.unit
+    hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
+    if "number" not in allowed:
+        is_word = isinstance(value, str) and value[:1].isalpha()
+        hint = did_you_mean(value, re.findall(r"`(\w+)`", allowed)) if is_word else ""
+    allowed += f" ({unit})" if unit in ("s", "min") else ""
+    return f"{'.'.join(path) or 'the file'}: {show(value)} is not allowed{hint}; allowed: {allowed}"
 
 
 def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
@@ -130,14 +147,6 @@ def _no_key(path: list[str], name: str, section: ConfigKey) -> str:
     return (
         f"{key}: there is no such key{hint}; allowed: {commas(section.children, 6 if hint else 99)}"
     )
-
-
-def _remove(data: Any, path: tuple[str, ...]) -> None:
-    """Take the value of a key out of nested mappings, where it is there."""
-    for name in path[:-1]:
-        data = data.get(name) if isinstance(data, Mapping) else None
-    if path and isinstance(data, dict):
-        data.pop(path[-1], None)
 
 
 def show(value: Any) -> str:

@@ -151,7 +151,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
         mesh = ""
     else:
         parameter = scene_type.parameters[mesh]
-        start = int(max(parameter.lower, 2, parameter.default // 2))
+        start = int(max(parameter.least, 2, parameter.default // 2))
         scene = replace(scene, parameters={**scene.parameters, mesh: start})
     names = [*config.responses, *config.quantities]
     tolerances = {name: aim.tolerance_by_name.get(name, aim.tolerance) for name in names}
@@ -196,8 +196,8 @@ def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: 
     real, parameter = real_names(scene_type), scene_type.parameters.get(name)
     if parameter is None:
         raise RefusedError("", unknown(name, f"parameter of {scene_type.name}", real))
-    if parameter.kind != "real":
-        text = f"{name} is of kind {parameter.kind} and cannot be an interval"
+    if parameter.is_whole:
+        text = f"{name} is of kind integer and cannot be an interval"
         raise RefusedError("", f"{text}; allowed: {', '.join(real)}")
     if name in scene_values and spec.nominal is not None:
         text = f"{name} is defined twice, here and by scene.parameters.{name}"
@@ -230,7 +230,7 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 def real_names(scene_type: Any) -> list[str]:
     """List a structure's real-valued parameters, which may be intervals; scene_type: its type."""
-    return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
+    return [name for name, parameter in scene_type.parameters.items() if not parameter.is_whole]
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:

@@ -198,10 +198,10 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     """What the structure is, its parameters that are no intervals, and what the others mean."""
     definitions = experiment.scene_type.parameters
     for parameter in parameters:
-        parameter["description"] = definitions[parameter["name"]].description
+        parameter["description"] = definitions[parameter["name"]].text
     fixed = [
         {"name": name, "value": value, "units": definitions[name].unit or "1",
-         "description": definitions[name].description}
+         "description": definitions[name].text}
         for name, value in experiment.parameters({}).items()
         if name not in experiment.intervals and value is not None
     ]  # fmt: skip

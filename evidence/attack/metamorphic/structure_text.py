@@ -7,8 +7,9 @@ from typing import Any
 
 import yaml
 
+from fpm.declare import Key, Number
 from fpm.elements.joints.joint_types import TYPES
-from fpm.structures.keys import Key, ListKey, NumberKey, OpeningKey, VectorKey
+from fpm.structures.keys import ListKey, OpeningKey, VectorKey
 from fpm.structures.model import overall
 from fpm.structures.statements import GROUPS
 
@@ -61,11 +62,12 @@ def map_numbers(structure: Structure, change: Change) -> Structure:
 
 
 def _map_value(value: Any, kind: Key | None, change: Change) -> Any:
-    if isinstance(kind, ListKey) and isinstance(kind.kind, NumberKey):
+    if isinstance(kind, ListKey) and isinstance(kind.kind, Number):
         return [change(x, kind.kind.unit) for x in value]
     if isinstance(kind, VectorKey):
         return [change(x, kind.unit) for x in value]
-    return change(value, kind.unit) if isinstance(kind, NumberKey) else value
+    is_number = isinstance(kind, Number) and not kind.is_whole
+    return change(value, kind.unit) if is_number else value
 
 
 class _Dumper(yaml.SafeDumper):

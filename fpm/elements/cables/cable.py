@@ -24,9 +24,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fpm.declare import index, number, plain_field, topology
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.fields import index, number, plain_field, topology
 from fpm.elements.kind import ElementType, Energy, Eventful, Series, Watch
 from fpm.elements.openings.opening import Opening
 from fpm.errors import SceneError

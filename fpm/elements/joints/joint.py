@@ -13,8 +13,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from fpm.declare import NumberLimits
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.fields import Number, check_number
 from fpm.elements.joints import joint_arrays as arrays
 from fpm.elements.joints.hinge import (
     Hinge,
@@ -146,7 +146,7 @@ class Joint(JointBase):
         Hinge whose opening (joint coordinate) is a length. name: no other's; particles: pair of
         indices; point (3,) m, axis (3,), global: of the line of sliding; opening: now (m)."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
-        check_number(f"opening of slide {name}", opening, Number(), "m")
+        NumberLimits(unit="m").check(f"opening of slide {name}", opening)
         frames = joint.beams, joint.axes, joint.references
         hinge = Hinge(name, *frames, 0.0, "", "prismatic", float(opening))
         return replace(hinge, opening=opening_at(scene, hinge))
@@ -179,7 +179,7 @@ class Joint(JointBase):
         for number, (suffix, direction) in enumerate(TYPES[type].openings):
             opening = float(openings[number])
             unit_text = "m" if direction else "rad"
-            check_number(f"opening of joint {name}{suffix}", opening, Number(), unit_text)
+            NumberLimits(unit=unit_text).check(f"opening of joint {name}{suffix}", opening)
             ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
             if direction in ("x", "y"):
                 ends = axis, axis
@@ -208,7 +208,7 @@ class Joint(JointBase):
         hinges = []
         # The second is stated from the second particle to the first, about the opposite axis.
         for k, (e, to_zero) in enumerate(((u, w), (-w, u))):
-            check_number(f"opening of universal joint {name}", openings[k], Number(), "rad")
+            NumberLimits(unit="rad").check(f"opening of universal joint {name}", openings[k])
             zero = np.cos(openings[k]) * to_zero - np.sin(openings[k]) * np.cross(e, to_zero)
             beams = joint.beams[:: -1 if k else 1]
             frames = [scene.frame[beam.particle].T for beam in beams]

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from fpm.declare import specs
 from fpm.elements.joints.joint_arrays import TURN, Turns
 from fpm.elements.kind import ElementType
 from fpm.elements.openings.opening import Connector, Opening, relative_turn
@@ -84,9 +85,11 @@ class ExactConnector(Connector):
         """Check the fields, and that nothing is stated of a spring that is not there, before the
         element is added to a scene; raises SceneError if not."""
         super().check(scene)
-        for name in ("damping", "backlash", "one_sided") if self.is_exact else ():
-            if value := getattr(self, name, None):
-                raise SceneError(f"{name} of {self.title(scene)}", value, "none without stiffness")
+        for name in ("damping", "backlash", "holds") if self.is_exact else ():
+            value = getattr(self, name, None)
+            if value and value != specs(type(self))[name].default:
+                allowed = "none without a `stiffness`"
+                raise SceneError(f"{name} of {self.title(scene)}", value, allowed)
 
     @classmethod
     def _turns(cls, scene, values):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import stiffness
+from fpm.declare import stiffness
 from fpm.elements.kind import Energy, Gate
 from fpm.elements.openings.opening import on_hinge
 from fpm.elements.openings.stop import AnyStop
@@ -20,9 +20,7 @@ within 0.2 % of its speed, and from the step after it struck the energy balances
 
 @dataclass(frozen=True)
 class Contact(AnyStop):
-    """Faces that touch where the opening of a revolute joint is below zero.
-
-    hinge: index; stiffness: moment that opens it per radian of opening below zero (N m/rad)."""
+    """Faces that touch where the opening of a revolute joint is below zero."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")

@@ -5,15 +5,13 @@ damper c and spring k on inertia J is stable where h² k/J + 4 h c/J <= 4 (times
 
 from dataclasses import dataclass
 
-from fpm.elements.fields import damping
+from fpm.declare import damping
 from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge
 
 
 @dataclass(frozen=True)
 class Damper(Connector):
-    """Resists the motion of a joint, in proportion to its rate.
-
-    hinge: index of a hinge or slide; damping: moment by rate (N m s/rad; N s/m on slides)."""
+    """Resists the motion of a joint, in proportion to its rate."""
 
     hinge: int = on_hinge()
     damping: float = damping(text="moment for each radian a second")

@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fpm.elements.fields import damping, number, specs
+from fpm.declare import damping, number, specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.turn import ExactConnector
@@ -89,11 +89,8 @@ def _describe_imbalance(element: str) -> str:
 
 @dataclass(frozen=True)
 class Friction(ExactConnector):
-    """Friction in a hinge by a bristle: a spring that sticks, and slips at a moment.
-
-    hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the
-    spring is bent then (rad, m), None: it sticks exactly; damping: while it sticks (N m s/rad, on
-    slides N s/m), None: 0.3 of critical. angles, shares: joint coordinates (rad, m), increasing,
+    """Friction in a hinge by a bristle: a spring that sticks, and slips at a moment. Without
+    `bristle_deflection` it sticks exactly. angles, shares: joint coordinates (rad, m), increasing,
     and factors of the moment there, linear between, constant beyond; (): 1 everywhere. load: size
     (N) of the whole force in the joint at which it slips at `moment`, which is proportional to it;
     None: constant."""

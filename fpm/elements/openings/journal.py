@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import number, word
+from fpm.declare import number, word
 from fpm.elements.kind import Deformations, Energy, Series, Watch
 from fpm.elements.openings.friction import DAMPING_RATIO
 from fpm.elements.openings.opening import (
@@ -49,11 +49,7 @@ REMEDY = (
 @dataclass(frozen=True)
 class Journal(Connector):
     """Contact of a pin in a bearing with clearance. hinge: index of its joint's turn, after which
-    come x and y; clearance: radius of the bearing less that of the pin (m); load: force (N) at
-    which it goes in by `depth` (m), about the largest; law: "hertz" (by the power 3/2) or "linear";
-    restitution: speed after a free impact over that before, above 0 and at most 1; friction:
-    coefficient; radius: of the pin (m), above 0 if it rubs; bristle_deflection: how far the
-    surfaces give along each other before they slip (m), at `load`."""
+    come x and y."""
 
     hinge: int = on_hinge(types=(PIN,))
     clearance: float = number("m", 0.0, text="radius of the bearing less that of the pin")

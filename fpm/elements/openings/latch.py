@@ -7,7 +7,7 @@ Where a run starts within that range, or at the very angle, it catches at the st
 It holds at the opening psi_c at which it caught, so that nothing jumps: no moment before; then
 
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
-    k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
+    k s + max(c ds/dt, -k s),  s = psi_c - psi    `one way`: only against going back, where s > 0
 
 (for one that catches on the way up).
 
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import damping, number, stiffness, topology, word
+from fpm.declare import damping, number, stiffness, topology, word
 from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Gate, Series
 from fpm.elements.openings.opening import (
@@ -53,17 +53,15 @@ slides names and units are others (opening.by_unit)."""
 
 @dataclass(frozen=True)
 class Latch(ExactConnector):
-    """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
-    and holds from then on by a spring and a damper, or exactly. hinge: index; angle: rad; stiffness
-    (N m/rad; None: exactly), damping (N m s/rad): it holds with; capture_range: how far from
-    `angle` it catches as well (rad); side: from where it comes when caught ("below", "above",
-    "either"); max_capture_rate: above which it does not catch (rad/s); one_sided: whether it lets
-    the opening go on in the direction of the catch, as a ratchet; name: "": the hinge's. On slides
-    m for rad, N for N m."""
+    """Catches a joint at an opening and holds it from then on.
+
+    It does so by a spring and a damper, or exactly, where the opening passes `angle`. One that
+    holds one way lets the opening go on in the direction of the catch, as a ratchet. name: "": the
+    hinge's. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
-    stiffness: float | None = stiffness(default=None, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")
     damping: float = damping(default=0.0, text="with which it holds")
     capture_range: float = number(
         "rad", 0.0, default=0.0, zero=False, text="how far from `angle` it catches as well"
@@ -73,13 +71,18 @@ class Latch(ExactConnector):
         "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}",
         text="rate above which it does not catch",
     )  # fmt: skip
-    one_sided: bool = word({False: 1.0, True: -1.0}, default=False)
+    holds: str = word(
+        {"both ways": 1.0, "one way": -1.0},
+        default="both ways",
+        text="`one way`: only against going back",
+    )
     name: str = topology("")
 
     stores = Energy("latch", "latch_energy", "energy of the latches")
     takes = JOINT_LOSS
     events = ("latches", "misses")
     acts_as = "latch"
+    onset = ONSET
     noun = "latch"
 
     def check(self, scene):
@@ -97,12 +100,12 @@ class Latch(ExactConnector):
         return Gate(self.angle, SIDES[self.side], self.capture_range, largest_rate)
 
     def stiffness_in(self, scene):
-        return struck_stiffness(self) if self.one_sided else self.stiffness
+        return struck_stiffness(self) if self.is_ratchet else self.stiffness
 
-    def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
-        return ONSET * self.damping
+    @property
+    def is_ratchet(self) -> bool:
+        """Whether it holds one way only."""
+        return self.holds == "one way"
 
     @classmethod
     def pack(cls, batch):

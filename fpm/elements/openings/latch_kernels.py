@@ -16,7 +16,7 @@ from fpm.kernels.world import Log
 
 # Constants of a latch; APPROACH is the sign of the rate with which it can be caught, 0 for both;
 # ONE_SIDED is -1 where it is, and 1 elsewhere.
-NUMBERS = "angle", "capture_range", "side", "max_capture_rate", "stiffness", "damping", "one_sided"
+NUMBERS = "angle", "capture_range", "side", "max_capture_rate", "stiffness", "damping", "holds"
 ANGLE, CAPTURE_RANGE, APPROACH, MAX_RATE, STIFFNESS, DAMPING, ONE_SIDED = range(7)
 
 # State of a latch.

@@ -18,7 +18,7 @@ of the rates before and after it). Its first rate is that of the start of a run
 from dataclasses import dataclass
 from typing import ClassVar
 
-from fpm.elements.fields import damping, index, number, stiffness, topology
+from fpm.declare import damping, index, number, stiffness, topology
 from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import (
@@ -66,14 +66,13 @@ class AnyMotor(Connector):
 @dataclass(frozen=True)
 class Motor(AnyMotor, ExactConnector):
     """Motor that prescribes the joint coordinate of a hinge, through an elastic drive train or
-    exactly: start + turn times a curve of time. hinge: index; stiffness (N m/rad; None: exactly),
-    damping (N m s/rad): of the drive train; start, turn (rad); curve: index in Scene.curves, -1:
-    constant 1; by_rate: whether turn (rad/s) times the curve is the coordinate's rate instead, from
-    `start` on; backlash: of the drive train, all its play (rad), None: none; on slides m for rad, N
-    for N m."""
+    exactly: start + turn times a curve of time. by_rate: whether turn (rad/s) times the curve is
+    the coordinate's rate instead, from `start` on. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(default=None, text="of its drive train")
+    stiffness: float | None = stiffness(
+        default=None, text="of its drive train; left out: it prescribes exactly"
+    )
     damping: float = damping(default=0.0, text="of its drive train")
     start: float = number(
         "rad", default=0.0, words="opening of {title}", is_shown=False,

@@ -13,8 +13,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from fpm.declare import SLIDE_UNITS, index
 from fpm.elements.cross import cross
-from fpm.elements.fields import index
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import Deformations, ElementType, Energy, Gate, Series
 from fpm.elements.particles.drive import Drive
@@ -39,12 +39,6 @@ PARTS = (
     "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "other",
 )  # fmt: skip
 """Parts of the moment on an opening, by the kinds that act on it (ElementType.acts_as)."""
-
-SLIDE_UNITS = {
-    "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
-    "N m/rad": "N/m", "N m s/rad": "N s/m", "kg m2": "kg",
-}  # fmt: skip
-"""Units of what acts on hinges, and those of the same on slides."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +133,7 @@ class Connector(ConnectorElement):
     subclass declares the field `hinge`, the hinge's index in the scene, by `on_hinge`."""
 
     hinge: Any
+    onset: ClassVar[float] = 1.0  # largest share of a kick with which its damper begins
 
     def acts_on(self):
         return (self.hinge,)
@@ -183,8 +178,9 @@ class Connector(ConnectorElement):
 
     def damping_in(self, scene) -> float | None:
         """Return the damping (N m s/rad, on slides N s/m) with which the element limits the scene's
-        stable time step: its field `damping`; None: it has none."""
-        return getattr(self, "damping", None)
+        stable time step: its field `damping`, times `onset`; None: it has none."""
+        damping = getattr(self, "damping", None)
+        return None if damping is None else self.onset * damping
 
     @classmethod
     def deformations(cls, scene):

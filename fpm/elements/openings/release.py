@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import damping, index, number, stiffness, topology
+from fpm.declare import damping, index, number, stiffness, topology
 from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.kind import Energy
 from fpm.elements.openings.latch import Latch
@@ -20,16 +20,15 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class Release(ExactConnector):
     """Release that holds a hinge or slide by a spring and a damper, or exactly, and then lets go.
-    hinge: index; stiffness (N m/rad; N/m on a slide; None: exactly), damping (N m s/rad; N s/m),
-    hold: opening (joint coordinate, rad; m) at which its spring has no moment; time: when it lets
-    go (s), infinite: by `watch` or `latch` only; watch: index of a hinge or slide (-1: none) whose
-    opening frees it when it passes `level` (rad; m), if that is earlier; latch: name of a latch
-    ("": none) whose catch frees it."""
+    It does so at `time`, and earlier where the hinge or slide `watch` (-1: none) passes `level`, or
+    the latch of the name `latch` ("": none) catches."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(default=None, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")
     damping: float = damping(default=0.0, text="with which it holds")
-    hold: float | None = number("rad", default=None, text="opening at which it holds")
+    hold: float | None = number(
+        "rad", default=None, text="opening at which it holds; left out: that at the start"
+    )
     time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it releases")
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
     level: float = number("rad", default=0.0, is_shown=False)

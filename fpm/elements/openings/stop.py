@@ -8,7 +8,7 @@ so that a stop never pulls."""
 
 from dataclasses import dataclass
 
-from fpm.elements.fields import damping, number, stiffness, word
+from fpm.declare import damping, number, stiffness, word
 from fpm.elements.kind import Energy, Gate
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
@@ -29,9 +29,8 @@ class AnyStop(Connector):
 
 @dataclass(frozen=True)
 class Stop(AnyStop):
-    """Stop of a hinge or slide: a spring and a damper that act beyond an opening (joint
-    coordinate). hinge: index; angle: that opening (rad; m on slides); side: "above" or "below" it,
-    where they act; stiffness (N m/rad; N/m), damping (N m s/rad; N s/m): of spring and damper."""
+    """Stop of a hinge or slide: a spring and a damper that act beyond the opening `angle`, on the
+    `side` above or below it."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -42,6 +41,7 @@ class Stop(AnyStop):
     stores = Energy("stop", "stop_energy", "energy of the stops")
     events = ("leaves", "hits")
     acts_as = "stop"
+    onset = ONSET
     noun = "stop"
 
     @classmethod
@@ -53,8 +53,3 @@ class Stop(AnyStop):
 
     def gate(self):
         return Gate(self.angle, {"above": 1.0, "below": -1.0}[self.side])
-
-    def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
-        return ONSET * self.damping

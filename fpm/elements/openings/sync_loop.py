@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number, stiffness, topology
+from fpm.declare import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
 from fpm.elements.openings.opening import ConnectorElement, backlashes, mobility, relative_turn
 from fpm.errors import SceneError
@@ -22,11 +22,8 @@ from fpm.errors import SceneError
 class SyncLoop(ConnectorElement):
     """A closed cable loop over pulleys on two hinges, which couples their openings (joint angles):
     with radii of one sign, both open together. It pulls at the rims with stiffness times slip, r1
-    (psi1 - rest1) - r2 (psi2 - rest2) (m). name: its own; hinges: indices of both; radii: of the
-    two pulleys (m), opposite in sign where the loop is crossed; stiffness: of both strands together
-    (N/m); rest: both openings without slip (rad); preload: tension of each strand without slip (N);
-    one is slack above a slip of 2 preload / stiffness; infinite: never; backlash: slip (m), half to
-    either side, that takes no pull, as between teeth (no preload then); None: none."""
+    (psi1 - rest1) - r2 (psi2 - rest2) (m); a strand is slack above a slip of 2 preload / stiffness.
+    Half of the backlash lies to either side."""
 
     name: str = topology()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", only_angles=True)

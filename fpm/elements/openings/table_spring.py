@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import plain_field
+from fpm.declare import plain_field
 from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import Connector, on_hinge
 from fpm.errors import SceneError

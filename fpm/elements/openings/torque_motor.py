@@ -8,17 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number
+from fpm.declare import index, number
 from fpm.elements.openings.motor import AnyMotor
 from fpm.elements.openings.opening import on_hinge
 
 
 @dataclass(frozen=True)
 class TorqueMotor(AnyMotor):
-    """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
-
-    hinge: index; torque: at rest (N m); curve: index in Scene.curves of its factor over time, -1:
-    none; no_load: speed at which it is 0 (rad/s), infinite: never. On a slide N and m/s."""
+    """Moves a joint by a torque, or force, that falls with the speed, evenly down to none."""
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")

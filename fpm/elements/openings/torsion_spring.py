@@ -2,15 +2,14 @@
 
 from dataclasses import dataclass
 
-from fpm.elements.fields import number, stiffness
+from fpm.declare import number, stiffness
 from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import Connector, on_hinge
 
 
 @dataclass(frozen=True)
 class TorsionSpring(Connector):
-    """Linear spring on the opening (joint coordinate) of a hinge or slide. hinge: index; stiffness:
-    N m/rad (N/m on slides); rest: opening without moment (rad; m on slides)."""
+    """Linear spring on the opening (joint coordinate) of a hinge or slide."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import number
+from fpm.declare import number
 from fpm.elements.kind import ElementType, Energy
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number
+from fpm.declare import index, number
 from fpm.elements.kind import ElementType
 from fpm.elements.particles.gravity import LOAD_WORK
 from fpm.errors import SceneError

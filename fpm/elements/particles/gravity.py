@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index
+from fpm.declare import index
 from fpm.elements.kind import ElementType, Energy
 from fpm.errors import SceneError
 

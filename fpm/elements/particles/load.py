@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from fpm.declare import index, number
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.fields import index, number
 from fpm.elements.kind import ElementType
 from fpm.elements.particles.gravity import LOAD_WORK
 

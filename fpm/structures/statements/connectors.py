@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from fpm import elements
+from fpm.declare import Number, Word
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.journal import PIN
 from fpm.elements.openings.motor import AT_START
 from fpm.elements.openings.opening import unit_of
-from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
-from fpm.structures.statement import CLASS, JOINT, connector, element, key_of, statement, whole
+from fpm.structures.keys import ListKey, ReferenceKey, WatchKey
+from fpm.structures.statement import CLASS, JOINT, connector, element, key_of, statement
 
 ANGLE_JOINT = replace(JOINT, slides=False)
 
@@ -20,14 +21,7 @@ def _at_start(build, hinge: int) -> float:
     return build.scene.hinges[hinge].opening
 
 
-def _refuse_without_stiffness(build, args, **is_given: bool) -> None:
-    """Refuse what needs a spring where there is none, as it holds exactly."""
-    for key, is_wrong in is_given.items():
-        if is_wrong and args.stiffness is None:
-            build.refuse(key, getattr(args, key), "none without a `stiffness`")
-
-
-def _of_slide(key: Any) -> NumberKey:
+def _of_slide(key: Any) -> Number:
     text = key.text.replace("moment", "force").replace("radian", "metre")
     return replace(key.for_slides(["joint"]), text=text)
 
@@ -35,7 +29,7 @@ def _of_slide(key: Any) -> NumberKey:
 SPRING = {
     "stiffness": key_of(elements.TorsionSpring, "stiffness"),
     "rest": key_of(elements.TorsionSpring, "rest"),
-    "preload": NumberKey(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
+    "preload": Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
     **CLASS,
 }
 
@@ -66,16 +60,16 @@ statement(
     **{name: key if name in CLASS else _of_slide(key) for name, key in SPRING.items()},
 )(torsion_spring.build)
 
-whole(elements.Contact)
-whole(elements.Damper)
+DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
 
 
 @connector(
     elements.Friction,
-    default_texts={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
-    sticks=ChoiceKey(
-        "bristle", "`exactly`: without any deflection", options=("bristle", "exactly")
+    bristle_deflection=replace(
+        DEFLECTION_KEY,
+        text=f"{DEFLECTION_KEY.text}; left out: {DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm",
     ),
+    sticks=Word("bristle", "`exactly`: without any deflection", values=("bristle", "exactly")),
 )
 def friction(build, args):
     """Dry (Coulomb) friction in a joint."""
@@ -96,7 +90,6 @@ def _deflection(scene, hinge: int) -> float:
     return SLIDE_DEFLECTION if scene.hinges[hinge].slides else DEFLECTION
 
 
-DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
 BEARING_LOAD = (
     "force that the joint bears as a rule, at which it gives by `bristle_deflection` before it "
     "slips; left out: it counts in margins only, and a motion has none of it"
@@ -107,9 +100,9 @@ BEARING_LOAD = (
     "actions",
     "bearing",
     joint=JOINT,
-    mu=NumberKey(text="coefficient of friction", least=0),
-    radius=NumberKey(None, "at which it rubs; of hinges only", unit="m", above=0),
-    load=NumberKey(None, BEARING_LOAD, unit="N", above=0),
+    mu=Number(text="coefficient of friction", least=0),
+    radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
+    load=Number(None, BEARING_LOAD, unit="N", above=0),
     bristle_deflection=replace(DEFLECTION_KEY, text="left out: as that of friction"),
 )
 def bearing(build, args):
@@ -133,9 +126,8 @@ def bearing(build, args):
 
 @connector(
     elements.Stop,
-    exclusions=("angle", "side"),
-    lower=NumberKey(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
-    upper=NumberKey(None, "opening above which it acts", unit="rad"),
+    lower=Number(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
+    upper=Number(None, "opening above which it acts", unit="rad"),
 )
 def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls."""
@@ -149,23 +141,8 @@ def stop(build, args):
             build.scene.add(element(elements.Stop, args, angle=angle, side=side))
 
 
-@connector(
-    elements.Latch,
-    exclusions=("one_sided", "name"),
-    default_texts={"stiffness": "it holds exactly"},
-    holds=ChoiceKey(
-        "both ways", "`one way`: only against going back", options=("both ways", "one way")
-    ),
-)
-def latch(build, args):
-    """Catches a joint at an opening and holds it from then on."""
-    one_sided = args.holds == "one way"
-    _refuse_without_stiffness(build, args, damping=args.damping > 0, holds=one_sided)
-    build.scene.add(element(elements.Latch, args, one_sided=one_sided))
-
-
 MOMENTS = ListKey(
-    kind=NumberKey(unit="N m"), least=2, text="one for each, > 0 where it opens; straight between"
+    kind=Number(unit="N m"), least=2, text="one for each, > 0 where it opens; straight between"
 )
 
 
@@ -173,7 +150,7 @@ MOMENTS = ListKey(
     "actions",
     "tabulated spring",
     joint=JOINT,
-    angles=ListKey(kind=NumberKey(unit="rad"), least=2, text="openings, increasing"),
+    angles=ListKey(kind=Number(unit="rad"), least=2, text="openings, increasing"),
     moments=MOMENTS,
     back=replace(
         MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
@@ -202,8 +179,12 @@ def tabulated_spring(build, args):
 
 @connector(
     elements.SyncLoop,
-    exclusions=("hinges", "name"),
-    default_texts={"rest": "those at the start"},
+    rest=key_of(
+        elements.SyncLoop,
+        "rest",
+        default=None,
+        text="openings without slip; left out: those at the start",
+    ),
     joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
@@ -214,10 +195,14 @@ def loop(build, args):
 
 @connector(
     elements.Motor,
-    exclusions=("by_rate",),
-    default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
-    turn=NumberKey(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
-    rate=NumberKey(None, "how fast it turns, times `curve`", unit="rad/s"),
+    start=key_of(
+        elements.Motor,
+        "start",
+        default=None,
+        text="opening before the turn; left out: that at the start",
+    ),
+    turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
+    rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
     curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
 )
 def motor(build, args):
@@ -225,24 +210,17 @@ def motor(build, args):
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
-    has_backlash = args.backlash is not None
-    _refuse_without_stiffness(build, args, damping=args.damping > 0, backlash=has_backlash)
     by_rate = args.turn is None
     turn = args.rate if by_rate else args.turn
     build.scene.add(element(elements.Motor, args, start=start, turn=turn, by_rate=by_rate))
 
 
-whole(elements.TorqueMotor)
-
-
 @connector(
     elements.Release,
-    exclusions=("latch",),
-    default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},
     watch=WatchKey(
         None, "another joint, whose opening passes `level` then, or a latch, which catches then"
     ),
-    level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),
+    level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, args):
     """Holds a joint until the first of a time, the opening of another and the catch of a latch."""
@@ -258,7 +236,6 @@ def release(build, args):
         build.refuse("watch", latch, f"a joint, or a latch: {', '.join(labels) or 'there is none'}")
     start = _at_start(build, args.joint)
     hold = start if args.hold is None else args.hold
-    _refuse_without_stiffness(build, args, damping=args.damping > 0)
     is_exact = args.stiffness is None
     if is_exact and build.is_balanced:
         build.openings[args.joint] = hold

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from fpm.declare import Number, specs
 from fpm.elements.cross import length
-from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import unit
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.openings.journal import PIN, Journal
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.keys import DirectionKey, LettersKey, ListKey, MapKey, NumberKey, ReferenceKey
+from fpm.structures.keys import DirectionKey, LettersKey, ListKey, MapKey, ReferenceKey
 from fpm.structures.statement import element, key_of, statement
 
 PART = ReferenceKey(group="parts", ground=True)
@@ -58,15 +58,6 @@ def _meet(build, args) -> tuple[list[int], np.ndarray]:
     return particles, np.array([point.position for point in points])
 
 
-def _axes(build, args) -> np.ndarray:
-    """The axis of a revolute joint for each of its parts (k, 3)."""
-    axes = np.array(_per_part(build, args, "axis", "one"))
-    gap = float(np.abs(axes - axes[0]).max())
-    if gap > POINT_TOL and build.hold is None:
-        build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
-    return axes if build.hold is not None else np.array([axes[0]] * len(axes))
-
-
 def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     """Name and particles of joints of the first part with those after the second; their places."""
     for k in range(2, len(particles)):
@@ -84,7 +75,7 @@ def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[i
         kind=DirectionKey(),
         single=True,
     ),
-    opening=NumberKey(
+    opening=Number(
         0.0,
         "angle at the start; grows as the second part turns about the axis against the "
         "first, by the right-hand rule",
@@ -101,7 +92,15 @@ def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[i
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it."""
     particles, points = _meet(build, args)
-    axes, refs, scene = _axes(build, args), args.references, build.scene
+    axes, refs, scene = (
+        np.array(_per_part(build, args, "axis", "one")),
+        args.references,
+        build.scene,
+    )
+    if build.hold is None:
+        if float(np.abs(axes - axes[0]).max()) > POINT_TOL:
+            build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
+        axes = np.array([axes[0]] * len(axes))
     if refs is not None:
         refs = _per_part(build, args, "references", "one")
         refs = [_normal_part(build, *pair) for pair in zip(refs, axes, strict=True)]
@@ -157,7 +156,7 @@ def fixed(build, args):
         None,
         "its angles at the start: of the cross about `axis` against the first part, and of the "
         "second part about `other` against the cross; left out: 0",
-        kind=NumberKey(unit="rad"), least=2, most=2,
+        kind=Number(unit="rad"), least=2, most=2,
     ),
 )  # fmt: skip
 def universal(build, args):
@@ -176,7 +175,7 @@ def universal(build, args):
     parts=PAIR,
     at=POINT,
     axis=DirectionKey(text="along which the second part slides on the first"),
-    opening=NumberKey(
+    opening=Number(
         0.0,
         "position at the start; grows as the second part slides along the axis against the first",
         unit="m",
@@ -188,7 +187,7 @@ def prismatic(build, args):
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
 
-def _openings(type: str) -> dict[str, NumberKey]:
+def _openings(type: str) -> dict[str, Number]:
     """Keys of the openings at the start of a joint with several, or of a screw."""
     texts = {
         "": "angle at the start; grows as the second part turns about the axis against the "
@@ -198,7 +197,7 @@ def _openings(type: str) -> dict[str, NumberKey]:
         "y": "position at the start, along y, which is `axis` x `x`",
     }
     return {
-        f"opening{suffix}": NumberKey(0.0, texts[direction], unit="m" if direction else "rad")
+        f"opening{suffix}": Number(0.0, texts[direction], unit="m" if direction else "rad")
         for suffix, direction in TYPES[type].openings
     }
 
@@ -216,7 +215,7 @@ def _add_slider(build, args, type: str, lead: float = 0.0) -> int:
     return build.scene.add_sliding_joint(*values)
 
 
-PITCH = NumberKey(
+PITCH = Number(
     text="by how much the second part goes along the axis in a turn, not 0; below 0: a left-handed "
     "thread",
     unit="m",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fpm.arithmetic.expressions import Expression, ExpressionError
+from fpm.declare import Number, Word
 from fpm.elements import Drag, Load
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
@@ -16,13 +17,11 @@ from fpm.elements.particles.drag import stations
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import (
-    ChoiceKey,
     CurveExpressionKey,
     CurvesKey,
     DirectionKey,
     LettersKey,
     ListKey,
-    NumberKey,
     OpeningKey,
     PointKey,
     ReferenceKey,
@@ -47,27 +46,22 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
     times=ListKey(
         None,
         "increasing; these and `values`, or `file` and `column`, or `expression` and `over`",
-        kind=NumberKey(unit="s"),
+        kind=Number(unit="s"),
     ),
-    values=ListKey(None, "one for each time", kind=NumberKey()),
+    values=ListKey(None, "one for each time", kind=Number()),
     file=CurvesKey(None, "with times first, and units in its first line"),
     column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
-    smooth=ChoiceKey(
+    smooth=Word(
         "false", "whether it is a smooth cubic between the values, never beyond two neighbours, "
-        "with no slope at its ends", options=("true", "false"),
+        "with no slope at its ends", values=("true", "false"),
     ),
     expression=CurveExpressionKey(
         None, "of u, which goes from 0 to 1 over `over`, or of t, the time"
     ),
-    over=ListKey(None, "start and end of it", NumberKey(unit="s"), 2, 2),
+    over=ListKey(None, "start and end of it", Number(unit="s"), 2, 2),
 )  # fmt: skip
 def curve(build, args):
-    """A curve of time: through values, or by an expression; constant before and after.
-
-    Adds it to the scene; returns its index. build: Builder of the sample, with its scene; args:
-    values of an entry: either times (s), increasing, and values (one for each), or file
-    (CurvesFile) and column (name of one in it), or expression (Expression, numbers) and over (two
-    times, s); the others are None; smooth ("true" or "false"): whether values are joined so."""
+    """A curve of time: through values, or by an expression; constant before and after."""
     keys = [key for key in CURVE_KEYS if getattr(args, key) is not None]
     if keys not in (CURVE_KEYS[:2], CURVE_KEYS[2:4], CURVE_KEYS[4:]):
         allowed = "`times` and `values`, or `file` and `column`, or `expression` and `over`"
@@ -134,11 +128,7 @@ def _index(curve: int | None) -> int:
     **CLASS,
 )
 def load(build, args):
-    """A force and a moment in global axes at a point of a part.
-
-    Adds a Load to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: part (Body), at (one of its Points), force (3,) N, moment (3,) N m, curve (index of what
-    scales both with time, or None)."""
+    """A force and a moment in global axes at a point of a part."""
     beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
     build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
 
@@ -147,9 +137,9 @@ def load(build, args):
     "drags",
     part=PART,
     through=ListKey(kind=POINT, most=2, text="one of its points, or the ends of a line of it"),
-    area=NumberKey(unit="m2", least=0, text="frontal area; of a line its length times its width"),
-    coefficient=NumberKey(least=0, text="drag coefficient: force over density/2 area speed**2"),
-    density=NumberKey(unit="kg/m3", least=0, text="of the air"),
+    area=Number(unit="m2", least=0, text="frontal area; of a line its length times its width"),
+    coefficient=Number(least=0, text="drag coefficient: force over density/2 area speed**2"),
+    density=Number(unit="kg/m3", least=0, text="of the air"),
     normal=DirectionKey(
         None, "of a plate: only the velocity along it drags; left out: that across a line, and all "
         "of that of a point"
@@ -157,11 +147,7 @@ def load(build, args):
     wind=VectorKey(ZERO, unit="m/s", text="velocity of the air"),
 )  # fmt: skip
 def drag(build, args):
-    """Drag of air by the square of the speed: at a point of a part, or evenly along a line of it.
-
-    Adds a Drag to the scene, three along a line for each particle of the part. build: Builder of
-    the sample, with its scene; args: values of an entry: part (Body), through (one or two Points),
-    area (m²), coefficient, density (kg/m³), normal (unit vector (3,) or None), wind (3,) m/s."""
+    """Drag of air by the square of the speed: at a point of a part, or evenly along a line."""
     scene, ends = build.scene, [point.position for point in args.through]
     particles = [args.part.particle(point.name) for point in args.through]
     axis, spots = ZERO if args.normal is None else args.normal, [(particles[0], ends[0], 1.0)]
@@ -181,21 +167,19 @@ def drag(build, args):
 @statement(
     "cables",
     through=ListKey(kind=PointKey(), least=2, text="its points, in order", units=True),
-    EA=NumberKey(unit="N", above=0, text="tension for a strain of one"),
-    rest=NumberKey(None, "its length without tension; this or `preload`", unit="m", above=0),
-    preload=NumberKey(None, "its tension at the start; this or `rest`", unit="N", least=0),
-    reel=NumberKey(
-        None, "length that a winch at the first point takes in, times `curve`", unit="m"
-    ),
+    EA=Number(unit="N", above=0, text="tension for a strain of one"),
+    rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
+    preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
+    reel=Number(None, "length that a winch at the first point takes in, times `curve`", unit="m"),
     curve=ReferenceKey(None, "of the winch", group="curves"),
-    friction=NumberKey(
+    friction=Number(
         None, "coefficient of friction at the points between its ends; left out: they turn", least=0
     ),
     drum=OpeningKey(
         None, "joint whose opening winds it at the first point", types=("revolute", "universal")
     ),
-    radius=NumberKey(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
-    shortest=NumberKey(
+    radius=Number(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
+    shortest=Number(
         None,
         "length without tension down to which the drum may wind it; left out: a quarter of "
         "that at the start",
@@ -205,13 +189,7 @@ def drag(build, args):
     **CLASS,
 )
 def cable(build, args):
-    """Pulls its points together where it is tight, and runs through those between its ends.
-
-    Adds a Cable to the scene; returns its index. build: Builder of the sample, with its scene;
-    args: values of an entry: through (list of (Body, Point)), EA (stiffness, N), rest (length
-    without tension, m) or preload (N), the other None, reel (m taken in, times curve), curve (index
-    or None), friction (coefficient or None), drum (index of a hinge or None), radius and shortest
-    (m, each or None)."""
+    """Pulls its points together where it is tight, and runs through those between its ends."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -246,12 +224,7 @@ def cable(build, args):
     rotations=LettersKey("xyz", "axes about which it is driven: all, if along all, or none"),
 )
 def drive(build, args):
-    """Prescribes how a point of a part moves and turns, or how it moves along some global axes.
-
-    Adds a Drive to the scene; where it leaves axes free, of a particle of its own that leads the
-    point. build: Builder of the sample, with its scene; args: values of an entry: part (Body), at
-    (one of its Points), velocity (3,) m/s, spin (3,) rad/s, curve (index of what scales both with
-    time, or None), translations and rotations (axes driven, as "xz")."""
+    """Prescribes how a point of a part moves and turns, or how it moves along some global axes."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
     if len(args.translations + args.rotations) < 6:
@@ -308,10 +281,7 @@ def _lead(build, args, particle: int, arm) -> None:
     about=ReferenceKey(group="points", text="any point"),
 )
 def motion(build, args):
-    """How a part moves at the start, as a rigid body.
-
-    Sets its particles' velocities in the scene. build: Builder of the sample; args: values of an
-    entry: part (Body), velocity (3,) m/s of the point about (Point), spin (3,) rad/s."""
+    """How a part moves at the start, as a rigid body."""
     scene, particles = build.scene, args.part.particles
     centre = args.about.position
     if args.about.name in args.part.points:  # where it is, if parts were moved before the start
@@ -325,14 +295,11 @@ def motion(build, args):
 @statement(
     "opening_rates",
     joint=OpeningKey(text="whose opening changes at the start"),
-    rate=NumberKey(unit="rad/s", text="of its opening"),
+    rate=Number(unit="rad/s", text="of its opening"),
 )
 def opening_rate(build, args):
     """How fast an opening changes at the start; what else moves is as after an impact in these
-    joints.
-
-    Notes it in the scene. build: Builder of the sample; args: values of an entry: joint (index of a
-    hinge), rate (rad/s; m/s on a slide)."""
+    joints."""
     if args.joint in build.scene.opening_rates:
         build.refuse("joint", build.scene.hinges[args.joint].name, "joints that have no other rate")
     build.scene.opening_rates[args.joint] = args.rate
@@ -342,8 +309,5 @@ def opening_rate(build, args):
     "record", part=ReferenceKey(group="parts", text="what carries it", ground=True), at=POINT
 )
 def record(build, args):
-    """A point of a part whose motion is recorded under this name.
-
-    Adds a named point to the scene. build: Builder of the sample, with its scene; args: values of
-    an entry: part (Body or Ground), at (one of its Points), name."""
+    """A point of a part whose motion is recorded under this name."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

@@ -5,21 +5,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from fpm.declare import Number
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.structures.builder import POINT_TOL, Body
 from fpm.structures.doubts import find_dense
-from fpm.structures.keys import (
-    DirectionKey,
-    ListKey,
-    MapKey,
-    NumberKey,
-    ReferenceKey,
-    VectorKey,
-    WholeKey,
-)
+from fpm.structures.keys import COUNT, DirectionKey, ListKey, MapKey, ReferenceKey, VectorKey
 from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
@@ -32,16 +25,16 @@ anything that has none at all. A rod has it that is 1/1200 as thick as long."""
 POINT = ReferenceKey(group="points")
 
 
-def _size(text: str, unit: str = "m") -> NumberKey:
-    return NumberKey(unit=unit, above=0, text=text)
+def _size(text: str, unit: str = "m") -> Number:
+    return Number(unit=unit, above=0, text=text)
 
 
 @statement(
     "materials",
     E=_size("Young's modulus", "Pa"),
-    nu=NumberKey(0.3, "Poisson's ratio"),
+    nu=Number(0.3, "Poisson's ratio"),
     rho=_size("density", "kg/m3"),
-    stiffness_damping=NumberKey(
+    stiffness_damping=Number(
         0.0, "damping over stiffness (Rayleigh's beta): 2 zeta/omega damps what swings at omega by "
         "the share zeta of critical", unit="s", least=0,
     ),
@@ -97,7 +90,7 @@ for _type, _text, _sizes, _build in SECTIONS:
     through=ListKey(kind=POINT, least=2, text="its points, in order"),
     section=ReferenceKey(group="sections", text="its cross-section"),
     material=ReferenceKey(group="materials", text="its material"),
-    elements=WholeKey(text="beam elements of each stretch between two points"),
+    elements=replace(COUNT, text="beam elements of each stretch between two points"),
     up=DirectionKey(
         None, "where the section's height points; needed where it matters, and for `curvature`"
     ),
@@ -105,9 +98,9 @@ for _type, _text, _sizes, _build in SECTIONS:
         None, "points off its axis, each rigidly held at one of its points",
         group="points", kind=POINT,
     ),
-    inertia_scale=NumberKey(1.0, "factor on the section's rotational inertia", least=1),
-    strain=NumberKey(0.0, "of what is free of stress, as by heat; with `assemble`", above=-0.5),
-    curvature=NumberKey(
+    inertia_scale=Number(1.0, "factor on the section's rotational inertia", least=1),
+    strain=Number(0.0, "of what is free of stress, as by heat; with `assemble`", above=-0.5),
+    curvature=Number(
         None, "likewise, > 0 where the side of `up` is longer: difference of strains over height",
         unit="/m",
     ),
@@ -340,7 +333,7 @@ def _cylinder(build, args, section: Section | None) -> Body:
     "bodies",
     "rod",
     **LINE,
-    diameter=NumberKey(None, ROD_DIAMETER, unit="m", above=0),
+    diameter=Number(None, ROD_DIAMETER, unit="m", above=0),
     points=POINTS,
 )
 def rod(build, args):
@@ -369,7 +362,7 @@ def tube(build, args):
         "the first",
     ),
     **MASS,
-    thickness=NumberKey(0.0, "half to each side of its corners", unit="m", least=0),
+    thickness=Number(0.0, "half to each side of its corners", unit="m", least=0),
     points=POINTS,
 )  # fmt: skip
 def plate(build, args):
@@ -401,7 +394,7 @@ def plate(build, args):
     part=ReferenceKey(group="parts", text="what carries it"),
     at=ReferenceKey(group="points", text="any point of a rigid body, or one on a bar's axis"),
     mass=_size("its mass", "kg"),
-    inertia=NumberKey(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
+    inertia=Number(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )
 def mass(build, args):
     """A mass at a point of a part, with its centre there."""

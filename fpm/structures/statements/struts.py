@@ -2,14 +2,15 @@
 
 from dataclasses import replace
 
+from fpm.declare import NO_VALUE, Number, Word
 from fpm.elements import Strut
 from fpm.elements.cables.strut import gas_table
-from fpm.structures.keys import NO_VALUE, ChoiceKey, ListKey, NumberKey, PointKey
+from fpm.structures.keys import ListKey, PointKey
 from fpm.structures.statement import CLASS, statement
 
 ENDS = ListKey(kind=PointKey(), least=2, most=2, text="its two points, of different parts")
-DAMPING = NumberKey(0.0, "force for a rate of its length, both ways", unit="N s/m", least=0)
-FORCES = ListKey(kind=NumberKey(unit="N"), least=2, text="one for each length, > 0 where it pushes")
+DAMPING = Number(0.0, "force for a rate of its length, both ways", unit="N s/m", least=0)
+FORCES = ListKey(kind=Number(unit="N"), least=2, text="one for each length, > 0 where it pushes")
 SIDES = {"both ways": (1.0, 1.0), "push": (1.0, 0.0), "pull": (0.0, 1.0)}
 
 
@@ -36,10 +37,10 @@ def _length(build, args) -> float:
     "struts",
     "spring",
     between=ENDS,
-    stiffness=NumberKey(unit="N/m", least=0, text="force for a change of its length"),
-    rest=NumberKey(None, "its length without force; this or `preload`", unit="m", above=0),
-    preload=NumberKey(None, "its force at the start, > 0 where it pushes", unit="N"),
-    acts=ChoiceKey("both ways", "`push`, `pull`: only so, else slack", options=tuple(SIDES)),
+    stiffness=Number(unit="N/m", least=0, text="force for a change of its length"),
+    rest=Number(None, "its length without force; this or `preload`", unit="m", above=0),
+    preload=Number(None, "its force at the start, > 0 where it pushes", unit="N"),
+    acts=Word("both ways", "`push`, `pull`: only so, else slack", values=tuple(SIDES)),
     damping=replace(DAMPING, text=DAMPING.text + "; 0 where it acts one way"),
     **CLASS,
 )
@@ -67,7 +68,7 @@ def spring(build, args):
     "struts",
     "tabulated spring",
     between=ENDS,
-    lengths=ListKey(kind=NumberKey(unit="m", above=0), least=2, text="increasing"),
+    lengths=ListKey(kind=Number(unit="m", above=0), least=2, text="increasing"),
     forces=FORCES,
     damping=DAMPING,
     **CLASS,
@@ -83,11 +84,11 @@ def tabulated_spring(build, args):
     "struts",
     "gas spring",
     between=ENDS,
-    force=NumberKey(unit="N", above=0, text="with which it pushes all the way out"),
-    length=NumberKey(unit="m", above=0, text="of it, all the way out"),
-    stroke=NumberKey(unit="m", above=0, text="how far it goes in"),
-    ratio=NumberKey(unit="", above=1, text="force all the way in over `force`"),
-    exponent=NumberKey(1.0, "of the gas: 1 slow, 1.4 fast", unit="", least=1),
+    force=Number(unit="N", above=0, text="with which it pushes all the way out"),
+    length=Number(unit="m", above=0, text="of it, all the way out"),
+    stroke=Number(unit="m", above=0, text="how far it goes in"),
+    ratio=Number(unit="", above=1, text="force all the way in over `force`"),
+    exponent=Number(1.0, "of the gas: 1 slow, 1.4 fast", unit="", least=1),
     damping=DAMPING,
     **CLASS,
 )
@@ -107,7 +108,7 @@ def gas_spring(build, args):
     "struts",
     "constant force",
     between=ENDS,
-    force=NumberKey(unit="N", text="> 0 where it pushes"),
+    force=Number(unit="N", text="> 0 where it pushes"),
     damping=DAMPING,
     **CLASS,
 )

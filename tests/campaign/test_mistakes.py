@@ -12,7 +12,7 @@ import pytest
 import fpm
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.measured import band_warnings
+from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from fpm import structures
 from fpm.structures import report
@@ -312,7 +312,7 @@ def test_what_is_shipped_is_meant(request):
     for path in (request.config.rootpath / "config").glob("*.yaml"):
         campaign = load_config([path])
         texts = campaign.experiment.warnings + requirement_warnings(campaign)
-        assert [*texts, *band_warnings(campaign)] == [], path.stem
+        assert [*texts, *measured_warnings(campaign)] == [], path.stem
     for path in (request.config.rootpath / "config/structures").glob("*.yaml"):
         assert warnings(structures.load(path).build()) == [], path.stem
 

@@ -114,12 +114,18 @@ def test_keys_that_name_no_curve_are_told_with_line_and_what_is_allowed(file, ke
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        ("t [s],torque [N m]\n0,1\n0,1\n", "line 3: the time 0 s does not follow 0 s"),
-        ("t [s],torque [N m]\n0,nan\n", "line 2: 'nan' is not allowed; allowed: a finite number"),
-        ("t [s],torque [Nm]\n0,1\n", "line 1: 'Nm' is not a unit"),
+        (
+            "t [s],torque [N m]\n0,1\n0,1\n",
+            r"file: \S*csv, line 3: the time 0 s does not follow 0 s",
+        ),
+        ("t [s],torque [N m]\n0,nan\n", r"column: 'torque' is .*csv, line 2: 'nan' is not allowed"),
+        (
+            "t [s],torque [Mm]\n0,1\n",
+            r"column: 'torque' is .*csv, line 1: torque: 'Mm' is not a un",
+        ),
     ],
 )
 def test_a_file_that_is_no_curve_is_told_with_its_own_line(file, rows, words):
     (file.parent / "torques.csv").write_text(rows)
-    with pytest.raises(StructureError, match=rf"line 8: curves\.drive\.file: \S*csv, {words}"):
+    with pytest.raises(StructureError, match=rf"line 8: curves\.drive\.{words}"):
         load(file)

@@ -14,7 +14,7 @@ from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
-from deployable.campaign.config.measured import band_warnings
+from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
@@ -120,7 +120,7 @@ def _check(options: argparse.Namespace) -> int:
                 prefix, experiment = f"{path}: {case}", variant.experiment
                 print(f"{prefix}{_describe_work(variant, folder)}")
                 texts = [*experiment.warnings, *requirement_warnings(variant)]
-                for text in [*texts, *band_warnings(variant)]:
+                for text in [*texts, *measured_warnings(variant)]:
                     print(f"{prefix}warning: {text}")
                 for text in doubt_texts(experiment.doubts):
                     print(f"{prefix}{text}")

@@ -377,8 +377,8 @@ class MeasuredTest(ConfigSection):
     """Measured curves of one test, and what held in it (docs/measured.md)."""
 
     file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")]
-    """A CSV file, sought from the folder of the config: in its first line names with units, the
-    time first (`t [s],angle [rad]`), then rows of numbers."""
+    """A CSV file, sought from the folder of the config: names with units, such as
+    `t [s],angle [rad]`, above rows of numbers; one column is the time."""
     columns: Annotated[
         dict[str, Name], Rule("a mapping from names of columns to names of responses", least=1)
     ]

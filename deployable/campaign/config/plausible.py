@@ -26,7 +26,11 @@ FASTEST = 2.0
 """Speed that a requirement asks for, by the largest at nominal values, above which none has it."""
 
 LARGEST = 100.0
-"""Length that a requirement states, by the structure's extent, above which the same holds."""
+"""Length that a requirement states, by the structure's extent, above which the same holds; and
+time that a curve lasts, by the duration of the runs."""
+
+RECORD_SIZE = 10
+"""Number of values of a curve above which it is a record, whose end counts."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
@@ -166,9 +170,15 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
 
 
 def _step_texts(experiment: Any) -> Iterator[str]:
-    """A stated step, longer than a feature of a curve of time."""
+    """A stated step, longer than a feature of a curve of time; curves far beyond the runs' end."""
     solver, scene = experiment.solver, experiment.nominal_scene
     feature = find_curve_step(scene, solver.duration)
+    for curve in scene.curves:
+        if len(curve.times) > RECORD_SIZE and curve.times[-1] > LARGEST * solver.duration:
+            yield (
+                f"solver.duration: {solver.duration:g} s, but a curve of {len(curve.times)} values "
+                f"lasts until {curve.times[-1]:.4g} s: check the unit of its times, such as ms"
+            )
     if solver.step != "auto" and solver.step > feature:
         yield (
             f"solver.step: {solver.step:g} s is longer than {feature:.3g} s, in which a curve of "

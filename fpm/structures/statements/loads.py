@@ -29,7 +29,6 @@ from fpm.structures.keys import (
     TextKey,
     VectorKey,
 )
-from fpm.structures.reading import commas
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
@@ -50,7 +49,7 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
         kind=NumberKey(unit="s"),
     ),
     values=ListKey(None, "one for each time", kind=NumberKey()),
-    file=CurvesKey(None, "with times first, and units in its first line"),
+    file=CurvesKey(None, "of curves of time, with units"),
     column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
     smooth=ChoiceKey(
         "false", "whether it is a smooth cubic between the values, never beyond two neighbours, "
@@ -83,7 +82,7 @@ def curve(build, args):
             build.refuse("values", args.values, f"{len(args.times)} numbers, one for each time")
         return build.scene.add_curve(args.times, args.values, smooth)
     if args.column not in args.file.columns:
-        build.refuse("column", args.column, f"a column of the file, {commas(args.file.columns)}")
+        build.refuse("column", args.column, args.file.allowed(args.column))
     return build.scene.add_curve(args.file.times, args.file.columns[args.column], smooth)
 
 

@@ -33,6 +33,8 @@ def check_choice(key: str, value: object, choices: Iterable[str], addition: str 
     """Return a `value` that is one of `choices`; else SceneError, which tells what is likely meant.
     key: of the value; addition: what else is allowed, in words."""
     names = list(choices)
+    if isinstance(value, int) and str(value) in names:
+        return str(value)
     if not isinstance(value, str) or value not in names:
         hint = did_you_mean(value, names) if isinstance(value, str) else ""
         allowed = f"one of {', '.join(names) or '(there is none)'}{addition}{hint}"

@@ -69,7 +69,7 @@ class Rule(NumberLimits):
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
     of any name, whose `names` are allowed; allowed: in words; default: `MISSING` if required;
-    section: class of which the children are fields, or None."""
+    section: class of which the children are fields, or None; is_whole: whether it may be an int."""
 
     rule: Rule
     allowed: str
@@ -78,6 +78,7 @@ class ConfigKey:
     children: dict[str, ConfigKey]
     entry: ConfigKey | None
     names: str
+    is_whole: bool = False
 
     @property
     def text(self) -> str:
@@ -95,7 +96,8 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
     rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     hint = get_args(hint)[0] if get_origin(hint) is Annotated else hint
     section, children, entry, names = None, {}, None, ""
-    for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
+    options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    for option in options:
         if get_origin(option) is dict:
             name, entry = map(config_key_of, get_args(option))
             names = name.rule.allowed
@@ -104,7 +106,9 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
             for f in fields(option):
                 value = f.default if f.default_factory is MISSING else f.default_factory()
                 children[f.name] = config_key_of(hints[f.name], value)
-    return ConfigKey(rule, rule.words(hint), default, section, children, entry, names)
+    return ConfigKey(
+        rule, rule.words(hint), default, section, children, entry, names, int in options
+    )
 
 
 def _docstrings(hint: type) -> dict[str, str]:

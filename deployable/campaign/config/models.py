@@ -9,18 +9,21 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from deployable.campaign.config.keys import RefusedError, Rule
 
+_STABLE = "(?!.*[ªº²³¹ſﬁﬂ])"  # in expressions these signs are others
 Name = Annotated[str, Rule("a name of up to 64 letters, digits and `_` that starts with a letter",
-    pattern="[A-Za-z][A-Za-z0-9_]{0,63}")]  # fmt: skip
+    pattern=rf"{_STABLE}[^\W\d_]\w{{0,63}}")]  # fmt: skip
+FreeName = Annotated[str, Rule("a name of up to 64 letters, digits and `_`",
+    pattern=rf"{_STABLE}[^\W_]\w{{0,63}}")]  # fmt: skip
 CampaignName = Annotated[str, Rule(
     "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name of "
     "a study",
-    pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
-    "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]  # fmt: skip
+    pattern=r"(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
+    r"verification)$)[^\W_][\w-]{0,63}")]  # fmt: skip
 CaseName = Annotated[str, Rule(
-    "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
-    "not that of a folder of results, or `all`",
-    pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
-    "$)[A-Za-z][A-Za-z0-9 _-]{0,63}")]  # fmt: skip
+    "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter or "
+    "digit, and not that of a folder of results, or `all`",
+    pattern=r"(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
+    r"$)[^\W_][\w -]{0,63}")]  # fmt: skip
 Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
 OrAuto = Literal["auto"]
 StructureFile = Annotated[str, Rule("the path of a `.yaml` file", pattern=r"[^\0]*")]
@@ -38,8 +41,8 @@ ABSENT: Any = None
 
 
 class ConfigSection:
-    """Base class of config sections: a mapping with the keys of a dataclass and no others, no text
-    for a number, no 2.0 for a whole number."""
+    """Base class of config sections: a mapping with the keys of a dataclass and no others, and no
+    text for a number."""
 
     __pydantic_config__: ClassVar[dict] = {"extra": "forbid", "strict": True}
 
@@ -502,7 +505,7 @@ class Config(ConfigSection):
     error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[
-        dict[Name, Annotated[
+        dict[FreeName, Annotated[
             dict[str, Annotated[Limits, Rule("a mapping with `at_least`, `at_most` or "
                 "`happens`, by quantity as in `{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
@@ -519,7 +522,9 @@ class Config(ConfigSection):
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
+        dict[
+            FreeName, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]
+        ],
         Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
     """Tests whose measured curves tell which part of the box is left, or that none is, by names of

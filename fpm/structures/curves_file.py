@@ -60,14 +60,7 @@ class CurvesFile:
         """Read the CSV file `path` of curves, into SI units. A line of names with units, such as
         `t [s],angle [rad]`, or one of names and one of units, stands above rows of numbers. One
         column is the time, which increases. Raises `CurvesFileError`."""
-        try:
-            content = read_bytes(path)
-            text = _decode(content)
-        except (OSError, UnicodeDecodeError, ValueError) as error:
-            damage = error.reason if isinstance(error, DamagedError) else "it is no text in UTF-8"
-            reason = getattr(error, "strerror", None) or damage
-            raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
-        table = _Table(str(path), text)
+        table = CsvTable(path, has_time=True)
         times = table.numbers(table.time)
         if len(reversals := np.flatnonzero(np.diff(times) <= 0)):
             row = reversals[0] + 1
@@ -82,7 +75,7 @@ class CurvesFile:
                 dimensions[name] = table.units[number].dimension
             except CurvesFileError as error:
                 faults[name] = str(error)
-        return cls(times, columns, dimensions, hashlib.sha256(content).hexdigest()[:16], faults)
+        return cls(times, columns, dimensions, table.digest, faults)
 
     def allowed(self, name: str) -> str:
         """Say which names of columns are allowed instead of `name`, and why that one is not."""
@@ -104,14 +97,23 @@ def _decode(content: bytes) -> str:
     return text
 
 
-class _Table:
-    """Names, units and cells of a CSV file. names, units: of the columns (a text: why there is no
-    unit); lines: number of the line of each row; time: number of the column of the time."""
+class CsvTable:
+    """Content of the CSV file at `path`; raises `CurvesFileError`. names, units: of its columns (a
+    text: why there is no unit); lines: number of the line of each row; digest: of the file; time:
+    number of the column that is the time, if one must be (`has_time`)."""
 
-    def __init__(self, path: str, text: str):
-        import pandas  # 0.3 s, which only files of curves need
+    def __init__(self, path: str | Path, has_time: bool = False):
+        import pandas  # 0.3 s, which only CSV files need
 
-        self.path = path
+        self.path = str(path)
+        try:
+            content = read_bytes(path)
+            text = _decode(content)
+        except (OSError, UnicodeDecodeError, ValueError) as error:
+            damage = error.reason if isinstance(error, DamagedError) else "it is no text in UTF-8"
+            reason = getattr(error, "strerror", None) or damage
+            raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
+        self.digest = hashlib.sha256(content).hexdigest()[:16]
         all_lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
         rows = [(number, line) for number, line in all_lines if not _COMMENT.match(line)]
         separator = rows.pop(0)[1][4:5] if rows and re.fullmatch("sep=.", rows[0][1]) else ""
@@ -124,16 +126,16 @@ class _Table:
                 text = "no line of names with units stands above the numbers"
                 self.refuse(rows[0][0], f"{text}; allowed: such as {EXAMPLE}")
             rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("# ")))
-        self.head, head = rows.pop(0)
-        self.separator = separator or self._separator(head)
-        self.names, self.units = self._header(head, rows)
+        self.head, self.head_line = rows.pop(0)
+        self.separator = separator or self._separator(self.head_line)
+        self.names, self.units = self._header(self.head_line, rows)
         self.lines = [number for number, _ in rows]
         for number, line in rows:
             if line.count('"') % 2:
                 self.refuse(number, "quotes that open here are not closed; allowed: both in a line")
-        self.time = self._time(head)
+        self.time = self._time() if has_time else None
         if not rows:
-            raise CurvesFileError(f"{path}: no rows; allowed: at least three")
+            raise CurvesFileError(f"{path}: no rows; allowed: rows of numbers")
         try:
             frame = pandas.read_csv(
                 io.StringIO("\n".join(line for _, line in rows)), header=None, dtype=str,
@@ -172,7 +174,7 @@ class _Table:
         names, units = map(list, zip(*map(_name_with_unit, cells), strict=True))
         if rows and not any(isinstance(u, Unit) for u in units):
             words = [cell.strip("[]() ") for cell in self._cells(rows[0][1])]
-            row = [_unit(word) if word not in ("", "-") else _NO_UNIT for word in words]
+            row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else _NO_UNIT for w in words]
             is_units = all(
                 isinstance(u, Unit) or w in ("", "-") for u, w in zip(row, words, strict=True)
             )
@@ -181,7 +183,7 @@ class _Table:
                 return cells, row
         return names, units
 
-    def _time(self, head: str) -> int:
+    def _time(self) -> int:
         """Number of the column that is the time."""
         second = unit("s").dimension
         columns = [
@@ -195,7 +197,7 @@ class _Table:
             text = f"the time could be {names}; allowed: one column with a unit of time, or one "
             self.refuse(self.head, f"{text}of them called t")
         if not columns:
-            text = f"{head.strip()!r} has no column with a unit of time"
+            text = f"{self.head_line.strip()!r} has no column with a unit of time"
             remedy = f"a line such as {EXAMPLE} above the rows, and # before other lines above it"
             self.refuse(self.head, f"{text}; allowed: {remedy}")
         if len(self.names) < 2:
@@ -236,9 +238,12 @@ class _Table:
             self.refuse(line, f"{text}; allowed: decimal points, and no sign between thousands")
         return "decimal" if "decimal" in first else "thousands" if "thousands" in first else ""
 
-    def numbers(self, column: int) -> np.ndarray:
-        """The numbers (r,) of a column in SI units. Raises CurvesFileError if it has none."""
+    def numbers(self, column: int, default: Unit | None = None) -> np.ndarray:
+        """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
+        default: unit of a column without one."""
         name, column_unit = self.names[column], self.units[column]
+        if column_unit == _NO_UNIT and default:
+            column_unit = default
         if self.names.count(name) > 1:
             self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
         if isinstance(column_unit, str):

@@ -180,6 +180,12 @@ class DesignSection(ConfigSection):
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
     seed: Annotated[int, Rule(least=0, most=2**32 - 1)] = 0
     """Seed of the Sobol sequence of `sobol`."""
+    file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")] = ABSENT
+    """A CSV file with runs of your own instead: a row for each, a column for each parameter that is
+    not at its nominal value, in its unit or one stated (`k [N mm/rad]`). Bounds are by the models
+    that take all runs. The nominal run is added."""
+    values: Annotated[tuple[float, ...], Rule("a list of numbers", least=1)] = ABSENT
+    """The values of the only interval in runs of your own, in its unit, instead of a file."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from deployable.campaign.config.own_runs import own_points
 from fpm.elements import Drag, SyncLoop, TorsionSpring, kinds_of
 from fpm.scenes.timestep import find_curve_step
 
@@ -18,6 +19,9 @@ FEWEST = 20
 
 WIDEST = 10.0
 """Half width of an interval by its nominal value above which the unit is hardly meant."""
+
+NEARLY = 0.9
+"""Place in an interval, from -1 to 1, beyond which own runs reach its end."""
 
 LONGEST = 2.0
 """Time that a requirement allows, by the duration of the runs, above which it says nothing."""
@@ -131,8 +135,20 @@ def _interval_texts(experiment: Any) -> Iterator[str]:
 
 
 def _design_texts(experiment: Any) -> Iterator[str]:
-    """Keys that the design does not use."""
+    """Keys that the design does not use, and own runs that leave part of the box out."""
     design = experiment.design
+    if design.method == "own":
+        points = own_points(experiment)
+        for number, (name, interval) in enumerate(experiment.intervals.items()):
+            low, high = points[:, number].min(), points[:, number].max()
+            if interval.lower < interval.upper and (low > -NEARLY or high < NEARLY):
+                centre, half = interval.lower + interval.upper, interval.upper - interval.lower
+                low, high = (centre + low * half) / 2, (centre + high * half) / 2
+                yield (
+                    f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
+                    f"is {interval.lower:.4g} to {interval.upper:.4g}: bounds beyond the runs are "
+                    "extrapolated; add runs at its ends"
+                )
     methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
     for key, methods in methods_by_key.items():
         value, default = getattr(design, key), getattr(type(design), key)

@@ -133,7 +133,7 @@ class CsvTable:
         for number, line in rows:
             if line.count('"') % 2:
                 self.refuse(number, "quotes that open here are not closed; allowed: both in a line")
-        self.time = self._time() if has_time else None
+        self.time = self._time() if has_time else -1
         if not rows:
             raise CurvesFileError(f"{path}: no rows; allowed: rows of numbers")
         try:

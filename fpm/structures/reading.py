@@ -327,8 +327,8 @@ class _Reader:
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
         event.value = unicodedata.normalize("NFC", event.value).replace("µ", "μ")  # as in names
         try:
-            is_typed = self.types and not (is_key and event.implicit[0])
-            return self.types.value(event) if is_typed else event.value.strip()
+            types = None if is_key and event.implicit[0] else self.types
+            return types.value(event) if types else event.value.strip()
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
             self.problems.say(line, f"a value cannot be read: {error}")
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fpm.arithmetic.units import unit
+from fpm.arithmetic.units import Unit, unit
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CsvTable, CurvesFileError
 
@@ -26,14 +26,14 @@ def file_digest(path: str | None) -> str:
 
 
 def key_problems(user_config: Mapping) -> list[str]:
-    """Return a sentence for each key that does not go with runs of one's own in a config that is
-    without defaults."""
+    """Return a sentence for each key of a config without defaults that does not go with its own
+    runs."""
     design = user_config.get("design", {})
-    kinds = [key for key in ("file", "values") if key in design]
-    keys = [f"design.{key}" for key in design if key not in kinds[:1]]
+    (kind, *_) = [*(key for key in ("file", "values") if key in design), ""]
+    keys = [f"design.{key}" for key in design if key != kind]
     keys += ["held_out"] * ("held_out" in user_config)
-    text = f"not allowed beside design.{kinds[0] if kinds else ''}; allowed: one of the two"
-    return [f"{key}: {text}" for key in keys] if kinds else []
+    text = f"not allowed beside design.{kind}; allowed: one of the two"
+    return [f"{key}: {text}" for key in keys if kind]
 
 
 def own_points(experiment: Any) -> np.ndarray:
@@ -43,7 +43,7 @@ def own_points(experiment: Any) -> np.ndarray:
     free = [name for name, i in intervals.items() if i.lower < i.upper]
     if design.file:
         try:
-            columns, places = _read_columns(design.file, experiment)
+            columns, places = _read_columns(design, experiment)
         except CurvesFileError as error:
             raise OwnRunsError(f"file: {error}") from None
     elif len(free) != 1:
@@ -56,38 +56,28 @@ def own_points(experiment: Any) -> np.ndarray:
     for name, column in columns.items():
         lower, upper = intervals[name].lower, intervals[name].upper
         rounding = 1e-12 * max(abs(lower), abs(upper))  # of units
-        for place, value in zip(places, column, strict=True):
-            if not lower - rounding <= value <= upper + rounding:
-                text = f"{name} = {value:.9g} is outside its interval"
-                raise OwnRunsError(f"{place}: {text}; allowed: {lower:.9g} to {upper:.9g}")
+        for row in np.flatnonzero((column < lower - rounding) | (column > upper + rounding)):
+            text = f"{places[row]}: {name} = {column[row]:.9g} is outside its interval"
+            raise OwnRunsError(f"{text}; allowed: {lower:.9g} to {upper:.9g}")
         values[:, [*intervals].index(name)] = np.clip(column, lower, upper)
     return experiment.box.to_unit(values)
 
 
-def _read_columns(path: str, experiment: Any) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Values of the parameters in the file `path`, by name, and the place of each row."""
-    table, columns = CsvTable(path), {}
-    if experiment.design.digest not in ("", table.digest):
-        raise CurvesFileError(
-            f"{path}: it changed since it was checked; allowed: the campaign again"
-        )
+def _read_columns(design: Any, experiment: Any) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Values of the parameters in the file of runs, by name, and the place of each row."""
+    table, columns, names = CsvTable(design.file), {}, ", ".join(experiment.intervals)
+    if design.digest not in ("", table.digest):
+        table.refuse(1, "it changed since it was checked; allowed: the campaign again")
     for number, name in enumerate(table.names):
-        if name not in experiment.intervals:
-            if name.lower() not in LABELS:
-                text = (
-                    f"the column {name} is of no interval{did_you_mean(name, experiment.intervals)}"
-                )
-                names = ", ".join(experiment.intervals)
-                table.refuse(table.head, f"{text}; allowed: {names}, and `run` or `note`")
-            continue
-        symbol = experiment.scene_type.parameters[name].unit.replace("degree", "deg")
-        parameter_unit, column_unit = unit(symbol), table.units[number]
-        numbers = table.numbers(number, parameter_unit)
-        has_unit = not isinstance(column_unit, str)
-        if has_unit and column_unit.dimension.powers != parameter_unit.dimension.powers:
-            table.refuse(table.head, f"the unit of {name} does not fit; allowed: {symbol}")
-        columns[name] = numbers / parameter_unit.si(1.0)
+        if name in experiment.intervals:
+            symbol = experiment.scene_type.parameters[name].unit.replace("degree", "deg")
+            si_unit, column_unit = unit(symbol), table.units[number]
+            columns[name] = table.numbers(number, si_unit) / si_unit.si(1.0)
+            if isinstance(column_unit, Unit) and not column_unit.dimension.fits(si_unit.dimension):
+                table.refuse(table.head, f"the unit of {name} does not fit; allowed: {symbol}")
+        elif name.lower() not in LABELS:
+            text = f"the column {name} is of no interval{did_you_mean(name, experiment.intervals)}"
+            table.refuse(table.head, f"{text}; allowed: {names}, and `run` or `note`")
     if not columns:
-        names = ", ".join(experiment.intervals)
         table.refuse(table.head, f"no column of a parameter; allowed: {names}")
-    return columns, [f"file: {path}, line {line}" for line in table.lines]
+    return columns, [f"file: {design.file}, line {line}" for line in table.lines]

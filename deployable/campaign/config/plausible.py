@@ -144,10 +144,11 @@ def _design_texts(experiment: Any) -> Iterator[str]:
             if interval.lower < interval.upper and (low > -NEARLY or high < NEARLY):
                 centre, half = interval.lower + interval.upper, interval.upper - interval.lower
                 low, high = (centre + low * half) / 2, (centre + high * half) / 2
+                effect = "beyond the runs are extrapolated" if low < high else "lack its influence"
                 yield (
                     f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
-                    f"is {interval.lower:.4g} to {interval.upper:.4g}: bounds beyond the runs are "
-                    "extrapolated; add runs at its ends"
+                    f"is {interval.lower:.4g} to {interval.upper:.4g}: bounds {effect}; add runs "
+                    "at its ends"
                 )
     methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
     for key, methods in methods_by_key.items():

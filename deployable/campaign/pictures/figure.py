@@ -1,6 +1,8 @@
 """Matplotlib's figures, loaded at less cost where nobody reads what it says of them."""
 
 import sys
+from functools import cache
+from io import BytesIO
 from typing import Any
 
 
@@ -11,6 +13,19 @@ def make_figure(**options: Any) -> Any:
         from matplotlib import artist as settings
 
         setattr(settings, "kwdoc", lambda _: "")  # noqa: B010  # of other arguments
+    return _picture_type()(**options)
+
+
+@cache
+def _picture_type() -> Any:
     from matplotlib.figure import Figure
 
-    return Figure(**options)
+    class Picture(Figure):
+        """A figure that notebooks show."""
+
+        def _repr_png_(self) -> bytes:
+            buffer = BytesIO()
+            self.savefig(buffer, format="png", dpi=110)
+            return buffer.getvalue()
+
+    return Picture

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,11 +58,13 @@ def render(data: PageData) -> str:
     )
 
 
-def render_cases(facts: Mapping[str, Any]) -> str:
-    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`."""
+def render_cases(facts: Mapping[str, Any], figures: Iterable[Any] = ()) -> str:
+    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`; figures:
+    of the curves that these have, if any."""
     units = {pretty(row["units"]) for row in facts["quantities"]} - {"1"}
     template = environment(units, html=True).get_template("cases.html")
-    return template.render(facts=facts, style=_text("style.css"))
+    pictures = [_png(figure) for figure in figures]
+    return template.render(facts=facts, style=_text("style.css"), pictures=pictures)
 
 
 def _text(name: str) -> str:
@@ -71,6 +73,10 @@ def _text(name: str) -> str:
 
 def _poster(motion: xarray.Dataset) -> str:
     """Three moments of a whole motion as PNG in base64, for browsers that show no motion."""
+    return _png(draw_moments(motion, 3))
+
+
+def _png(figure: Any) -> str:
     buffer = BytesIO()
-    draw_moments(motion, 3).savefig(buffer, dpi=110, metadata=DATELESS["png"])
+    figure.savefig(buffer, dpi=110, metadata=DATELESS["png"])
     return b64encode(buffer.getvalue()).decode()

@@ -85,13 +85,11 @@ class CurvesFile:
 
 def _decode(content: bytes) -> str:
     """The text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        text = content.decode("utf-16")
-    else:
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = content.decode("cp1252")
+    is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        text = content.decode("utf-16" if is_wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("cp1252")
     if "\0" in text:
         raise ValueError
     return text
@@ -144,12 +142,11 @@ class CsvTable:
             ).fillna("")  # fmt: skip
         except pandas.errors.ParserError:
             frame = pandas.DataFrame()
-        count = len(self.names)
         self.cells = [[str(cell).strip() for cell in frame[k]] for k in frame.columns]
-        if len(self.cells) == count + 1 and not any(self.cells[-1]):
+        if len(self.cells) == len(self.names) + 1 and not any(self.cells[-1]):
             self.cells.pop()  # each row ends with a separator
-        if len(self.cells) != count:
-            self._refuse_count(rows, count)
+        if len(self.cells) != len(self.names):
+            self._refuse_count(rows)
         self.comma = self._comma()
 
     def refuse(self, line: int, text: str) -> NoReturn:
@@ -186,57 +183,50 @@ class CsvTable:
     def _time(self) -> int:
         """Number of the column that is the time."""
         second = unit("s").dimension
-        columns = [
-            k for k, u in enumerate(self.units) if isinstance(u, Unit) and u.dimension == second
-        ]
-        name_matches = [k for k in columns if self.names[k].lower() in _TIMES]
-        if len(columns) > 1 and len(name_matches) == 1:
-            columns = name_matches
+        columns = [k for k, u in enumerate(self.units) if getattr(u, "dimension", None) == second]
         if len(columns) > 1:
-            names = " or ".join(self.names[k] for k in columns)
-            text = f"the time could be {names}; allowed: one column with a unit of time, or one "
-            self.refuse(self.head, f"{text}of them called t")
-        if not columns:
+            matches = [k for k in columns if self.names[k].lower() in _TIMES]
+            columns = matches if len(matches) == 1 else columns
+        if len(columns) > 1:
+            text = f"the time could be {' or '.join(self.names[k] for k in columns)}"
+            remedy = "one column with a unit of time, or one of them called t"
+        elif not columns:
             text = f"{self.head_line.strip()!r} has no column with a unit of time"
             remedy = f"a line such as {EXAMPLE} above the rows, and # before other lines above it"
-            self.refuse(self.head, f"{text}; allowed: {remedy}")
-        if len(self.names) < 2:
-            self.refuse(
-                self.head, f"there is no column beside the time; allowed: such as {EXAMPLE}"
-            )
-        return columns[0]
+        elif len(self.names) < 2:
+            text, remedy = "there is no column beside the time", f"such as {EXAMPLE}"
+        else:
+            return columns[0]
+        return self.refuse(self.head, f"{text}; allowed: {remedy}")
 
-    def _refuse_count(self, rows: Sequence[tuple[int, str]], count: int) -> NoReturn:
+    def _refuse_count(self, rows: Sequence[tuple[int, str]]) -> NoReturn:
         """Refuse the first row that has another number of cells than the names."""
-        for number, line in rows:
-            if (cells := len(self._cells(line))) != count:
-                commas = self.separator == "," and cells == 2 * count
-                hint = " (decimal commas need semicolons between columns)" if commas else ""
-                self.refuse(
-                    number, f"{cells} values{hint}; allowed: {count}, as in line {self.head}"
-                )
-        self.refuse(self.head, f"{count} names, and other rows; allowed: one name for each column")
+        count = len(self.names)
+        sizes = [(number, len(self._cells(line))) for number, line in rows]
+        line, size = next((row for row in sizes if row[1] != count), (self.head, 0))
+        is_comma = self.separator == "," and size == 2 * count
+        hint = " (decimal commas need semicolons between columns)" if is_comma else ""
+        self.refuse(line, f"{size} values{hint}; allowed: {count}, as in line {self.head}")
 
     def _comma(self) -> str:
         """What a comma in a number is: "decimal", "thousands", or "" where none has one."""
         first: dict[str, tuple[int, str]] = {}
         for cells in self.cells:
-            for row, cell in enumerate(cells):
+            for line, cell in zip(self.lines, cells, strict=True):
                 if "," in cell and _DIGITS.fullmatch(cell):
                     kind = "decimal" if _DECIMAL_COMMA.fullmatch(cell) else ""
                     kind = "thousands" if _THOUSANDS.fullmatch(cell) else kind
-                    first.setdefault(kind, (self.lines[row], cell))
-        if "decimal" in first and "thousands" in first:
+                    first.setdefault(kind, (line, cell))
+        kinds = [kind for kind in ("decimal", "thousands") if kind in first]
+        if len(kinds) == 2:
             (line, cell), (second_line, number) = first["decimal"], first["thousands"]
-            text = (
-                f"{cell!r} has a decimal comma, and {number!r} in line {second_line} one between "
-            )
-            self.refuse(line, f"{text}thousands; allowed: one of both in a file")
-        if [*first] == [""]:
+            text = f"{cell!r} has a decimal comma, and {number!r} in line {second_line} one between"
+            self.refuse(line, f"{text} thousands; allowed: one of both in a file")
+        if first and not kinds:
             line, cell = first[""]
             text = f"{cell!r} could be {cell.replace(',', '.')} or {cell.replace(',', '')}"
             self.refuse(line, f"{text}; allowed: decimal points, and no sign between thousands")
-        return "decimal" if "decimal" in first else "thousands" if "thousands" in first else ""
+        return kinds[0] if kinds else ""
 
     def numbers(self, column: int, default: Unit | None = None) -> np.ndarray:
         """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
@@ -248,24 +238,20 @@ class CsvTable:
             self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
         if isinstance(column_unit, str):
             self.refuse(self.head, f"{name}: {column_unit}")
-        texts = self.cells[column]
         form = {"decimal": _WITH_DECIMAL_COMMA, "thousands": _WITH_THOUSANDS}.get(self.comma)
-        for row, cell in enumerate(texts if form else ()):
+        decimal, mark = (",", ".") if self.comma == "decimal" else (".", ",")
+        texts = []
+        for line, cell in zip(self.lines, self.cells[column], strict=True):
             if form and _DIGITS.fullmatch(cell) and not form.fullmatch(cell):
                 text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
                 text = f"{text}, as commas in this file are {self.comma}"
-                self.refuse(self.lines[row], f"{text}; allowed: one sign for decimals")
-        if self.comma == "decimal":
-            texts = [cell.replace(".", "").replace(",", ".") for cell in texts]
-        elif self.comma:
-            texts = [cell.replace(",", "") for cell in texts]
-        texts = [re.sub("[dD](?=[-+]?[0-9]+$)", "e", t.replace("−", "-")) for t in texts]
-        for row, text in enumerate(texts):
-            if not _NUMBER.fullmatch(text) or not np.isfinite(float(text)):
-                cell = self.cells[column][row]
+                self.refuse(line, f"{text}; allowed: one sign for decimals")
+            text = cell.replace(mark, "") if form else cell
+            text = text.replace(decimal, ".").replace("−", "-")
+            texts.append(re.sub("[dD](?=[-+]?[0-9]+$)", "e", text))
+            if not _NUMBER.fullmatch(texts[-1]) or not np.isfinite(float(texts[-1])):
                 allowed = "seconds since the start" if ":" in cell else "a finite number"
-                text = f"{cell!r} is not allowed; allowed: {allowed}, or no such row"
-                self.refuse(self.lines[row], text)
+                self.refuse(line, f"{cell!r} is not allowed; allowed: {allowed}, or no such row")
         return column_unit.si(np.array(texts, dtype=object).astype(float))
 
 

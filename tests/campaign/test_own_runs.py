@@ -78,7 +78,7 @@ def test_parameters_without_a_column_are_nominal(config, tmp_path):
         ("k [m],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),
         ("run,note\n1,a\n", {}, "line 1: no column of a parameter; allowed: k, c"),
         ("k,c\n0.05,\n", {}, "line 2: '' is not allowed; allowed: a finite number"),
-        ("k,c\n0.05,0\n0.051,1e-4\n", {}, "design: 3 runs, the nominal one included, do not "),
+        ("k,c\n0.05,0\n0.051,1e-4\n", {}, "design: 3 runs with the nominal one do not "),
         (ROWS, {"order": 3}, "design.order: not allowed beside design.file; allowed: one of"),
         (ROWS, {"values": [1]}, "design.values: not allowed beside design.file; allowed: one of"),
         (ROWS, {"file": "absent.csv"}, "design.file: absent.csv: No such file or directory"),

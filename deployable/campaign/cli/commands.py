@@ -125,8 +125,9 @@ def _check(options: argparse.Namespace) -> int:
                     print(f"{path}: {text}")
         except CampaignError as error:
             report["problems"] = getattr(error, "problems", [str(error)])
-            text = str(error) if isinstance(error, ConfigError) else f"{path}: {error}"
-            print("" if options.json else f"{text}\n", end="", file=sys.stderr)
+            if not options.json:
+                prefix = "" if isinstance(error, ConfigError) else f"{path}: "
+                print(f"{prefix}{error}", file=sys.stderr)
     if options.json:
         print(json.dumps(reports, indent=2))
     return int(any(report["problems"] for report in reports))
@@ -188,8 +189,8 @@ def _compare(options: argparse.Namespace) -> int:
         case["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
     if options.html:
         write_text(options.html, render_cases(facts, map(overlay, curves.values())))
-    is_json = options.json
-    print(json.dumps(facts, indent=2) if is_json else summary_text(facts, "cases.md.jinja"))
+    text = "" if options.json else summary_text(facts, "cases.md.jinja")
+    print(text or json.dumps(facts, indent=2))
     return 0
 
 

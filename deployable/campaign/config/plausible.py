@@ -20,9 +20,6 @@ FEWEST = 20
 WIDEST = 10.0
 """Half width of an interval by its nominal value above which the unit is hardly meant."""
 
-NEARLY = 0.9
-"""Place in an interval, from -1 to 1, beyond which own runs reach its end."""
-
 LONGEST = 2.0
 """Time that a requirement allows, by the duration of the runs, above which it says nothing."""
 
@@ -30,11 +27,8 @@ FASTEST = 2.0
 """Speed that a requirement asks for, by the largest at nominal values, above which none has it."""
 
 LARGEST = 100.0
-"""Length that a requirement states, by the structure's extent, above which the same holds; and
-time that a curve lasts, by the duration of the runs."""
-
-RECORD_SIZE = 10
-"""Number of values of a curve above which it is a record, whose end counts."""
+"""Length that a requirement states, by the structure's extent, and end of a curve, by that of the
+runs, above which the same holds."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
@@ -138,17 +132,15 @@ def _design_texts(experiment: Any) -> Iterator[str]:
     """Keys that the design does not use, and own runs that leave part of the box out."""
     design = experiment.design
     if design.method == "own":
-        points = own_points(experiment)
-        for number, (name, interval) in enumerate(experiment.intervals.items()):
-            low, high = points[:, number].min(), points[:, number].max()
-            if interval.lower < interval.upper and (low > -NEARLY or high < NEARLY):
-                centre, half = interval.lower + interval.upper, interval.upper - interval.lower
-                low, high = (centre + low * half) / 2, (centre + high * half) / 2
+        values = experiment.box.from_unit(own_points(experiment))
+        for column, (name, interval) in zip(values.T, experiment.intervals.items(), strict=True):
+            low, high, ends = column.min(), column.max(), (interval.lower, interval.upper)
+            margin = 0.05 * (ends[1] - ends[0])
+            if low > ends[0] + margin or high < ends[1] - margin:
                 effect = "beyond the runs are extrapolated" if low < high else "lack its influence"
                 yield (
                     f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
-                    f"is {interval.lower:.4g} to {interval.upper:.4g}: bounds {effect}; add runs "
-                    "at its ends"
+                    f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds {effect}; add runs at its ends"
                 )
     methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
     for key, methods in methods_by_key.items():
@@ -191,7 +183,7 @@ def _step_texts(experiment: Any) -> Iterator[str]:
     solver, scene = experiment.solver, experiment.nominal_scene
     feature = find_curve_step(scene, solver.duration)
     for curve in scene.curves:
-        if len(curve.times) > RECORD_SIZE and curve.times[-1] > LARGEST * solver.duration:
+        if len(curve.times) >= FEWEST and curve.times[-1] > LARGEST * solver.duration:
             yield (
                 f"solver.duration: {solver.duration:g} s, but a curve of {len(curve.times)} values "
                 f"lasts until {curve.times[-1]:.4g} s: check the unit of its times, such as ms"

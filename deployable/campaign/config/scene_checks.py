@@ -252,11 +252,11 @@ def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
     try:
         check_spline_runs(np.concatenate(points))
     except IntervalError as error:
-        cause = f"bounds.model: {model!r} is not allowed with {error.value} runs"
         if experiment.design.method == OWN_RUNS:
-            return [f"design: {error.value} runs, the nominal one included, do not determine a "
-                    f"model; allowed: {error.allowed}"]  # fmt: skip
-        return [f"{cause}; allowed: polynomial, or {error.allowed}"]
+            text = "with the nominal one do not determine a model"
+            return [f"design: {error.value} runs {text}; allowed: {error.allowed}"]
+        text = f"bounds.model: {model!r} is not allowed with {error.value} runs"
+        return [f"{text}; allowed: polynomial, or {error.allowed}"]
     return []
 
 

@@ -1,7 +1,7 @@
 """Matplotlib's figures, loaded at less cost where nobody reads what it says of them."""
 
 import sys
-from functools import cache
+from functools import partial
 from io import BytesIO
 from typing import Any
 
@@ -13,19 +13,15 @@ def make_figure(**options: Any) -> Any:
         from matplotlib import artist as settings
 
         setattr(settings, "kwdoc", lambda _: "")  # noqa: B010  # of other arguments
-    return _picture_type()(**options)
-
-
-@cache
-def _picture_type() -> Any:
     from matplotlib.figure import Figure
 
-    class Picture(Figure):
-        """A figure that notebooks show."""
+    figure = Figure(**options)
+    setattr(figure, "_repr_png_", partial(to_png, figure))  # noqa: B010  # for notebooks
+    return figure
 
-        def _repr_png_(self) -> bytes:
-            buffer = BytesIO()
-            self.savefig(buffer, format="png", dpi=110)
-            return buffer.getvalue()
 
-    return Picture
+def to_png(figure: Any) -> bytes:
+    """Return a figure as the content of a PNG file, which the same data make the same."""
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
+    return buffer.getvalue()

@@ -15,16 +15,11 @@ class EnvelopeAccessor:
     def __init__(self, bounds: xr.Dataset):
         self.bounds = bounds
 
-    def plot(self, *names: str, shade_above: float = 0.1, width: float = 6.4) -> Any:
-        """Draw bounds over time as a matplotlib figure, which notebooks show.
-
-        Parameters
-        ----------
-        names: of the responses; none: all.
-        shade_above: error above which instants are hatched, as a share of the largest difference.
-        width: of the figure (inches)."""
-        return envelope([self._read(str(name)) for name in names or self.bounds["response"].values],
-                        shade_above, width)  # fmt: skip
+    def plot(self, *names: str) -> Any:
+        """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
+        responses, none: all."""
+        names = names or tuple(self.bounds["response"].values)
+        return envelope([self._read(str(name)) for name in names], 0.1)
 
     def _read(self, name: str) -> ResponseBounds:
         data = self.bounds.sel(response=name)

@@ -2,6 +2,7 @@
 
 import difflib
 import re
+import unicodedata
 from collections.abc import Iterable
 from math import inf, isfinite
 
@@ -76,6 +77,11 @@ class InstabilityError(RuntimeError):
         self.words = self.final_words
         self.args = (f"stopped at t = {self.time:.6g} s: {'; '.join(self.final_words or ())}",)
         return self
+
+
+def fold_name(name: str) -> str:
+    """Return a name in the one spelling of its letters that keys have, and names in expressions."""
+    return unicodedata.normalize("NFC", name).replace("µ", "μ")
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from fpm.arithmetic.units import Unit, UnitError, unit
-from fpm.errors import FOREIGN_UNITS
+from fpm.errors import FOREIGN_UNITS, fold_name
 from fpm.files.seals import DamagedError, read_bytes
 
 EXAMPLE = "`t [s],angle [rad]`"
@@ -177,7 +177,7 @@ class CsvTable:
             )
             if is_units and len(row) == len(cells) and any(words):
                 rows.pop(0)
-                return cells, row
+                return [*map(fold_name, cells)], row
         return names, units
 
     def _time(self) -> int:
@@ -264,10 +264,10 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
                 continue  # `v m/s`
             column_unit = _unit(next(filter(None, match.groups()[1:]), ""))
             if isinstance(column_unit, Unit) or (form is _IN_BRACKETS and cell.endswith("]")):
-                return match[1], column_unit
+                return fold_name(match[1]), column_unit
             if form is _IN_BRACKETS:
-                return cell, column_unit
-    return cell, _NO_UNIT
+                return fold_name(cell), column_unit
+    return fold_name(cell), _NO_UNIT
 
 
 def _unit(text: str) -> Unit | str:

@@ -16,7 +16,7 @@ from typing import Any
 
 from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.arithmetic.units import NUMBER, Dimension, is_unit
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, fold_name
 from fpm.structures.curves_file import CurvesFile
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
 
@@ -39,7 +39,7 @@ class Context:
     def find(self, name: str, names: Container[str]) -> str:
         """Return the full name, as "bay3.P", of what is called `name` here. names: full names
         known. KeyError if it is none of them; SkippedError for the neighbour beyond a row's end."""
-        head, _, rest = name.partition(".")
+        head, _, rest = (name := fold_name(name)).partition(".")
         if head in self.adjacent:
             neighbour = self.adjacent[head]
             full = (self.prefix if neighbour is None else neighbour) + rest

@@ -4,7 +4,6 @@ A key may be given once, and is text. Of structures nothing is converted: whethe
 or `on` a name, is up to the key it belongs to."""
 
 import re
-import unicodedata
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import takewhile
@@ -13,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import yaml
 
-from fpm.errors import SceneError, did_you_mean, likely
+from fpm.errors import SceneError, did_you_mean, fold_name, likely
 from fpm.files.seals import DamagedError, read_bytes
 
 DEEPEST, MOST = 20, 20_000
@@ -325,7 +324,7 @@ class _Reader:
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
-        event.value = unicodedata.normalize("NFC", event.value).replace("µ", "μ")  # as in names
+        event.value = fold_name(event.value) if is_key else event.value
         try:
             types = None if is_key and event.implicit[0] else self.types
             return types.value(event) if types else event.value.strip()

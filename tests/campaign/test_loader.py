@@ -69,8 +69,8 @@ intervals: {a: {relative: 1e-2}}
 design: {method: sobol, samples: 2e3}
 held_out: 2.0
 jobs: {group: 0.2e1}
-responses: {größe: {distance: [B, D]}}
-quantities: {top: {largest: gro\u0308ße}}
+responses: {gro\u0308ße: {distance: [B, D]}}
+quantities: {top: {largest: größe}}
 requirements: {1: {top: {at_most: 1}}}
 """
     campaigns = [check_config(raw) for raw in (plain, read(text, "x").data)]

@@ -36,7 +36,7 @@ def file(tmp_path):
 
 def write(folder, header, *columns):
     np.savetxt(folder / "torques.csv", np.transpose(columns), delimiter=",", header=header,
-               comments="")  # fmt: skip
+               comments="", encoding="utf-8")  # fmt: skip
 
 
 def motion(file):
@@ -78,6 +78,13 @@ def test_an_edit_of_the_file_is_an_edit_of_the_structure(file):
         for inertia in (0.01, 0.02):
             (curve,) = structure.build(inertia=inertia).curves
             np.testing.assert_array_equal(curve.values, factor * TORQUES)
+
+
+def test_a_column_may_be_called_as_it_is_typed_elsewhere(file):
+    write(file.parent, "t [s],µ ő [N m]", TIMES, TORQUES)
+    for name in ("µ ő", "μ o\u030b"):
+        file.write_text(ARM.format(f"file: torques.csv, column: {name}"))
+        np.testing.assert_array_equal(load(file).build().curves[0].values, TORQUES)
 
 
 def test_a_folder_of_ones_own_takes_the_file_along(file, tmp_path):

@@ -13,7 +13,7 @@ gc.set_threshold(10_000)
 
 
 def program() -> int:
-    """Run the command line (console script `deployable-intervals`) with `sys.argv`, and return the
+    """Run the command line (console script `deployable`) with `sys.argv`, and return the
     exit status; 1 if output cannot be written."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by who started this

@@ -2,6 +2,7 @@
 
 import difflib
 import re
+import unicodedata
 from collections.abc import Iterable
 from math import inf, isfinite
 
@@ -78,6 +79,11 @@ class InstabilityError(RuntimeError):
         return self
 
 
+def fold_name(name: str) -> str:
+    """Return a name in the one spelling of its letters that keys have, and names in expressions."""
+    return unicodedata.normalize("NFC", name).replace("µ", "μ")
+
+
 def did_you_mean(name: str, names: Iterable[str]) -> str:
     """Return a hint to end the message that `name` is unknown: " (did you mean x?)", x being the
     closest of `names`, those allowed; or, in parentheses too, that a number has a point, no comma,
@@ -140,12 +146,14 @@ _WORDS = {
 """Words of other programs and of everyday, and those of this one for the same."""
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_FOREIGN = {
+FOREIGN_UNITS = {
     "in": (25.4, "mm"), "inch": (25.4, "mm"), '"': (25.4, "mm"), "ft": (0.3048, "m"),
     "lb": (0.45359237, "kg"), "lbf": (4.4482216, "N"), "psi": (6894.757, "Pa"), "t": (1e3, "kg"),
     "g": (1e-3, "kg"), "bar": (1e5, "Pa"), "Nm": (1, "N m"), "Nmm": (1e-3, "N m"),
     "Nm/rad": (1, "N m/rad"), "N*m": (1, "N m"), "N*m/rad": (1, "N m/rad"), "°": (1, "deg"),
     "degree": (1, "deg"), "degrees": (1, "deg"), "min": (60, "s"), "sec": (1, "s"),
+    "seconds": (1, "s"), "msec": (1e-3, "s"), "ns": (1e-9, "s"), "h": (3600, "s"),
+    "rev": (6.283185307179586, "rad"), "radians": (1, "rad"), "mNm": (1e-3, "N m"),
     "g/cm3": (1e3, "kg/m3"), "N/mm2": (1, "MPa"), "mN": (1e-3, "N"), "dm": (0.1, "m"),
 }  # fmt: skip
 """Units that are none here, as so many of others."""
@@ -167,8 +175,8 @@ def number_hint(text: str, with_unit: bool = True) -> str:
         return " (a number alone, in the unit of what it is for)"
     elif match and not with_unit:
         word = f"{number:.9g}"
-    elif unit in _FOREIGN:
-        factor, name = _FOREIGN[unit]
+    elif unit in FOREIGN_UNITS:
+        factor, name = FOREIGN_UNITS[unit]
         word = f"{number * factor:.9g} {name}"
     elif "^" in text:
         word = f"{match[1]} {unit}" if match else text.replace("^", "**")

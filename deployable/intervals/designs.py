@@ -29,9 +29,9 @@ class Design:
     """Points of the box at which the model is run, and the polynomials that they determine. Made by
     `make_design`. points (N, k): normalized parameters in [-1, 1]; multi_indices (M, k): degrees of
     the M <= N Chebyshev products, (0, k) for a scan without surrogate; method: how the points were
-    chosen, a name in `METHODS` or "adaptive"; order (k): polynomial order by direction, 0 where the
-    interval has no width; lines: k arrays (n_j + 1) of coordinates, if the points are a full tensor
-    grid in the order of `multi_indices`, else None."""
+    chosen, a name in `METHODS`, "adaptive" or "own" (a user's); order (k): polynomial order by
+    direction, 0 where the interval has no width; lines: k arrays (n_j + 1) of coordinates, if the
+    points are a full tensor grid in the order of `multi_indices`, else None."""
 
     points: np.ndarray
     multi_indices: np.ndarray
@@ -255,7 +255,7 @@ def scan_points(
 
 def is_plain_scan(design: Design) -> bool:
     """Return whether a design is of points alone, to which no polynomial belongs."""
-    return not len(design.multi_indices) and design.method != "adaptive"
+    return not len(design.multi_indices) and design.method not in ("adaptive", "own")
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:

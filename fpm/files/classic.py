@@ -37,12 +37,13 @@ def write(
         _set_attributes(file, attributes)
         for name, variable in variables.items():
             dims, values, attrs = _column(name, *variable)
+            dims = tuple(map(_pack, dims))
             if not values.size:
                 continue
             for dim, size in zip(dims, values.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            column = file.createVariable(name, values.dtype, dims)
+            column = file.createVariable(_pack(name), values.dtype, dims)
             column[...] = values
             _set_attributes(column, attrs)
 
@@ -58,14 +59,25 @@ def read(
     try:
         with netcdf_file(path if content is None else BytesIO(content), "r", mmap=False) as file:
             variables = {
-                name: NetcdfVariable(variable.dimensions, variable[...], _attributes(variable))
-                for name, variable in file.variables.items()
+                _unpack(name): NetcdfVariable(
+                    tuple(map(_unpack, v.dimensions)), v[...], _attributes(v)
+                )
+                for name, v in file.variables.items()
             }
             return _attributes(file), variables
     except FileNotFoundError:
         raise
     except FILE_ERRORS:
         raise OSError(f"{os.fspath(path)} is not a whole file in netCDF's classic format") from None
+
+
+def _pack(name: str) -> str:
+    """Return a name for scipy, which writes Latin 1, so that the file has it in UTF-8."""
+    return name.encode().decode("latin1")
+
+
+def _unpack(name: str) -> str:
+    return name.encode("latin1").decode()
 
 
 def _column(
@@ -97,11 +109,11 @@ def _set_attributes(holder, attributes: Mapping[str, Any]) -> None:
             whole = isinstance(value, (int, np.integer)) and -(2**31) <= value < 2**31
             value = np.int32(value) if whole else np.float64(value)
         # Not by setattr: a name like "mode" would be taken for the file's own.
-        holder._attributes[name] = value.encode() if isinstance(value, str) else value
+        holder._attributes[_pack(name)] = value.encode() if isinstance(value, str) else value
 
 
 def _attributes(holder) -> dict[str, Any]:
     return {
-        name: value.decode() if isinstance(value, bytes) else value
+        _unpack(name): value.decode() if isinstance(value, bytes) else value
         for name, value in holder._attributes.items()
     }

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -65,6 +66,12 @@ class Outcome(Curves):
     failure: InstabilityError | SceneError | None
     largest: dict[str, float]
     final: Motion = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        head = f"{self.scene.name}: {self.time[-1]:.4g} s in {self.steps} steps"
+        events = f"{len(self.events)} events" if self.failure is None else str(self.failure)
+        openings = [f"{n}: {x.min():.4g} to {x.max():.4g}" for n, x in self.openings.items()]
+        return import_module("fpm.structures.describe").to_html(head, events, *openings)
 
     @property
     def tensions(self) -> dict[str, np.ndarray]:

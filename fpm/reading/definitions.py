@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from fpm.errors import SceneError, did_you_mean, hint_new
+from fpm.errors import SceneError, did_you_mean, fold_name, hint_new
 
 
 def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str = "") -> str:
@@ -33,6 +33,8 @@ def check_choice(key: str, value: object, choices: Iterable[str], addition: str 
     """Return a `value` that is one of `choices`; else SceneError, which tells what is likely meant.
     key: of the value; addition: what else is allowed, in words."""
     names = list(choices)
+    if isinstance(value, int | str) and fold_name(str(value)) in names:
+        return fold_name(str(value))
     if not isinstance(value, str) or value not in names:
         hint = did_you_mean(value, names) if isinstance(value, str) else ""
         allowed = f"one of {', '.join(names) or '(there is none)'}{addition}{hint}"

@@ -18,7 +18,7 @@ SPREAD = 2
 impulse of one that holds exactly comes in the step that it happens in and the next, and a velocity
 at an instant is the mean of half a step before and after."""
 
-_UNBROKEN = ("clearance", "distance", "opening", "position", "strut_length")
+_CONTINUOUS = ("clearance", "distance", "opening", "position", "strut_length")
 """Kinds of responses that no event breaks: their values at instants are of one side of it."""
 
 MIN_STEPS = 5
@@ -86,7 +86,7 @@ def extreme_value(curves: Curves, response: Response, sign: float) -> float:
     i = int(values.argmax())
     start, end = time[max(i - 1, 0)], time[min(i + 1, len(time) - 1)]
     times = curves.events[:, 0]
-    step = 0.0 if response.kind in _UNBROKEN else curves.step
+    step = 0.0 if response.kind in _CONTINUOUS else curves.step
     instants = times[(times > start - SPREAD * step) & (times < end + step)]
     if not len(instants):
         return sign * peak(values)

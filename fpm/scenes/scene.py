@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,10 @@ class Scene:
         self.doubts: list[str] = []  # what is hardly meant in a structure's file
         self.action_names: dict[tuple[type, int], str] = {}  # as a structure's file has them
         self.gravity, self.damping = gravity, damping
+
+    def _repr_html_(self) -> str:
+        describe = import_module("fpm.structures.describe")  # which knows scenes
+        return describe.to_html(self.name, "", *describe.list_parts(self))
 
     beams = _elements(Beams)
     hinges = _elements(Hinge)

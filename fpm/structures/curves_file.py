@@ -1,19 +1,42 @@
-"""Curves of time from CSV files, such as measured ones."""
+"""Curves of time from CSV files, as instruments and other programs write them."""
 
 from __future__ import annotations
 
+import codecs
+import csv
 import hashlib
+import io
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
-from fpm.arithmetic.units import UnitError, unit
+from fpm.arithmetic.units import Unit, UnitError, unit
+from fpm.errors import FOREIGN_UNITS, fold_name
 from fpm.files.seals import DamagedError, read_bytes
 
-_HEADER = re.compile(r"\s*([A-Za-z]\w*)\s*\[([^\]]*)\]\s*")
+EXAMPLE = "`t [s],angle [rad]`"
+
+_POWER = r"(?:[eE][-+]?\d+)?"
+_NUMBER = re.compile(rf"[-+]?(?:\d+\.?\d*|\.\d+){_POWER}")
+_DIGITS = re.compile(rf"[-+]?[\d.,]*\d[\d.,]*{_POWER}")  # a number, with signs of any language
+_DECIMAL_COMMA = re.compile(
+    rf"[-+]?(?:0*,\d+|\d{{4,}},\d+|\d+,(?:\d{{0,2}}|\d{{4,}})|\d{{1,3}}(?:\.\d{{3}})+,\d+){_POWER}"
+    r"|[-+]?\d,\d+[eE][-+]?\d+"
+)
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+\.\d*|[-+]?\d{1,3}(?:,\d{3}){2,}")
+_WITH_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,3}(?:\.\d{3})+,\d*|[-+]?\d{1,3}(?:\.\d{3}){2,}|[^.]*")
+_WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?|[^,]*")
+_COMMENT = re.compile(r"\s*(?:$|#(?!N/?A|NV|VALUE|REF|DIV|NAME|NUM|NULL))")  # no error of a sheet
+_IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
+_BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^/()]+))")
+_SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "^": "", "·": " ",
+                        "*": " ", "−": "-"})  # fmt: skip
+_NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
+_TIMES = ("t", "time", "zeit", "temps", "tiempo", "tempo", "timestamp")
 
 
 class CurvesFileError(ValueError):
@@ -23,81 +46,242 @@ class CurvesFileError(ValueError):
 @dataclass(frozen=True)
 class CurvesFile:
     """Content of a CSV file of curves of time. times (r,): s, increasing; columns: others (r,) by
-    name, SI units; dimensions: physical dimension of all of them by name; digest: of the file."""
+    name, SI units; dimensions: physical dimension of these by name; digest: of the file; faults:
+    why other columns cannot be used, by name."""
 
     times: np.ndarray
     columns: dict[str, np.ndarray]
     dimensions: dict[str, Any]
     digest: str
+    faults: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def read(cls, path: str | Path) -> CurvesFile:
-        """Read the CSV file `path` of curves, into SI units. Line 1 has names with units, such as
-        `t [s],angle [rad]`, first that of the time, in any unit of time; then come increasing times
-        and finite numbers. Raises `CurvesFileError`."""
+        """Read the CSV file `path` of curves, into SI units. A line of names with units, such as
+        `t [s],angle [rad]`, or one of names and one of units, stands above rows of numbers. One
+        column is the time, which increases. Raises `CurvesFileError`."""
+        table = CsvTable(path, has_time=True)
+        times = table.numbers(table.time)
+        if len(reversals := np.flatnonzero(np.diff(times) <= 0)):
+            row = reversals[0] + 1
+            text = f"the time {times[row]:.9g} s does not follow {times[row - 1]:.9g} s"
+            table.refuse(table.lines[row], f"{text}; allowed: increasing times")
+        columns, dimensions, faults = {}, {}, {}
+        for number, name in enumerate(table.names):
+            if number == table.time:
+                continue
+            try:
+                columns[name] = table.numbers(number)
+                dimensions[name] = table.units[number].dimension
+            except CurvesFileError as error:
+                faults[name] = str(error)
+        return cls(times, columns, dimensions, table.digest, faults)
+
+    def allowed(self, name: str) -> str:
+        """Say which names of columns are allowed instead of `name`, and why that one is not."""
+        fault = f"; {self.faults[name]}" if name in self.faults else ""
+        return f"a column of the file, {', '.join(self.columns) or '(there is none)'}{fault}"
+
+
+def _decode(content: bytes) -> str:
+    """The text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
+    is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        text = content.decode("utf-16" if is_wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("cp1252")
+    if "\0" in text:
+        raise ValueError
+    return text
+
+
+class CsvTable:
+    """Content of the CSV file at `path`; raises `CurvesFileError`. names, units: of its columns (a
+    text: why there is no unit); lines: number of the line of each row; digest: of the file; time:
+    number of the column that is the time, if one must be (`has_time`)."""
+
+    def __init__(self, path: str | Path, has_time: bool = False):
+        import pandas  # 0.3 s, which only CSV files need
+
+        self.path = str(path)
         try:
             content = read_bytes(path)
-            lines = content.decode("utf-8-sig").splitlines()
+            text = _decode(content)
         except (OSError, UnicodeDecodeError, ValueError) as error:
             damage = error.reason if isinstance(error, DamagedError) else "it is no text in UTF-8"
             reason = getattr(error, "strerror", None) or damage
             raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
-        names, units = _header(f"{path}, line 1", lines[0] if lines else "")
-        if not any(map(str.strip, lines[1:])):
-            raise CurvesFileError(f"{path}: no rows; allowed: at least three")
+        self.digest = hashlib.sha256(content).hexdigest()[:16]
+        all_lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
+        rows = [(number, line) for number, line in all_lines if not _COMMENT.match(line)]
+        separator = rows.pop(0)[1][4:5] if rows and re.fullmatch("sep=.", rows[0][1]) else ""
+        if not rows:
+            self.refuse(1, f"'' is no line of names with units; allowed: such as {EXAMPLE}")
+        self.separator = separator or self._separator(rows[0][1])
+        if all(map(_DIGITS.fullmatch, self._cells(rows[0][1]))):  # names may stand in a comment
+            lines_above = [line for line in all_lines[: rows[0][0] - 1] if line[1].strip()]
+            if not lines_above:
+                text = "no line of names with units stands above the numbers"
+                self.refuse(rows[0][0], f"{text}; allowed: such as {EXAMPLE}")
+            rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("# ")))
+        self.head, self.head_line = rows.pop(0)
+        self.separator = separator or self._separator(self.head_line)
+        self.names, self.units = self._header(self.head_line, rows)
+        self.lines = [number for number, _ in rows]
+        for number, line in rows:
+            if line.count('"') % 2:
+                self.refuse(number, "quotes that open here are not closed; allowed: both in a line")
+        self.time = self._time() if has_time else -1
+        if not rows:
+            raise CurvesFileError(f"{path}: no rows; allowed: rows of numbers")
         try:
-            table = np.loadtxt(lines[1:], delimiter=",", comments=None, ndmin=2)
-        except ValueError:
-            table = None
-        if table is None or table.shape[1] != len(names) or not np.isfinite(table).all():
-            raise CurvesFileError(_row_problem(str(path), lines, len(names)))
-        pairs = zip(names, units, table.T, strict=True)
-        columns = {name: unit.si(column) for name, unit, column in pairs}
-        times = columns.pop(names[0])
-        reversals = np.flatnonzero(np.diff(times) <= 0)
-        if len(reversals):
-            numbers = [i for i, line in enumerate(lines, 1) if i > 1 and line.strip()]
-            place = f"{path}, line {numbers[reversals[0] + 1]}"
-            text = f"{place}: the time {times[reversals[0] + 1]:.9g} s does not follow "
-            raise CurvesFileError(f"{text}{times[reversals[0]]:.9g} s; allowed: increasing times")
-        dimensions = {name: u.dimension for name, u in zip(names, units, strict=True)}
-        return cls(times, columns, dimensions, hashlib.sha256(content).hexdigest()[:16])
+            frame = pandas.read_csv(
+                io.StringIO("\n".join(line for _, line in rows)), header=None, dtype=str,
+                sep=r"\s+" if self.separator == " " else self.separator,
+                na_filter=False, skip_blank_lines=False, skipinitialspace=True,
+            ).fillna("")  # fmt: skip
+        except pandas.errors.ParserError:
+            frame = pandas.DataFrame()
+        self.cells = [[str(cell).strip() for cell in frame[k]] for k in frame.columns]
+        if len(self.cells) == len(self.names) + 1 and not any(self.cells[-1]):
+            self.cells.pop()  # each row ends with a separator
+        if len(self.cells) != len(self.names):
+            self._refuse_count(rows)
+        self.comma = self._comma()
+
+    def refuse(self, line: int, text: str) -> NoReturn:
+        """Raise the error that something is wrong in a line (from 1)."""
+        raise CurvesFileError(f"{self.path}, line {line}: {text}")
+
+    def _separator(self, line: str) -> str:
+        bare = re.sub(r'"[^"]*"', "", line)
+        return next((sign for sign in "\t;," if sign in bare), " ")
+
+    def _cells(self, line: str) -> list[str]:
+        """The cells of one line; a unit in brackets belongs to the word before it."""
+        if self.separator == " ":
+            cells = re.findall(r'"[^"]*"|[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?|\S+', line)
+            return [cell.strip('"') for cell in cells]
+        reader = csv.reader([line], delimiter=self.separator, skipinitialspace=True)
+        return [cell.strip() for cell in next(reader)]
+
+    def _header(self, head: str, rows: list[tuple[int, str]]) -> tuple[list[str], list[Any]]:
+        """Names and units of the columns, from one line or, with the first of `rows`, from two."""
+        cells = self._cells(head)
+        names, units = map(list, zip(*map(_name_with_unit, cells), strict=True))
+        if rows and not any(isinstance(u, Unit) for u in units):
+            words = [cell.strip("[]() ") for cell in self._cells(rows[0][1])]
+            row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else _NO_UNIT for w in words]
+            is_units = all(
+                isinstance(u, Unit) or w in ("", "-") for u, w in zip(row, words, strict=True)
+            )
+            if is_units and len(row) == len(cells) and any(words):
+                rows.pop(0)
+                return [*map(fold_name, cells)], row
+        return names, units
+
+    def _time(self) -> int:
+        """Number of the column that is the time."""
+        second = unit("s").dimension
+        columns = [k for k, u in enumerate(self.units) if getattr(u, "dimension", None) == second]
+        if len(columns) > 1:
+            matches = [k for k in columns if self.names[k].lower() in _TIMES]
+            columns = matches if len(matches) == 1 else columns
+        if len(columns) > 1:
+            text = f"the time could be {' or '.join(self.names[k] for k in columns)}"
+            remedy = "one column with a unit of time, or one of them called t"
+        elif not columns:
+            text = f"{self.head_line.strip()!r} has no column with a unit of time"
+            remedy = f"a line such as {EXAMPLE} above the rows, and # before other lines above it"
+        elif len(self.names) < 2:
+            text, remedy = "there is no column beside the time", f"such as {EXAMPLE}"
+        else:
+            return columns[0]
+        return self.refuse(self.head, f"{text}; allowed: {remedy}")
+
+    def _refuse_count(self, rows: Sequence[tuple[int, str]]) -> NoReturn:
+        """Refuse the first row that has another number of cells than the names."""
+        count = len(self.names)
+        sizes = [(number, len(self._cells(line))) for number, line in rows]
+        line, size = next((row for row in sizes if row[1] != count), (self.head, 0))
+        is_comma = self.separator == "," and size == 2 * count
+        hint = " (decimal commas need semicolons between columns)" if is_comma else ""
+        self.refuse(line, f"{size} values{hint}; allowed: {count}, as in line {self.head}")
+
+    def _comma(self) -> str:
+        """What a comma in a number is: "decimal", "thousands", or "" where none has one."""
+        first: dict[str, tuple[int, str]] = {}
+        for cells in self.cells:
+            for line, cell in zip(self.lines, cells, strict=True):
+                if "," in cell and _DIGITS.fullmatch(cell):
+                    kind = "decimal" if _DECIMAL_COMMA.fullmatch(cell) else ""
+                    kind = "thousands" if _THOUSANDS.fullmatch(cell) else kind
+                    first.setdefault(kind, (line, cell))
+        kinds = [kind for kind in ("decimal", "thousands") if kind in first]
+        if len(kinds) == 2:
+            (line, cell), (second_line, number) = first["decimal"], first["thousands"]
+            text = f"{cell!r} has a decimal comma, and {number!r} in line {second_line} one between"
+            self.refuse(line, f"{text} thousands; allowed: one of both in a file")
+        if first and not kinds:
+            line, cell = first[""]
+            text = f"{cell!r} could be {cell.replace(',', '.')} or {cell.replace(',', '')}"
+            self.refuse(line, f"{text}; allowed: decimal points, and no sign between thousands")
+        return kinds[0] if kinds else ""
+
+    def numbers(self, column: int, default: Unit | None = None) -> np.ndarray:
+        """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
+        default: unit of a column without one."""
+        name, column_unit = self.names[column], self.units[column]
+        if column_unit == _NO_UNIT and default:
+            column_unit = default
+        if self.names.count(name) > 1:
+            self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
+        if isinstance(column_unit, str):
+            self.refuse(self.head, f"{name}: {column_unit}")
+        form = {"decimal": _WITH_DECIMAL_COMMA, "thousands": _WITH_THOUSANDS}.get(self.comma)
+        decimal, mark = (",", ".") if self.comma == "decimal" else (".", ",")
+        texts = []
+        for line, cell in zip(self.lines, self.cells[column], strict=True):
+            if form and _DIGITS.fullmatch(cell) and not form.fullmatch(cell):
+                text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
+                text = f"{text}, as commas in this file are {self.comma}"
+                self.refuse(line, f"{text}; allowed: one sign for decimals")
+            text = cell.replace(mark, "") if form else cell
+            text = text.replace(decimal, ".").replace("−", "-")
+            texts.append(re.sub("[dD](?=[-+]?[0-9]+$)", "e", text))
+            if not _NUMBER.fullmatch(texts[-1]) or not np.isfinite(float(texts[-1])):
+                allowed = "seconds since the start" if ":" in cell else "a finite number"
+                self.refuse(line, f"{cell!r} is not allowed; allowed: {allowed}, or no such row")
+        return column_unit.si(np.array(texts, dtype=object).astype(float))
 
 
-def _header(place: str, line: str) -> tuple[list[str], list[Any]]:
-    """Names and units of the columns, the time first."""
-    names, units = [], []
-    for cell in line.split(","):
-        match = _HEADER.fullmatch(cell)
-        if not match:
-            text = f"{place}: {cell.strip()!r} is no name with a unit"
-            raise CurvesFileError(f"{text}; allowed: such as `t [s],angle [rad]`")
-        if match[1] in names:
-            text = f"{place}: the column {match[1]} stands twice; allowed: each name once"
-            raise CurvesFileError(text)
-        try:
-            units.append(unit(match[2]))
-        except UnitError as error:
-            raise CurvesFileError(f"{place}: {error}") from None
-        names.append(match[1])
-    if not units[0].dimension.fits(unit("s").dimension) or len(names) < 2:
-        text = f"{place}: {line.strip()!r} does not begin with a time and a column behind it"
-        raise CurvesFileError(f"{text}; allowed: such as `t [s],angle [rad]`")
-    return names, units
+def _name_with_unit(cell: str) -> tuple[str, Any]:
+    """Name and unit of a column, from `angle [rad]`, `angle (rad)` or `angle/rad`."""
+    for form in (_BEHIND_SLASH, _IN_BRACKETS):
+        if match := form.fullmatch(cell):
+            words = match[1].split()
+            if form is _BEHIND_SLASH and words[1:] and isinstance(_unit(words[-1]), Unit):
+                continue  # `v m/s`
+            column_unit = _unit(next(filter(None, match.groups()[1:]), ""))
+            if isinstance(column_unit, Unit) or (form is _IN_BRACKETS and cell.endswith("]")):
+                return fold_name(match[1]), column_unit
+            if form is _IN_BRACKETS:
+                return fold_name(cell), column_unit
+    return fold_name(cell), _NO_UNIT
 
 
-def _row_problem(path: str, lines: list[str], count: int) -> str:
-    """What is wrong with the first row that is not `count` finite numbers."""
-    for number, line in enumerate(lines[1:], 2):
-        cells = line.split(",") if line.strip() else []
-        if cells and len(cells) != count:
-            return f"{path}, line {number}: {len(cells)} values; allowed: {count}, as in line 1"
-        for cell in cells:
-            try:
-                is_finite = bool(np.isfinite(float(cell)))
-            except ValueError:
-                is_finite = False
-            if not is_finite:
-                text = f"{path}, line {number}: {cell.strip()!r} is not allowed"
-                return f"{text}; allowed: a finite number"
-    return f"{path}: rows that cannot be read; allowed: numbers with commas between them"
+def _unit(text: str) -> Unit | str:
+    """The unit that a text names, also as other programs write it, or why there is none."""
+    plain = text.translate(_SIGNS).strip()
+    word = plain.lower() if plain.lower() in _WORDS else plain
+    factor, name = FOREIGN_UNITS.get(word, (1, word))
+    if word in ("g", "t"):  # grams, or the acceleration of gravity; tonnes, or the time
+        return f"{text!r} is not a unit; allowed: kg, or m/s2 for an acceleration"
+    try:
+        si_unit = unit(name)
+    except UnitError as error:
+        return str(error)
+    return si_unit._replace(numerator=si_unit.numerator * factor)
+
+
+_WORDS = ("deg", "rad", "rpm", *(word for word in FOREIGN_UNITS if len(word) > 2))

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from html import escape
 
 import numpy as np
 
@@ -28,19 +29,29 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
     joints, mass, mobility, stable step, and what a run of `duration` (s) costs."""
     scene = structure.build()
     rows = [[name, *_row(p, name == structure.mesh)] for name, p in structure.parameters.items()]
-    points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
     lines = [
         f"{structure.name}: {structure.description}" if structure.description else structure.name,
         "",
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
-        *_list_names("points", points or ["none"]),
-        *(line for title, names in _lists(scene) if names for line in _list_names(title, names)),
+        *list_parts(scene),
         "",
         *(f"{title:14}{text}" for title, text in _facts(structure, scene, duration) if text),
         *(f"warning       {text}" for text in warnings(scene)),
     ]
     return "\n".join(lines)
+
+
+def list_parts(scene: Scene) -> list[str]:
+    """Return lines on the points, parts, joints and what acts on them in a scene."""
+    points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
+    lists = [("points", points or ["none"]), *_lists(scene)]
+    return [line for title, names in lists if names for line in _list_names(title, names)]
+
+
+def to_html(*lines: str) -> str:
+    """Return lines as HTML for notebooks."""
+    return f"<pre>{escape(chr(10).join(lines))}</pre>"
 
 
 def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:

@@ -84,7 +84,7 @@ class FileStatements:
         self.points: list[str] = []
         for name, p in inputs.items():
             key = f"parameters.{name}"
-            if self.names.allows(name, key, p.line, number=True):
+            if self.names.allows(name, key, p.line, "let"):
                 self.names.numbers[name] = NamedNumber(key, p.line, p.unit.dimension, p.whole)
         ends: dict[str, str] = {}
         file = Sheet(Context(ends), table, "", 0)
@@ -116,7 +116,7 @@ class FileStatements:
             if name[-1:].isdigit():
                 allowed = "ends with a digit; allowed: names that do not"
                 self.problems.say(line, f"{place.key}: {allowed}")
-            if not self.names.allows(name, place.key, line):
+            if not self.names.allows(name, place.key, line, "repeat"):
                 continue
             try:
                 count = self._count(node, place.child("count"), line, counts)
@@ -163,7 +163,7 @@ class FileStatements:
             node = table_at(sheet.table, group, sheet.key, self.problems)
             for name, line in node.lines.items():
                 key = join_key(sheet.key, group, name)
-                if self.names.allows(name, key, line, number=group == "let"):
+                if self.names.allows(name, key, line, group):
                     self._name(sheet.context.prefix, name, group, key, node)
                 if group == "joints":
                     text = node.entries[name].entries.get("type", Node("")).text
@@ -200,7 +200,7 @@ class FileStatements:
         name, key = node.text, f"{sheet.key}.index"
         if name in self.names.numbers:
             self.problems.say(node.line, f"{key}: the name {name} is defined twice")
-        elif self.names.allows(name, key, node.line, number=True):
+        elif self.names.allows(name, key, node.line, "let"):
             number = NamedNumber(key, node.line, NUMBER, whole=True, count=float(sheet.number))
             self.names.numbers[sheet.context.prefix + name] = number
 

@@ -4,6 +4,7 @@ Units of a `repeat` see their own names first, then the file's, and neighbours' 
 `previous.P`. From anywhere a unit's name is `bay3.P`, `bay.first.P` or `bay.last.P`."""
 
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Mapping
 from contextlib import suppress
@@ -15,7 +16,7 @@ from typing import Any
 
 from fpm.arithmetic.expressions import RESERVED_NAMES, Expression, ExpressionError, Value, parse
 from fpm.arithmetic.units import Dimension, is_unit, unit
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, fold_name
 from fpm.structures.curves_file import CurvesFile
 from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
 
@@ -38,7 +39,7 @@ class Context:
     def find(self, name: str, names: Container[str]) -> str:
         """Return the full name, as "bay3.P", of what is called `name` here. names: full names
         known. KeyError if it is none of them; SkippedError for the neighbour beyond a row's end."""
-        head, _, rest = name.partition(".")
+        head, _, rest = (name := fold_name(name)).partition(".")
         if head in self.adjacent:
             neighbour = self.adjacent[head]
             full = (self.prefix if neighbour is None else neighbour) + rest
@@ -152,18 +153,23 @@ class Names:
                 numbers.add(name)
         return numbers
 
-    def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
-        """Return whether something may be called `name`; else a problem is noted. It must be of
-        letters, digits and _ after a letter, no word of the language (ground, next, previous,
-        first, last), no function, no word of Python's; whether it is taken is not looked for. key,
-        line: its dotted path and line; number: whether it is a number's: then no unit either."""
+    def allows(self, name: str, key: str, line: int, group: str = "") -> bool:
+        """Return whether something may be called `name`; else a problem is noted. It is made of
+        letters, digits and _, and no word of the language (ground, next, previous, first, last). A
+        number begins with a letter and is no unit. What may stand in an expression (numbers, points
+        and repeats) is no function and no word of Python's. Whether it is taken is not looked for.
+        key, line: its dotted path and line; group: "let" for numbers, "points", "repeat", ..."""
         is_reserved = name in (*NEIGHBOURS, "first", "last", "ground")
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or is_reserved:
-            hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
-        elif number and is_unit(name):
-            hint = "a name that is not a unit"
-        elif name in RESERVED_NAMES or iskeyword(name):
+        plain, first = unicodedata.normalize("NFKC", name), r"[^\W\d_]" * (group == "let")
+        if not re.fullmatch(rf"{first}\w*", name) or is_reserved or name[:1] == "_":
+            start = " after a letter" if first else ""
+            hint = f"letters, digits and _{start}; not ground, next, previous, first, last"
+        elif group == "let" and is_unit(name):
+            hint = f"a name that is no unit, such as {name}_"
+        elif group in ("let", "points", "repeat") and (name in RESERVED_NAMES or iskeyword(name)):
             hint = f"a name that is no function and no word of Python's, such as {name}_"
+        elif plain != name:
+            hint = f"plain letters and digits, such as {plain}"
         else:
             return True
         self.bad_names.add(name)

@@ -1,8 +1,7 @@
 """A YAML file as nodes that know their lines, and all that is wrong with it, told at once.
 
-A key may be given once. Of structures nothing is converted: whether `1e9` is a number, or `on` a
-name, is up to the key it belongs to; and anchors and tags are refused, because names and `let` do
-their work."""
+A key may be given once, and is text. Of structures nothing is converted: whether `1e9` is a number,
+or `on` a name, is up to the key it belongs to."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -13,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import yaml
 
-from fpm.errors import SceneError, did_you_mean, likely
+from fpm.errors import SceneError, did_you_mean, fold_name, likely
 from fpm.files.seals import DamagedError, read_bytes
 
 DEEPEST, MOST = 20, 20_000
@@ -166,8 +165,8 @@ def join_key(*parts: str) -> str:
 def read(text: str, problems: Problems, is_typed: bool = False) -> Node:
     """Return the top table of a YAML text as a Node. problems: of the file; what is wrong is noted
     there, and raised as StructureError, with what was noted before. is_typed: whether values are
-    what YAML means by their texts, such as numbers, and anchors and tags are allowed; else all
-    values are text."""
+    what YAML means by their texts, such as numbers, and tags are allowed; else all values are
+    text."""
     loaders = [yaml.BaseLoader]
     if yaml.__with_libyaml__ and not {"\t", "?", "\ufeff"} & {*text}:  # which it reads otherwise
         loaders.insert(0, yaml.CBaseLoader)  # ten times faster; its words are not those below
@@ -298,11 +297,10 @@ class _Reader:
         for child in (*node.items, *node.entries.values()):
             self._count(child, line, depth + 1)
 
-    def _node(self, event: yaml.Event, depth: int) -> Node:
+    def _node(self, event: yaml.Event, depth: int, is_key: bool = False) -> Node:
         line, anchor, tag = event.start_mark.line + 1, event.anchor, getattr(event, "tag", None)
-        if (anchor or tag) and not self.types:
-            text = f"the anchor, alias or tag {anchor or tag!r} is not allowed"
-            self._stop(line, f"{text}; allowed: a name under `let`")
+        if tag and not self.types:
+            self._stop(line, f"the tag {tag!r} is not allowed; allowed: none")
         if tag and not isinstance(event, yaml.ScalarEvent) and tag not in _PLAIN:
             self.problems.say(line, f"the tag {tag!r} is not allowed; allowed: none")
         is_alias = isinstance(event, yaml.AliasEvent)
@@ -312,7 +310,7 @@ class _Reader:
         node = self.anchors[anchor] if is_alias else Node("", line)
         self._count(node, line, depth)
         if isinstance(event, yaml.ScalarEvent):
-            node = Node(self._value(event, line), line)
+            node = Node(self._value(event, line, is_key), line)
         elif isinstance(event, yaml.SequenceStartEvent):
             node = Node([self._node(item, depth + 1) for item in self._rest()], line)
         elif isinstance(event, yaml.MappingStartEvent):
@@ -325,28 +323,28 @@ class _Reader:
         """What comes up to the end of a list or mapping."""
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
-    def _value(self, event: yaml.ScalarEvent, line: int) -> Any:
+    def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
+        event.value = fold_name(event.value) if is_key else event.value
         try:
-            return self.types.value(event) if self.types else event.value.strip()
+            types = None if is_key and event.implicit[0] else self.types
+            return types.value(event) if types else event.value.strip()
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
             self.problems.say(line, f"a value cannot be read: {error}")
 
     def _is_merge(self, key: yaml.Event, value: Node) -> bool:
         items = value.items if isinstance(value.value, list) else [value]
         is_plain = isinstance(key, yaml.ScalarEvent) and key.implicit[0]
-        return bool(self.types) and is_plain and all(item.is_table for item in items)
+        return is_plain and all(item.is_table for item in items)
 
     def _table(self, line: int, depth: int) -> Node:
         table, bases = Node({}, line), []
         for event in self._rest():
-            key, key_line = self._node(event, depth + 1), event.start_mark.line + 1
+            key, key_line = self._node(event, depth + 1, True), event.start_mark.line + 1
             value, name = self._node(next(self.events), depth + 1), key.value
             if isinstance(name, list | dict):
                 self.problems.say(key_line, "a key is a mapping or a list; allowed: a name")
             elif not isinstance(name, str):
-                hint = did_you_mean(str(name), [])
-                text = f"the key {name!r} is not a name{hint}; allowed: text"
-                self.problems.say(key_line, text)
+                self.problems.say(key_line, f"the key {name!r} has a tag; allowed: text")
             elif name in table.entries:
                 first = f"(first on line {table.lines[name]})"
                 text = f"{name} is defined twice {first}; allowed: each key once"

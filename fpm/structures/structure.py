@@ -119,6 +119,11 @@ class Structure(StatementTable):
         defaults. Raises StructureError for a wrong structure, SceneError for wrong values."""
         return self.scene_type.build(**parameters)
 
+    def _repr_html_(self) -> str:
+        from fpm.structures.describe import describe, to_html  # 0.1 s
+
+        return to_html(describe(self.scene_type))
+
     def text(self) -> str:
         """Return the structure as the text of a YAML file, which loads to the same scenes."""
         options = {"sort_keys": False, "allow_unicode": True, "default_flow_style": None}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -11,7 +13,7 @@ import pytest
 import xarray
 import yaml
 
-from deployable.campaign.cli import main
+from deployable.campaign.cli import EXAMPLES, GROUPS, _parser, main
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
 from fpm.files.seals import unseal
@@ -40,12 +42,21 @@ def test_files_are_checked_without_running_anything(file, tmp_path, capsys, comm
     assert "this is not YAML" in told.err
 
 
-def test_an_unknown_command_is_refused_with_those_there_are(capsys):
-    with pytest.raises(SystemExit) as refused:
-        main(["figurse", "results/paper"])
-    assert refused.value.code == 2
-    told = capsys.readouterr().err
-    assert "'figurse'" in told and "figures" in told
+def test_a_check_in_json_has_the_same_texts(file, tmp_path, capsys):
+    (tmp_path / "bad.yaml").write_text(Path(file).read_text().replace("instants: ", "instant: "))
+    assert main(["check", file, str(tmp_path / "bad.yaml")]) == 1
+    out, err = capsys.readouterr()
+    assert main(["check", "--json", file, str(tmp_path / "bad.yaml")]) == 1
+    told = capsys.readouterr()
+    right, wrong = json.loads(told.out)
+    assert told.err == "" and right["file"] == file and right["problems"] == wrong["work"] == []
+    lines = [f"{file}: {text}" for text in (*right["work"], *right["warnings"])]
+    assert sorted(lines) == sorted(out.splitlines())
+    assert all(f"  {text}\n" in err for text in wrong["problems"])
+    assert any(re.match(r"line \d+: solver\.instant: there is no such key", text)
+               for text in wrong["problems"])  # fmt: skip
+    assert main(["check", "--quiet", file]) == 0
+    assert capsys.readouterr().out.splitlines() == [f"{file}: {t}" for t in right["warnings"]]
 
 
 def test_the_campaign_of_a_folder_is_checked_without_its_name(file, capsys, monkeypatch):
@@ -61,8 +72,53 @@ def test_help_names_all_commands(capsys, arguments):
         main(arguments)
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    for name in ("check", "run", "keys", "schema", "structure", "export", *STAGES):
-        assert f"\n    {name}" in told
+    commands = "check", "run", "compare", "convert", "keys", "schema", "structure", "export"
+    for name in (*commands, *STAGES):
+        assert f"\n  {name} " in told
+    assert "config/" not in told  # files that only a checkout has
+
+
+def test_every_command_is_in_one_group_of_the_help_and_has_help_of_its_own(capsys):
+    names = [name for group in GROUPS.values() for name in group]
+    assert len({*names}) == len(names)
+    for name in names:
+        with pytest.raises(SystemExit) as helped:
+            main([name, "--help"])
+        text = capsys.readouterr().out
+        assert helped.value.code == 0 and f" {name} [-h]" in text and "--quiet" in text
+
+
+def test_examples_of_the_help_can_be_given(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    lines = [line.split("  ")[1] for line in EXAMPLES.splitlines() if line.startswith("  ")]
+    commands = [shlex.split(line.rpartition("{program} ")[2]) for line in lines]
+    assert [command[0] for command in commands] == ["new", "check", "run", "export", "structure"]
+    assert main(commands[0]) == 0
+    monkeypatch.chdir(tmp_path / "mine")
+    assert main(commands[1]) == 0
+    assert "panel, " in capsys.readouterr().out
+    for command in commands[2:4]:
+        _parser().parse_args(command)
+    assert main([*commands[4], "--no-picture"]) == 0
+
+
+def test_an_unknown_command_is_refused_with_the_likely_one(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["chek"])
+    assert ended.value.code == 2
+    assert "no command 'chek' (did you mean check?); allowed: new, check" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_quiet_and_verbose_change_what_is_printed(file, tmp_path, capsys):
+    def printed(*options):
+        arguments = ["run", file, "--no-figures", "--results", str(tmp_path / "_".join(options))]
+        assert main([*arguments, *options]) == 0
+        return capsys.readouterr().err
+
+    assert all(": warning: " in line for line in printed("--quiet").splitlines())
+    assert "test, at most 6 runs" in printed()
+    assert re.search(r"stage bounds took \d+\.\d\d s", printed("-v"))
 
 
 def test_the_program_tells_its_version(capsys):

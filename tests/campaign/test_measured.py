@@ -10,7 +10,7 @@ import yaml
 
 from deployable import campaign
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.measured import band_warnings, read_test
+from deployable.campaign.config.measured import measured_warnings, read_test
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.stages import STAGES
 from evidence.measured.study import measure_synthetic, report
@@ -48,10 +48,10 @@ def problems(raw, curves=None, **changes):
 @pytest.mark.parametrize(
     ("curves", "words"),
     [
-        ("", "line 1: '' is no name with a unit"),
-        ("t [s],angle\n0,1\n", "line 1: 'angle' is no name with a unit"),
-        ("t [s],angle [mm]\n0,1\n1,1\n2,1\n", "line 1: its unit is not that of phi; allowed: one"),
-        ("angle [rad],t [s]\n0,1\n", "does not begin with a time"),
+        ("", "line 1: '' is no line of names with units"),
+        ("t [s],angle\n0,1\n", "columns.angle: {}, line 1: angle: it has no unit; allowed"),
+        ("t [s],angle [mm]\n0,1\n1,1\n2,1\n", "csv: its unit is not that of phi; allowed: one"),
+        ("angle [rad],x [m]\n0,1\n", "line 1: 'angle [rad],x [m]' has no column with a unit of"),
         ("t [s],angle [rad],angle [rad]\n0,1,1\n", "the column angle stands twice"),
         ("t [s],angle [rad]\n", "no rows"),
         (CURVES + "0.4,\n", "line 5: '' is not allowed; allowed: a finite number"),
@@ -62,7 +62,7 @@ def problems(raw, curves=None, **changes):
     ],
 )
 def test_curves_that_cannot_be_used_are_told_with_file_and_line(raw, curves, words):
-    assert words in problems(raw, curves)
+    assert words.format(raw["measured"]["swing"]["file"]) in problems(raw, curves)
 
 
 @pytest.mark.parametrize(
@@ -96,10 +96,28 @@ def test_tests_that_cannot_be_used_are_told_with_key_and_value(raw, changes, wor
 
 
 def test_a_band_larger_than_its_curve_is_warned_of(raw):
-    assert not [*band_warnings(check_config(raw))]
+    assert not [*measured_warnings(check_config(raw))]
     raw["measured"]["swing"]["band"]["phi"] = 20
-    (text,) = band_warnings(check_config(raw))
+    (text,) = measured_warnings(check_config(raw))
     assert "the band of phi, 20 rad, is larger than all of its curve, 1.8 to 2 rad" in text
+
+
+@pytest.mark.parametrize(
+    ("curves", "words"),
+    [
+        ("t [ms],angle [rad]\n0.1,2\n0.2,1.9\n0.3,1.8\n", "span 0.0002 s of a run of 3 s: check"),
+        ("t [s],angle [rad]\n0.1,116\n0.2,109\n0.3,103\n", "phi reaches 116 rad in"),
+        ("t [s],angle [deg]\n0.1,2\n0.2,1.9\n0.3,1.8\n", "phi reaches 0.03491 rad in"),
+    ],
+)
+def test_a_unit_that_makes_times_or_values_improbable_is_questioned(raw, curves, words):
+    raw["measured"]["swing"]["unknown"] = {}
+    assert not [*measured_warnings(check_config(raw))]
+    Path(raw["measured"]["swing"]["file"]).write_text(curves)
+    (text,) = measured_warnings(check_config(raw))
+    assert words in text and "unit" in text
+    late = problems(raw, "t [s],angle [rad]\n0,2\n1000,1.9\n2000,1.8\n")
+    assert "ends 2000 s into the run" in late and "(are its times in ms?)" in late
 
 
 def test_units_of_the_file_do_not_matter_and_its_band_may_be_a_column(raw):

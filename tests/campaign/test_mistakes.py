@@ -12,7 +12,7 @@ import pytest
 import fpm
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.measured import band_warnings
+from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from fpm import structures
 from fpm.structures import report
@@ -77,7 +77,7 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
     ("rho: 7850", "density: 7850", "line 12: materials.steel.density", "did you mean rho?"),
     ("relative: 0.1}", "relative: 10}", "line 5: intervals.k", "did you mean 0.1, for 10 %?"),
     ("duration: 2,", "duration: 3 sec,", "line 3: solver.duration: '3 sec'", "did you mean 3 s?"),
-    ("duration: 2,", "duration: 3,5,", "line 3: the key 5 is not a name", "a point, not a comma"),
+    ("duration: 2,", "duration: 3,5,", "line 3: solver.5: there is no", "a point, not a comma"),
     ("{t: {at_most: 3}}", "{max: 3}", "line 13: requirements.in_time.max", "by quantity as in"),
     ("{relative: 0.1}", "{min: 2, max: 4}", "did you mean lower?", "did you mean upper?"),
     ("of: catch", "of: catsh", "line 11: quantities.t.of: 'catsh'", "one of latch catch"),
@@ -312,7 +312,7 @@ def test_what_is_shipped_is_meant(request):
     for path in (request.config.rootpath / "config").glob("*.yaml"):
         campaign = load_config([path])
         texts = campaign.experiment.warnings + requirement_warnings(campaign)
-        assert [*texts, *band_warnings(campaign)] == [], path.stem
+        assert [*texts, *measured_warnings(campaign)] == [], path.stem
     for path in (request.config.rootpath / "config/structures").glob("*.yaml"):
         assert warnings(structures.load(path).build()) == [], path.stem
 

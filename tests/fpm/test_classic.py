@@ -88,3 +88,13 @@ def test_a_file_that_was_cut_off_is_refused(path):
         path.write_bytes(whole[:size])
         with pytest.raises(OSError, match=r"file\.nc is not a whole file"):
             read(path)
+
+
+def test_names_of_any_letters_are_kept_and_read_by_other_libraries(tmp_path):
+    variables = {"größe_φ": NetcdfVariable(("ζ",), np.arange(3.0), {"дом": "é"})}
+    write(tmp_path / "run.nc", {"λ": "α", "1": 2}, variables)
+    attributes, variables_there = read(tmp_path / "run.nc")
+    assert attributes == {"λ": "α", "1": 2} and variables_there["größe_φ"].dims == ("ζ",)
+    with xr.open_dataset(tmp_path / "run.nc", engine="netcdf4") as dataset:
+        assert dataset["größe_φ"].dims == ("ζ",) and dataset["größe_φ"].attrs["дом"] == "é"
+        assert dataset.attrs["λ"] == "α"

@@ -76,7 +76,7 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
     assert Path(where).is_relative_to(environment.bin.parent)
 
     mine = tmp_path / "my campaign"
-    environment.call("deployable-intervals", "new", mine, "--start", "small")
+    environment.call("deployable", "new", mine, "--start", "small")
     told = environment.call("python", "-m", "snakemake", "-c2", folder=mine)
     assert "Open results/small/report.html" in told
     assert (mine / "results/small/report.html").stat().st_size > 50_000
@@ -94,7 +94,7 @@ def test_an_editable_install_brings_the_workflow_too(environment, checkout, tmp_
     environment.call("pip", "install", "--no-deps", "-e", checkout)
     where = environment.call("python", "-c", "import deployable; print(deployable.__file__)")
     assert Path(where).is_relative_to(checkout)
-    environment.call("deployable-intervals", "new", tmp_path / "mine", "--start", "mast")
+    environment.call("deployable", "new", tmp_path / "mine", "--start", "mast")
     assert "results/mast" in environment.call(
         "python", "-m", "snakemake", "-n", "-p", "--quiet", "host", folder=tmp_path / "mine"
     )

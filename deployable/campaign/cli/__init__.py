@@ -1,20 +1,7 @@
-"""Campaigns in a shell: check them, run them, or one of their stages.
-
-    python -m deployable new FOLDER                     make a folder with a campaign to edit
-    python -m deployable check config/paper.yaml        check a file without running anything
-    python -m deployable run config/paper.yaml          plan, simulate, bound, draw; no Snakemake
-    python -m deployable structure mast.yaml            check a structure, print what it is, draw it
-    python -m deployable convert model.xml --to mine.yaml   a structure of a model in MJCF or URDF
-    python -m deployable page results/paper --config config/paper.yaml   make the page again
-    python -m deployable export results/paper --to glb  a run for ParaView, viewers, spreadsheets
-
-`deployable-intervals` is the same command, where the package is installed.
-
-A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
-the config as a YAML file (or the sections that it needs, as JSON). `keys` prints all keys, `schema`
-a JSON Schema of them."""
+"""Bound the motion of deployable structures whose parameters are intervals."""
 
 import argparse
+import logging
 import sys
 import traceback
 from collections.abc import Callable
@@ -27,11 +14,28 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import wrap_error
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program
-from deployable.campaign.runs.progress import MessagePrinter
+from deployable.campaign.runs.progress import LOGGER, MessagePrinter
 from deployable.campaign.stages import OPTIONS, STAGES
-from fpm.errors import SceneError
+from fpm.errors import SceneError, did_you_mean
 
-PROGRAM = "deployable-intervals"
+PROGRAM = "deployable"
+
+GROUPS = {
+    "campaigns": ("new", "check", "run", "compare", "export"),
+    "structures": ("structure", "convert"),
+    "reference": ("keys", "schema"),
+    "stages, which `run` calls one after another": tuple(STAGES),
+}
+"""Commands by what they are about, as the help lists them."""
+
+EXAMPLES = """examples:
+  {program} new mine --start panel      make the folder `mine` with a campaign to edit
+  cd mine && {program} check            tell how many runs the campaign takes
+  {program} run                         make its results, results/panel/report.html first
+  {program} export results/panel --to glb
+  {program} structure bennett           describe and draw a structure of the library
+
+`{program} COMMAND --help` lists the options of a command."""
 
 
 def main(arguments: list[str]) -> int:
@@ -40,7 +44,12 @@ def main(arguments: list[str]) -> int:
     if arguments and arguments[0].endswith((".yaml", ".yml")):
         arguments = ["check", *arguments]
     is_stage = bool(arguments) and arguments[0] in STAGES
-    options = _parser(is_stage).parse_args(arguments or ["--help"])
+    parser, names = _parser(is_stage), [name for group in GROUPS.values() for name in group]
+    if arguments and arguments[0] not in names and not arguments[0].startswith("-"):
+        hint = did_you_mean(arguments[0], names)
+        parser.error(f"there is no command {arguments[0]!r}{hint}; allowed: {', '.join(names)}")
+    options = parser.parse_args(arguments or ["--help"])
+    LOGGER.setLevel(options.level)
     try:
         return options.act(options)
     except (CampaignError, SceneError) as error:
@@ -52,10 +61,14 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     """The parser of all commands, or, for a process that loads what its stage needs, of stages."""
     script = Path(sys.argv[0]).name
     program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
-    form = argparse.RawTextHelpFormatter
-    parser = argparse.ArgumentParser(program, description=__doc__, formatter_class=form)
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    parser = argparse.ArgumentParser(
+        program, usage="%(prog)s [-h] [--version] COMMAND ...", description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = parser.add_subparsers(
+        metavar="COMMAND", required=True, prog=program, help=argparse.SUPPRESS
+    )
     if not is_stage:
         import_module("deployable.campaign.cli.commands").add_to(commands, command)
     for name, stage in STAGES.items():
@@ -67,6 +80,12 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
             options: Any = OPTIONS[key]
             stage_parser.add_argument(f"--{key}", **options)
         stage_parser.add_argument("--log", type=Path, help="file that messages go to as well")
+    texts = {name: parser.description for name, parser in commands.choices.items()}
+    parser.epilog = "\n\n".join([
+        *("\n".join([f"{title}:", *(f"  {name:<10} {texts[name]}" for name in names)])
+          for title, names in GROUPS.items() if texts.keys() >= {*names}),
+        EXAMPLES.format(program=program),
+    ])  # fmt: skip
     return parser
 
 
@@ -75,9 +94,13 @@ def command(
 ) -> argparse.ArgumentParser:
     """Add a command to a parser's subcommands, and return its own parser. function: takes the
     parsed options and returns the exit status."""
-    text = description.splitlines()[0]
-    parser = commands.add_parser(name, help=text, description=text)
-    parser.set_defaults(act=function)
+    parser = commands.add_parser(name, description=description.splitlines()[0])
+    parser.set_defaults(act=function, level=logging.INFO)
+    group = parser.add_mutually_exclusive_group()
+    quiet = "quiet", logging.WARNING, "print warnings and errors alone"
+    for word, level, text in (quiet, ("verbose", logging.DEBUG, "print what each stage takes")):
+        options: Any = {"action": "store_const", "const": level, "dest": "level", "help": text}
+        group.add_argument(f"-{word[0]}", f"--{word}", **options)
     return parser
 
 

@@ -2,12 +2,15 @@
 
 import argparse
 import json
+import logging
 import math
+import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import fpm
 from deployable.campaign.answers.estimate import describe_work, estimate
@@ -16,15 +19,16 @@ from deployable.campaign.config import read
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
-from deployable.campaign.config.measured import band_warnings
+from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
-from deployable.campaign.files import read_json, wrap_error
+from deployable.campaign.files import read_json, wrap_error, write_text
 from deployable.campaign.folder import CAMPAIGN
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
-from deployable.campaign.results.templates import doubt_texts
+from deployable.campaign.results.templates import doubt_texts, summary_text
+from deployable.campaign.runs.progress import MessagePrinter
 from deployable.campaign.stages.workflow import Workflow, complete
 
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
@@ -44,6 +48,7 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
     check.add_argument(
         "files", metavar="FILE", nargs="*", default=[CAMPAIGN], help=f"YAML file ({CAMPAIGN})"
     )
+    check.add_argument("--json", action="store_true", help="print JSON, for editors")
     whole = command(commands, "run", _run.__doc__, _run)
     whole.add_argument(
         "file", metavar="FILE", nargs="?", default=CAMPAIGN, help="YAML file (%(default)s)"
@@ -76,6 +81,10 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
     convert.add_argument(
         "--keyframe", default="", help="of the model, at which the structure starts"
     )
+    compare = command(commands, "compare", _compare.__doc__, _compare)
+    compare.add_argument("folders", metavar="RESULTS", nargs="+", help="folders of results")
+    compare.add_argument("--json", action="store_true", help="print JSON")
+    compare.add_argument("--html", type=Path, metavar="FILE", help="write a page with curves")
     _add_export(command(commands, "export", _export.__doc__, _export))
 
 
@@ -116,30 +125,43 @@ def _new(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     """Check configs without running anything, and say how many runs, how long and how much disk."""
-    status = 0
+    reports: list[dict[str, Any]] = []
     for path in options.files:
+        report: dict[str, Any] = {"file": path, "work": [], "warnings": [], "problems": []}
+        reports.append(report)
         try:
-            campaign = load_config([path])
-            if campaign.cases:
-                count = f"{len(campaign.cases)} cases"
-                print(f"{path}: {campaign.name}, {count}, {estimate(campaign)}")
-            workflow = Workflow(campaign)
-            workflow.stale()
-            for text in workflow.describe_foreign_results():
-                print(f"{path}: warning: {text}")
-            folder = Path("results", campaign.name * bool(campaign.cases))
-            for case, variant in variants(campaign):
-                prefix, experiment = f"{path}: {case}", variant.experiment
-                print(f"{prefix}{_describe_work(variant, folder)}")
-                texts = [*experiment.warnings, *requirement_warnings(variant)]
-                for text in [*texts, *band_warnings(variant)]:
-                    print(f"{prefix}warning: {text}")
-                for text in doubt_texts(experiment.doubts):
-                    print(f"{prefix}{text}")
+            for key, text in _check_texts(path):
+                report[key].append(text)
+                if not options.json and (key == "warnings" or options.level < logging.WARNING):
+                    print(f"{path}: {text}")
         except CampaignError as error:
-            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
-            status = 1
-    return status
+            report["problems"] = getattr(error, "problems", [str(error)])
+            if not options.json:
+                prefix = "" if isinstance(error, ConfigError) else f"{path}: "
+                print(f"{prefix}{error}", file=sys.stderr)
+    if options.json:
+        print(json.dumps(reports, indent=2))
+    return int(any(report["problems"] for report in reports))
+
+
+def _check_texts(path: str) -> Iterator[tuple[str, str]]:
+    """Kind and text of each line on the config at `path`."""
+    campaign = load_config([path])
+    if campaign.cases:
+        yield "work", f"{campaign.name}, {len(campaign.cases)} cases, {estimate(campaign)}"
+    workflow = Workflow(campaign)
+    workflow.stale()
+    for text in workflow.describe_foreign_results():
+        yield "warnings", f"warning: {text}"
+    folder = Path("results", campaign.name * bool(campaign.cases))
+    for case, variant in variants(campaign):
+        experiment = variant.experiment
+        yield "work", f"{case}{_describe_work(variant, folder)}"
+        texts = [*experiment.warnings, *requirement_warnings(variant)]
+        for text in [*texts, *measured_warnings(variant)]:
+            yield "warnings", f"{case}warning: {text}"
+        for text in doubt_texts(experiment.doubts):
+            yield "warnings", f"{case}{text}"
 
 
 def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
@@ -159,12 +181,28 @@ def _run(options: argparse.Namespace) -> int:
     for prefix, variant in variants(campaign):
         with suppress(OSError):  # which running tells better
             text = _describe_work(variant, folder, not options.no_figures)
-            print(f"{prefix}{text}", file=sys.stderr)
+            MessagePrinter(sys.stderr)(f"{prefix}{text}")
     complete(campaign, options.results, not options.no_figures)
     answer = Path(
         options.results, campaign.name, f"{'cases' if campaign.cases else 'requirements'}.json"
     )
     return UNMET if options.require and read_json(answer)["together"]["met"] != "all" else 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    """Compare results: requirements, quantities and curves side by side."""
+    from deployable.campaign.report.page import render_cases
+    from deployable.campaign.results.compare import compare
+    from deployable.campaign.results.figures import overlay
+
+    facts, curves = compare(options.folders)
+    for case, path in zip(facts["cases"], options.folders, strict=True):
+        case["folder"] = os.path.relpath(path, options.html.parent if options.html else ".")
+    if options.html:
+        write_text(options.html, render_cases(facts, map(overlay, curves.values())))
+    text = "" if options.json else summary_text(facts, "cases.md.jinja")
+    print(text or json.dumps(facts, indent=2))
+    return 0
 
 
 def _keys(options: argparse.Namespace) -> int:

@@ -163,11 +163,11 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchor_paths(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return the raw config with paths of structures' files and measured curves, relative to
-    `folder`, made relative to the working folder if they lie in it, else absolute."""
+    """Return the raw config with paths of structures' files, measured curves and runs,
+    relative to `folder`, made relative to the working folder if they lie in it, else absolute."""
     anchored_raw = dict(raw)
-    if "scene" in raw:
-        anchored_raw["scene"] = _anchored_file(raw["scene"], folder)
+    for key in raw.keys() & {"scene", "design"}:
+        anchored_raw[key] = _anchored_file(raw[key], folder)
     for key in ("cases", "measured"):
         if isinstance(entries := raw.get(key), Mapping):
             sections = {name: _anchored_file(section, folder) for name, section in entries.items()}

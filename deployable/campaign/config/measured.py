@@ -10,9 +10,14 @@ from deployable.campaign.config.resolve import allows, parameter_problems, real_
 from deployable.campaign.config.sections import Campaign, Experiment, ResolvedTest
 from deployable.intervals.box import MOST_FULL
 from fpm.arithmetic.units import unit
+from fpm.reading.responses import Response
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
 
 MOST_INSTANTS = 150  # measured instants of a test that are compared, evenly chosen
+
+ODD = 30.0
+"""Ratio of a test's times or values to those of the run from which on a unit is questioned: more
+than motions differ, and less than degrees from radians, or mm from m."""
 
 _BAND = "_band"
 _LEAST_INSTANTS = 51  # recorded ones, between which curves are interpolated
@@ -48,23 +53,24 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
     curves = {curve.name: curve for curve in experiment.response_list if curve.kind != "margin"}
     columns = [name for name in file.columns if not name.endswith(_BAND)]
     for column, response in test.columns.items():
-        if column not in file.columns:
+        band = column + _BAND
+        if fault := file.faults.get(column) or file.faults.get(band):
+            yield f"columns.{column}: {fault}"
+        elif column not in file.columns:
             yield f"columns.{column}: {unknown(column, f'column of {test.file}', columns)}"
         elif response not in curves:
             yield f"columns.{column}: {unknown(response, 'response over time', curves)}"
         elif not file.dimensions[column].fits(unit(curves[response].unit).dimension):
-            text = f"{test.file}, line 1: its unit is not that of {response}"
+            text = f"{test.file}: its unit is not that of {response}"
             yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
-        elif (has_column := column + _BAND in file.columns) == (response in test.band):
+        elif (has_column := band in file.columns) == (response in test.band):
             text = "has two bands" if has_column else "has no band"
-            yield f"band.{response}: {response} {text}; allowed: one here or as {column}{_BAND}"
-        elif has_column and not file.dimensions[column + _BAND].fits(
-            unit(curves[response].unit).dimension
-        ):
-            text = f"{test.file}, line 1: the unit of {column}{_BAND} is not one of {column}"
+            yield f"band.{response}: {response} {text}; allowed: one here or as {band}"
+        elif has_column and not file.dimensions[band].fits(unit(curves[response].unit).dimension):
+            text = f"{test.file}: the unit of {band} is not one of {column}"
             yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
-        elif has_column and not (file.columns[column + _BAND] > 0).all():
-            text = f"{test.file}: a band of {column}{_BAND} is not above 0"
+        elif has_column and not (file.columns[band] > 0).all():
+            text = f"{test.file}: a band of {band} is not above 0"
             yield f"columns.{column}: {text}; allowed: numbers above 0"
     responses = [*test.columns.values()]
     for response in {response for response in responses if responses.count(response) > 1}:
@@ -89,7 +95,8 @@ def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> 
         yield f"window: {text}{delay}{hint}; allowed: two times in s from {least:.6g} to {high:.6g}"
     elif (end := last - test.unknown.delay[0]) > duration + 1e-12:
         text = f"it ends {end:.6g} s into the run, at the least delay, the run at {duration:.6g} s"
-        text = f"{text}; allowed: an earlier end, or a longer delay (unknown.delay)"
+        hint = " (are its times in ms?)" if end / 1000 <= duration < end / ODD else ""
+        text = f"{text}{hint}; allowed: an earlier end, or a longer delay (unknown.delay)"
         yield f"window: {text} or solver.duration"
     elif (count := ((file.times >= first) & (file.times <= last)).sum()) < 3:
         yield f"window: {count} instants of {test.file} lie there; allowed: at least three"
@@ -115,22 +122,50 @@ def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]
         yield f"start: {count} unknown values with the intervals; allowed: {MOST_FULL}"
 
 
-def band_warnings(campaign: Campaign) -> Iterator[str]:
-    """Yield a sentence for each measured curve of a `Campaign` whose band is larger than all of
-    it."""
-    units = {curve.name: curve.unit for curve in campaign.experiment.response_list}
+def measured_warnings(campaign: Campaign) -> Iterator[str]:
+    """Yield a sentence for each measured curve of a `Campaign` whose band is larger than all of it,
+    or whose times or values are hardly in the unit that its file states."""
+    experiment = campaign.experiment
+    responses = {curve.name: curve for curve in experiment.response_list}
     for name, test in campaign.measured.items():
         curves = read_test(test)
+        span, duration = float(np.ptp(curves.times)), experiment.solver.duration
+        if 0 < span < duration / ODD:
+            yield (
+                f"measured.{name}: the times of {test.file} span {span:.4g} s of a run of "
+                f"{duration:g} s: check their unit, such as s for ms"
+            )
         for response, values, bands in zip(
             test.columns.values(), curves.values, curves.bands, strict=True
         ):
-            low, high, unit_name = values.min(), values.max(), units[response]
-            if bands.min() > max(high - low, abs(low), abs(high)):
+            low, high, unit_name = values.min(), values.max(), responses[response].unit
+            size = max(abs(low), abs(high))
+            if bands.min() > max(high - low, size):
                 yield (
                     f"measured.{name}: the band of {response}, {bands.min():.4g} {unit_name}, is "
                     f"larger than all of its curve, {low:.4g} to {high:.4g} {unit_name}, so that "
                     f"it narrows next to nothing: state a band in {unit_name}"
                 )
+            least, most, source = _usual_sizes(experiment, responses[response])
+            if size and most and not least <= size <= most:
+                yield (
+                    f"measured.{name}: {response} reaches {size:.4g} {unit_name} in {test.file}, "
+                    f"and {source}: check the unit in the file"
+                )
+
+
+def _usual_sizes(experiment: Experiment, response: Response) -> tuple[float, float, str]:
+    """Between which sizes values of a response are expected, and why; 0, 0: nothing is known."""
+    from fpm.structures.plausible import extent  # scipy's graphs take 0.1 s to load
+
+    scene = experiment.nominal_scene
+    if response.unit == "m" and (size := extent(scene)):
+        return size / 100 / ODD, size * ODD, f"the structure's extent is {size:.4g} m"
+    if response.kind == "opening" and response.unit == "rad":
+        openings = {hinge.name: abs(hinge.opening) for hinge in scene.hinges}
+        start = openings[response.subjects[0]]
+        return start / ODD, max(start * ODD, 4 * np.pi), f"it is {start:.4g} rad at the start"
+    return 0.0, 0.0, ""
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,21 @@ from typing import Annotated, Any, Literal
 
 from deployable.campaign.config.keys import RefusedError, Rule
 
+_STABLE = "(?!.*[ªº²³¹ſﬁﬂ])"  # in expressions these signs are others
 Name = Annotated[str, Rule("a name of up to 64 letters, digits and `_` that starts with a letter",
-    pattern="[A-Za-z][A-Za-z0-9_]{0,63}")]  # fmt: skip
+    pattern=rf"{_STABLE}[^\W\d_]\w{{0,63}}")]  # fmt: skip
+FreeName = Annotated[str, Rule("a name of up to 64 letters, digits and `_`",
+    pattern=rf"{_STABLE}[^\W_]\w{{0,63}}")]  # fmt: skip
 CampaignName = Annotated[str, Rule(
     "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the name of "
     "a study",
-    pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
-    "verification)$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]  # fmt: skip
+    pattern=r"(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|"
+    r"verification)$)[^\W_][\w-]{0,63}")]  # fmt: skip
 CaseName = Annotated[str, Rule(
-    "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
-    "not that of a folder of results, or `all`",
-    pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
-    "$)[A-Za-z][A-Za-z0-9 _-]{0,63}")]  # fmt: skip
+    "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter or "
+    "digit, and not that of a folder of results, or `all`",
+    pattern=r"(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)"
+    r"$)[^\W_][\w -]{0,63}")]  # fmt: skip
 Share = Annotated[float, Rule(least=1e-4, most=1, unit="1")]
 OrAuto = Literal["auto"]
 StructureFile = Annotated[str, Rule("the path of a `.yaml` file", pattern=r"[^\0]*")]
@@ -170,6 +173,12 @@ class DesignSection:
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
     seed: Annotated[int, Rule(least=0, most=2**32 - 1)] = 0
     """Seed of the Sobol sequence of `sobol`."""
+    file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")] = ABSENT
+    """A CSV file with runs of your own instead: a row for each, a column for each parameter that is
+    not at its nominal value, in its unit or one stated (`k [N mm/rad]`). Bounds are by the models
+    that take all runs. The nominal run is added."""
+    values: Annotated[tuple[float, ...], Rule("a list of numbers", least=1)] = ABSENT
+    """The values of the only interval in runs of your own, in its unit, instead of a file."""
 
 
 @dataclass(frozen=True)
@@ -370,8 +379,8 @@ class MeasuredTest:
     """Measured curves of one test, and what held in it (docs/measured.md)."""
 
     file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")]
-    """A CSV file, sought from the folder of the config: in its first line names with units, the
-    time first (`t [s],angle [rad]`), then rows of numbers."""
+    """A CSV file, sought from the folder of the config: names with units, such as
+    `t [s],angle [rad]`, above rows of numbers; one column is the time."""
     columns: Annotated[
         dict[str, Name], Rule("a mapping from names of columns to names of responses", least=1)
     ]
@@ -495,7 +504,7 @@ class Config:
     error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[
-        dict[Name, Annotated[
+        dict[FreeName, Annotated[
             dict[str, Annotated[Limits, Rule("a mapping with `at_least`, `at_most` or "
                 "`happens`, by quantity as in `{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
@@ -512,7 +521,9 @@ class Config:
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = ChooseSection()
     measured: Annotated[
-        dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
+        dict[
+            FreeName, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]
+        ],
         Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
     """Tests whose measured curves tell which part of the box is left, or that none is, by names of

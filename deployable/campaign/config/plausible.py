@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from deployable.campaign.config.own_runs import own_points
 from fpm.elements import Drag, SyncLoop, TorsionSpring, kinds_of
 from fpm.scenes.timestep import find_curve_step
 
@@ -26,7 +27,8 @@ FASTEST = 2.0
 """Speed that a requirement asks for, by the largest at nominal values, above which none has it."""
 
 LARGEST = 100.0
-"""Length that a requirement states, by the structure's extent, above which the same holds."""
+"""Length that a requirement states, by the structure's extent, and end of a curve, by that of the
+runs, above which the same holds."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
@@ -127,8 +129,19 @@ def _interval_texts(experiment: Any) -> Iterator[str]:
 
 
 def _design_texts(experiment: Any) -> Iterator[str]:
-    """Keys that the design does not use."""
+    """Keys that the design does not use, and own runs that leave part of the box out."""
     design = experiment.design
+    if design.method == "own":
+        values = experiment.box.from_unit(own_points(experiment))
+        for column, (name, interval) in zip(values.T, experiment.intervals.items(), strict=True):
+            low, high, ends = column.min(), column.max(), (interval.lower, interval.upper)
+            margin = 0.05 * (ends[1] - ends[0])
+            if low > ends[0] + margin or high < ends[1] - margin:
+                effect = "beyond the runs are extrapolated" if low < high else "lack its influence"
+                yield (
+                    f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
+                    f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds {effect}; add runs at its ends"
+                )
     methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
     for key, methods in methods_by_key.items():
         value, default = getattr(design, key), getattr(type(design), key)
@@ -166,9 +179,15 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
 
 
 def _step_texts(experiment: Any) -> Iterator[str]:
-    """A stated step, longer than a feature of a curve of time."""
+    """A stated step, longer than a feature of a curve of time; curves far beyond the runs' end."""
     solver, scene = experiment.solver, experiment.nominal_scene
     feature = find_curve_step(scene, solver.duration)
+    for curve in scene.curves:
+        if len(curve.times) >= FEWEST and curve.times[-1] > LARGEST * solver.duration:
+            yield (
+                f"solver.duration: {solver.duration:g} s, but a curve of {len(curve.times)} values "
+                f"lasts until {curve.times[-1]:.4g} s: check the unit of its times, such as ms"
+            )
     if solver.step != "auto" and solver.step > feature:
         yield (
             f"solver.step: {solver.step:g} s is longer than {feature:.3g} s, in which a curve of "

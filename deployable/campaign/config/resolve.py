@@ -13,10 +13,12 @@ from deployable.campaign.config.models import (
     IntervalSpec,
     Limits,
 )
+from deployable.campaign.config.own_runs import file_digest
 from deployable.campaign.config.read import sentence, show
 from deployable.campaign.config.sections import (
     ADAPTIVE,
     BY_STANDARD,
+    OWN_RUNS,
     Accuracy,
     Campaign,
     Choose,
@@ -45,17 +47,23 @@ def campaign_of(
     design = user_config.get("design", {})
     if config.design.method in ("sobol", "screening") and "order" not in design:
         order = None
+    method, held_out, digest = config.design.method, config.held_out, ""
+    if config.design.file or config.design.values:
+        method, order, held_out = cast(Any, OWN_RUNS), None, 0
+        digest = file_digest(config.design.file)
     if config.accuracy is not None:
         config, accuracy = with_accuracy(config, structure)
-        order = None
+        method, order = config.design.method, None
     experiment = Experiment(
         name=config.campaign,
         scene=SceneChoice(structure.name, config.scene.parameters, config.scene.file or ""),
         solver=config.solver,
         # In the scene's order: in which one a config has them must not matter, to no design.
         intervals={name: intervals[name] for name in structure.parameters if name in intervals},
-        design=DesignChoice(**vars(config.design) | {"order": order}),
-        held_out=config.held_out,
+        design=DesignChoice(
+            **vars(config.design) | {"order": order, "method": method, "digest": digest}
+        ),
+        held_out=held_out,
         responses=config.responses,
         quantities=config.quantities,
         accuracy=accuracy,

@@ -15,6 +15,7 @@ import fpm
 from deployable.campaign.config.disk import LARGE, room_problems
 from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
+from deployable.campaign.config.own_runs import OwnRunsError, key_problems
 from deployable.campaign.config.read import sentence, show
 from deployable.campaign.config.resolve import (
     allows,
@@ -26,6 +27,7 @@ from deployable.campaign.config.resolve import (
 )
 from deployable.campaign.config.sections import (
     BY_STANDARD,
+    OWN_RUNS,
     Campaign,
     Choose,
     Experiment,
@@ -63,6 +65,7 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
     intervals, trouble = intervals_of(config.intervals, section.parameters, structure)
     problems = parameter_problems("scene.parameters", section.parameters, structure) + trouble
     campaign = campaign_of(config, user_config, structure, intervals)
+    problems += key_problems(user_config)
     if not problems:
         problems += _build_problems(campaign.experiment)
     is_built = not problems
@@ -224,10 +227,16 @@ def _design_problems(campaign: Campaign) -> list[str]:
         return problems
     try:
         choice = replace(design, samples=2) if has_none else design
-        node_design = make_design(choice, experiment.box)
+        node_design = make_design(experiment, choice)
+    except OwnRunsError as error:
+        return [f"design.{error}"]
     except IntervalError as error:
         return [sentence(f"design.{error.key}", error)]
+    if design.method == OWN_RUNS and campaign.bounds.model == "polynomial":
+        text = "'polynomial' is not allowed with runs of your own"
+        return [f"bounds.model: {text}; allowed: auto, spline, aligned"]
     is_spline = not has_none and campaign.bounds.model in ("spline", "aligned")
+    is_spline = is_spline or design.method == OWN_RUNS
     return _spline_problems(campaign, node_design) if is_spline else []
 
 
@@ -243,10 +252,11 @@ def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
     try:
         check_spline_runs(np.concatenate(points))
     except IntervalError as error:
-        return [
-            f"bounds.model: {model!r} is not allowed with {error.value} runs; "
-            f"allowed: polynomial, or {error.allowed}"
-        ]
+        if experiment.design.method == OWN_RUNS:
+            text = "with the nominal one do not determine a model"
+            return [f"design: {error.value} runs {text}; allowed: {error.allowed}"]
+        text = f"bounds.model: {model!r} is not allowed with {error.value} runs"
+        return [f"{text}; allowed: polynomial, or {error.allowed}"]
     return []
 
 

@@ -33,6 +33,7 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
+from deployable.campaign.config.own_runs import own_points
 from deployable.campaign.config.plausible import experiment_warnings
 from deployable.campaign.errors import HeldConfigError
 from deployable.campaign.provenance import program_digest
@@ -44,7 +45,8 @@ from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import warn
 from fpm.structures.reading import read_text
 
-ADAPTIVE = "adaptive"
+ADAPTIVE, OWN_RUNS = "adaptive", "own"
+"""Methods of designs that no config names: of an `accuracy`, and of runs of a user's own."""
 """The method of a design whose runs are found round by round; no config can ask for it alone."""
 
 NAME, CAMPAIGN_NAME = (re.compile(get_args(kind)[1].pattern) for kind in (Name, CampaignName))
@@ -113,10 +115,12 @@ class SceneChoice:
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
     """Section `design` of the config with what an `accuracy` adds: the polynomial `order` of the
-    surrogate, None for none; points: normalized (n, k), of an adaptive design's runs."""
+    surrogate, None for none; points: normalized (n, k), of an adaptive design's runs; digest: of
+    the `file`."""
 
     order: Any = 3
     points: tuple = ()
+    digest: str = ""
 
 
 @dataclass(frozen=True)
@@ -341,13 +345,15 @@ class Campaign:
 # -- designs ---------------------------------------------------------------------------------------
 
 
-def make_design(choice: DesignChoice, box: Any) -> Any:
-    """Make the `intervals.Design` (points of the runs) that the section `design` (`choice`) of a
-    config asks for, in a box (`intervals.Box`). Raises `intervals.IntervalError`."""
-    if choice.method == ADAPTIVE:
+def make_design(experiment: Experiment, choice: DesignChoice | None = None) -> Any:
+    """Make the `intervals.Design` (points of the runs) that the section `design` of a config asks
+    for (another one: `choice`). Raises `intervals.IntervalError`, or `OwnRunsError`."""
+    choice, box = choice or experiment.design, experiment.box
+    if choice.method in (ADAPTIVE, OWN_RUNS):
         points = np.array(choice.points, dtype=float).reshape(-1, box.dimension)
+        points = own_points(experiment) if choice.method == OWN_RUNS else points
         terms = np.zeros((0, box.dimension), dtype=int)
-        return intervals.Design(points, terms, ADAPTIVE, (0,) * box.dimension)
+        return intervals.Design(points, terms, choice.method, (0,) * box.dimension)
     options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
     most = choice.samples if choice.method == "sobol" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
@@ -402,7 +408,7 @@ def count_runs(experiment: Experiment) -> int:
         return experiment.accuracy.max_runs
     if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1
-    return make_design(design, experiment.box).run_count + 1 + experiment.held_out
+    return make_design(experiment).run_count + 1 + experiment.held_out
 
 
 CHECK_POINTS = 8

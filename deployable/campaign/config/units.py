@@ -76,6 +76,8 @@ class StatedUnits:
             return result
         if isinstance(value, list | tuple):
             return [self._resolve(item, key, symbol, path, owner, parent) for item in value]
+        if int in key.options and isinstance(value, float) and value.is_integer():
+            return int(value)
         match = symbol and isinstance(value, str) and _TEXT.fullmatch(value.strip())
         if not match:
             return value

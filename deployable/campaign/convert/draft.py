@@ -66,7 +66,9 @@ class Draft:
         """Add an entry under the allowed name that is nearest to `text`, and return that name."""
         name = re.sub(r"[^A-Za-z0-9_]", "_", text)
         name, entries = name if name[:1].isalpha() else f"n{name}", self.structure.table[group]
-        while name in entries or not self._names.allows(name, "", 0, group == "parameters"):
+        while name in entries or not self._names.allows(
+            name, "", 0, {"parameters": "let"}.get(group, group)
+        ):
             name += "_"
         if name != text and group in ("bodies", "joints", "record"):
             self.notes.append(f"{text} is called {name} among {group}")

@@ -42,6 +42,7 @@ FORMATS = {
     "webp": ExportFormat(
         write_moving, "a moving picture, smaller and with more colours", 60, ".webp"
     ),
+    "mp4": ExportFormat(write_moving, "a video, where ffmpeg is installed", 60, ".mp4"),
     "figures": ExportFormat(
         write_figures,
         "figures for a journal: PDF, SVG, PNG",
@@ -58,7 +59,7 @@ FORMATS = {
     ),
     "mjcf": ExportFormat(write_mjcf, "rigid bodies at their start, for MuJoCo", 0),
 }
-MOVIES = ("gif", "webp")
+MOVIES = ("gif", "webp", "mp4")
 COLOURS = ("bars", "stress")  # by what moving pictures are coloured
 
 
@@ -73,11 +74,11 @@ def export(
     Parameters
     ----------
     run: the run, as `choose` returns it.
-    kind: name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures, csv or mjcf.
+    kind: name of a format, a key of `FORMATS`: vtk, glb, gif, webp, mp4, figures, csv or mjcf.
     folder: folder of the files; made where it is missing.
     frames: number of frames, evenly spread over the run; None: the format's own number. csv and
         mjcf need none.
-    colour: by what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
+    colour: by what moving pictures (gif, webp, mp4) are coloured: ``bars``, each in its colour, or
         ``stress``, equivalent stress."""
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:

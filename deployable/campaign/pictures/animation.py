@@ -1,4 +1,4 @@
-"""A moving picture (GIF, WebP) of a motion."""
+"""A moving picture (GIF, WebP, MP4) of a motion."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
 from deployable.campaign.pictures.colours import draw_scale, stress_colours
 from deployable.campaign.pictures.figure import make_figure
@@ -24,10 +25,13 @@ WIDTH, _DPI = 4.8, 100  # width of the picture, in inches, and pixels of an inch
 
 
 def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) -> Path:
-    """Write all frames of a whole motion as a moving picture of five seconds to `path` (.gif or
-    .webp), and return it. by_stress: colour elements by their equivalent stress, not by bar."""
+    """Write all frames of a whole motion as a moving picture of five seconds to `path` (.gif, .webp
+    or .mp4), and return it. by_stress: colour elements by their equivalent stress, not by bar.
+    Raises `CampaignError` for .mp4 where ffmpeg is not installed."""
     from PIL import Image
 
+    if path.suffix == ".mp4":
+        return _write_video(list(frames(motion, by_stress)), path)
     images = [Image.fromarray(frame) for frame in frames(motion, by_stress)]
     frame_ms = round(1000 * SECONDS / len(images))
     durations = [frame_ms] * (len(images) - 1) + [frame_ms + round(1000 * HOLD)]
@@ -40,6 +44,23 @@ def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) ->
     options |= {"append_images": images[1:], "duration": durations, "loop": 0}
     with whole_file(path) as temporary:
         images[0].save(temporary, save_all=True, **options)
+    return path
+
+
+def _write_video(images: list[np.ndarray], path: Path) -> Path:
+    from matplotlib.animation import FFMpegWriter
+
+    if not FFMpegWriter.isAvailable():
+        raise CampaignError("mp4 needs ffmpeg, which is not installed; allowed: gif, webp")
+    rate = max(1, round(len(images) / SECONDS))
+    height, width = (2 * (size // 2) for size in images[0].shape[:2])  # as the codec asks
+    figure = make_figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
+    picture = figure.figimage(images[0][:height, :width])
+    writer = FFMpegWriter(fps=rate)
+    with whole_file(path) as temporary, writer.saving(figure, str(temporary), _DPI):
+        for image in images + [images[-1]] * round(HOLD * rate):
+            picture.set_data(image[:height, :width])
+            writer.grab_frame()
     return path
 
 

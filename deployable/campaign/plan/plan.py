@@ -111,6 +111,8 @@ class Plan:
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
+        if data["design"]["file"]:
+            data["design"]["file"] = data["design"]["digest"]
         return digest(data)
 
     @cached_property
@@ -154,7 +156,7 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     """Make the plan of a checked experiment: the nominal run, those of its design and, unless that
     is a Sobol sequence, validation runs. time: their time step; None: `choose_step` finds it."""
     box = experiment.box
-    design = make_design(experiment.design, box)
+    design = make_design(experiment)
     groups = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
     if experiment.design.method != "sobol":
         points = held_out_points(box.free, experiment.held_out, design.points)

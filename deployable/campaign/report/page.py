@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping
-from io import BytesIO
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import write_result
+from deployable.campaign.pictures.figure import to_png
 from deployable.campaign.pictures.moments import draw_moments
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing_region import lines, panels, prices
 from deployable.campaign.report.pack import compress, pack_data
-from deployable.campaign.results.figures import DATELESS
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
 
@@ -58,11 +57,13 @@ def render(data: PageData) -> str:
     )
 
 
-def render_cases(facts: Mapping[str, Any]) -> str:
-    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`."""
+def render_cases(facts: Mapping[str, Any], figures: Iterable[Any] = ()) -> str:
+    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`; figures:
+    of the curves that these have, if any."""
     units = {pretty(row["units"]) for row in facts["quantities"]} - {"1"}
     template = environment(units, html=True).get_template("cases.html")
-    return template.render(facts=facts, style=_text("style.css"))
+    pictures = [b64encode(to_png(figure)).decode() for figure in figures]
+    return template.render(facts=facts, style=_text("style.css"), pictures=pictures)
 
 
 def _text(name: str) -> str:
@@ -71,6 +72,4 @@ def _text(name: str) -> str:
 
 def _poster(motion: xarray.Dataset) -> str:
     """Three moments of a whole motion as PNG in base64, for browsers that show no motion."""
-    buffer = BytesIO()
-    draw_moments(motion, 3).savefig(buffer, dpi=110, metadata=DATELESS["png"])
-    return b64encode(buffer.getvalue()).decode()
+    return b64encode(to_png(draw_moments(motion, 3))).decode()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from deployable import intervals
-from deployable.campaign.config.sections import BoundsChoice, Experiment, make_design
+from deployable.campaign.config.sections import OWN_RUNS, BoundsChoice, Experiment, make_design
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
@@ -27,10 +27,7 @@ def analyse(
 
     with open_dataset(folder.samples) as samples:
         experiment = Experiment.read(samples.attrs["config"])
-        if experiment.design.method == "sobol" and experiment.design.order is None:
-            design = _design(samples)  # a plain scan
-        else:
-            design = make_design(experiment.design, experiment.box)
+        design = _design(samples, experiment)
         bounds = intervals.bounds_dataset(samples, design, model=choice.model)
         if bounds.attrs["held_out_runs"]:  # which a polynomial's range may lack
             table = samples["values"].values
@@ -62,7 +59,7 @@ def include_runs(folder: Folder, runs: Any) -> None:
         if "models" in bounds.attrs:
             points = runs.experiment.box.to_unit(values)
             samples = intervals.add_runs(samples, points, values, curves, runs.events)
-            design = make_design(runs.experiment.design, runs.experiment.box)
+            design = _design(samples, runs.experiment)
             wider = intervals.bounds_dataset(samples, design, model="auto")
             parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]
             if parts:
@@ -73,12 +70,16 @@ def include_runs(folder: Folder, runs: Any) -> None:
         write_dataset(wider, folder.bounds, "Bounds of the responses")
 
 
-def _design(samples: Any) -> Any:
-    """The design of a plain scan: to make it again takes longer than its bounds."""
+def _design(samples: Any, experiment: Experiment) -> Any:
+    """The design of the runs in `samples`: of a plain scan to make it again takes longer than its
+    bounds, and a file of runs may be elsewhere by now."""
+    method, order = experiment.design.method, experiment.design.order
+    if not (method == OWN_RUNS or (method == "sobol" and order is None)):
+        return make_design(experiment)
     nodes = samples["role"].values == "node" if "role" in samples else slice(1, None)
     points = samples["normalized"].values[nodes]
     orders = (0,) * points.shape[1]
-    return intervals.Design(points, np.zeros((0, len(orders)), dtype=int), "sobol", orders)
+    return intervals.Design(points, np.zeros((0, len(orders)), dtype=int), method, orders)
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:

@@ -21,6 +21,18 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
     results, with each case's below it; cases: what each case changes, by its name."""
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
     summaries = {name: read_json(child / "summary.json") for name, child in folders.items()}
+    changes = {name: _changes_text(cases[name], facts) for name, facts in summaries.items()}
+    return facts_of_cases(folder.path.name, folders, summaries, changes)
+
+
+def facts_of_cases(
+    campaign: str,
+    folders: Mapping[str, Folder],
+    summaries: Mapping[str, Mapping],
+    changes: Mapping[str, str],
+) -> dict[str, Any]:
+    """Collect what several results answer together as plain data. campaign: what they are of;
+    folders, summaries, changes: where each is, its facts, what differs in it in words, by name."""
     requirements = _requirements(summaries)
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
@@ -28,13 +40,13 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
         for text in _notes(facts):
             notes.setdefault(text, []).append(name)
     return {
-        "campaign": folder.path.name,
+        "campaign": campaign,
         "cases": [
             {
                 "name": name,
                 "folder": child.path.name,
                 "page": child.report.exists(),
-                "changes": _changes_text(cases[name], summaries[name]),
+                "changes": changes[name],
                 "headline": " ".join(
                     sentence(macro, summaries[name], escapes=False).strip()
                     for macro in ("headline", "tested")

@@ -66,12 +66,14 @@ def facts_of(
         facts["quantities"], runs["further"] = results.rows, results.further_runs
         runs["checks"] += results.check_runs
         failures += read_refinement(folder)[2]
-        rows = {row["name"]: row for row in facts["quantities"]}
+        by_name = {row["name"]: row for row in facts["quantities"]}
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
             names = [part.name for part in getattr(quantity, "parts", ())]
             row["late_parts"] = [
-                name for name in names if rows[name]["censored_at"] or rows[name]["may_be_endless"]
+                name
+                for name in names
+                if by_name[name]["censored_at"] or by_name[name]["may_be_endless"]
             ]
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
                 row["reached"] = approach

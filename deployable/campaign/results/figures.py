@@ -3,7 +3,7 @@
 Bounds differ by dash as well as by colour, so that a grey print can be read."""
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -111,6 +111,23 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, shade_above: float, letter
         axis.set_axisbelow(True)
     ax.margins(y=0.08)
     axis.set_xlabel(axis_label)
+
+
+def overlay(bounds: Mapping[str, ResponseBounds], width: float = 6.4) -> Any:
+    """Make a matplotlib figure of the bounds of one response in several results, by their labels;
+    width: of the figure (inches)."""
+    figure = make_figure(figsize=(width, 0.5 * width), layout="constrained")
+    ax = figure.subplots()
+    for i, (label, response) in enumerate(bounds.items()):
+        time, style = _abscissa(response)[0], {"color": _COLOURS[i % len(_COLOURS)]}
+        ax.fill_between(time, response.lower, response.upper, alpha=0.2, lw=0, **style)
+        dashes = _DASHES[i % len(_DASHES)]
+        for end, name in ((response.lower, label), (response.upper, None)):
+            ax.plot(time, end, linestyle=dashes, lw=1.0, label=name, **style)
+    first = next(iter(bounds.values()))
+    ax.set(ylabel=f"{first.long_name}{_unit(first)}", xlabel=_abscissa(first)[1])
+    ax.legend(fontsize=7, frameon=False)
+    return figure
 
 
 def _unit(bounds: ResponseBounds) -> str:

@@ -1,5 +1,7 @@
 """Messages of a batch while it runs."""
 
+import logging
+import re
 import shutil
 import threading
 import time
@@ -20,6 +22,10 @@ TICK = 1.0  # seconds between two looks at a step
 
 Notify = Callable[[str], None]
 
+LOGGER = logging.getLogger("deployable")
+"""Its level decides which messages are printed: warnings and errors, all, or times of stages."""
+LOGGER.setLevel(logging.INFO)
+
 
 class MessagePrinter:
     """Prints each message to text files, flushed at once, or calls functions in their place; `move`
@@ -34,6 +40,9 @@ class MessagePrinter:
         self.lock = threading.Lock()
 
     def __call__(self, text: str) -> None:
+        is_warning = re.search(r"(^|: )(warning|error): ", text)
+        if not LOGGER.isEnabledFor(logging.WARNING if is_warning else logging.INFO):
+            return
         with self.lock:
             for file in self.files:
                 start = "\n" if self.is_open and is_terminal(file) else ""
@@ -45,6 +54,8 @@ class MessagePrinter:
         """Replace the line that the last call wrote by `text`, on terminals, where an empty one
         clears it; other files get a changed text as a line of its own, five seconds after the last
         message at the earliest, and then after pauses (`PAUSE`)."""
+        if not LOGGER.isEnabledFor(logging.INFO):
+            return
         with self.lock:
             clock_time = time.monotonic()
             is_due = clock_time >= self.log_time

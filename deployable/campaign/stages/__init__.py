@@ -2,6 +2,8 @@
 to others. `campaign.run` calls them one after another, `python -m deployable STAGE` one alone."""
 
 import json
+import logging
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -13,7 +15,7 @@ from deployable.campaign.errors import CampaignError, error_of_files
 from deployable.campaign.files import HISTORY, check_results, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.runs.progress import LOGGER, Notify
 from fpm.errors import SceneError
 from fpm.files.seals import remove_temporary
 
@@ -64,13 +66,15 @@ class Stage:
         """Do the work of the stage in a folder of results, and seal the files that it writes with
         what they are made of. notify: called with each message; arguments: its sections and options
         by name. Raises `CampaignError` for trouble with files, also files of several plans."""
-        sections = {name: arguments[name] for name in self.sections}
+        sections, start = {name: arguments[name] for name in self.sections}, time.monotonic()
         try:
             for place in folder.stage_folders:
                 remove_temporary(place)
             facts = {"basis": self.basis(sections), **check_results(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, notify, **arguments)
+            if LOGGER.isEnabledFor(logging.DEBUG):
+                notify(f"{folder.path}: stage {self.name} took {time.monotonic() - start:.2f} s")
         except SceneError as error:  # of the structure that the results name
             place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error

@@ -14,6 +14,7 @@ from fpm.elements import Drag, Load
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
+from fpm.errors import fold_name
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import (
@@ -28,7 +29,6 @@ from fpm.structures.keys import (
     TextKey,
     VectorKey,
 )
-from fpm.structures.reading import commas
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
@@ -49,7 +49,7 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
         kind=Number(unit="s"),
     ),
     values=ListKey(None, "one for each time", kind=Number()),
-    file=CurvesKey(None, "with times first, and units in its first line"),
+    file=CurvesKey(None, "of curves of time, with units"),
     column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
     smooth=Word(
         "false", "whether it is a smooth cubic between the values, never beyond two neighbours, "
@@ -76,9 +76,10 @@ def curve(build, args):
         if len(args.times) != len(args.values):
             build.refuse("values", args.values, f"{len(args.times)} numbers, one for each time")
         return build.scene.add_curve(args.times, args.values, smooth)
-    if args.column not in args.file.columns:
-        build.refuse("column", args.column, f"a column of the file, {commas(args.file.columns)}")
-    return build.scene.add_curve(args.file.times, args.file.columns[args.column], smooth)
+    column = fold_name(args.column)
+    if column not in args.file.columns:
+        build.refuse("column", args.column, args.file.allowed(column))
+    return build.scene.add_curve(args.file.times, args.file.columns[column], smooth)
 
 
 def _curve_by_expression(build, args) -> Any:

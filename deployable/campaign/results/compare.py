@@ -1,0 +1,77 @@
+"""Results of several campaigns side by side: facts like those of cases, and their curves."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import read_json
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.cases import facts_of_cases
+from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
+from deployable.campaign.text.numbers import quantity, spread
+
+Curves = dict[str, dict[str, ResponseBounds]]
+"""Bounds of responses by name, then by the label of their results."""
+
+
+def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
+    """Return the facts of several folders of results as plain data, with the curves of those
+    responses that two or more of them have. Raises `CampaignError` for a folder without results."""
+    labels = [Path(path).resolve().name for path in paths]
+    if len({*labels}) < len(labels):  # of the same campaign
+        labels = [str(path) for path in paths]
+    if len({*labels}) < max(len(labels), 2):
+        text = f"{', '.join(labels)}: nothing to compare; allowed: two folders or more"
+        raise CampaignError(text)
+    folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
+    for folder in folders.values():
+        if not (folder / "summary.json").exists():
+            text = f"{folder.path} has no summary.json; allowed: a folder of finished results"
+            raise CampaignError(f"{text}, of a campaign with cases that of one case")
+    summaries = {label: read_json(folder / "summary.json") for label, folder in folders.items()}
+    states = {label: _state(facts) for label, facts in summaries.items()}
+    names = dict.fromkeys(name for state in states.values() for name in state)
+    differences = [n for n in names if len({state.get(n) for state in states.values()}) > 1]
+    changes = {
+        label: "; ".join(f"{n} {state.get(n, 'absent')}" for n in differences) or "nothing"
+        for label, state in states.items()
+    }
+    curves: Curves = {}
+    for label, folder in folders.items():
+        for response in read_bounds(folder).responses:
+            curves.setdefault(response.name, {})[label] = response
+    curves = {name: by_label for name, by_label in curves.items() if len(by_label) > 1}
+    facts = facts_of_cases(" and ".join(labels), folders, summaries, changes)
+    return facts | {"curves": [_curve(rows, labels) for rows in curves.values()]}, curves
+
+
+def _state(facts: Mapping[str, Any]) -> dict[str, str]:
+    """What decides the results of a campaign, in words, by name."""
+    state = {"structure": facts["scene"], "duration": quantity(facts["duration"], "s", 6)}
+    for row in facts["fixed"]:
+        is_number = isinstance(row["value"], int | float)
+        state[row["name"]] = quantity(row["value"], row["units"], 6) if is_number else row["value"]
+    for row in facts["parameters"]:
+        state[row["name"]] = f"{quantity(row['nominal'], row['units'], 6)}, {spread(row)}"
+    return state
+
+
+def _curve(rows: Mapping[str, ResponseBounds], labels: list[str]) -> dict[str, Any]:
+    """One response of several results: where its bounds are widest, and how far they are from those
+    of the first that has it, where both have values."""
+    first, by_case = next(iter(rows.values())), dict.fromkeys(labels, None)
+    for label, response in rows.items():
+        place, units = response.widest, response.units
+        row = {"width": response.width[place], "time": response.time[place],
+               "lower": response.lower.min(), "upper": response.upper.max()}  # fmt: skip
+        is_same = (units, response.abscissa) == (first.units, first.abscissa)
+        time = first.time[first.time <= response.time[-1]]
+        for end in ("lower", "upper") if is_same and response is not first else ():
+            curve = np.interp(time, response.time, getattr(response, end))
+            row[f"{end}_change"] = np.abs(curve - getattr(first, end)[: len(time)]).max()
+        by_case[label] = {name: float(value) for name, value in row.items()} | {"units": units}
+    keys = {"name": first.name, "long_name": first.long_name, "units": first.units}
+    return {**keys, "by_case": [*by_case.values()]}

@@ -1,0 +1,32 @@
+"""Bounds in Python that draw themselves: `bounds.envelope.plot()`."""
+
+from typing import Any
+
+import xarray as xr
+
+from deployable.campaign.results.figures import envelope
+from deployable.campaign.results.response_bounds import ResponseBounds
+
+
+@xr.register_dataset_accessor("envelope")
+class EnvelopeAccessor:
+    """What a dataset of bounds (`campaign.run`, `intervals.bounds_dataset`) has as `envelope`."""
+
+    def __init__(self, bounds: xr.Dataset):
+        self.bounds = bounds
+
+    def plot(self, *names: str) -> Any:
+        """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
+        responses, none: all."""
+        names = names or tuple(self.bounds["response"].values)
+        return envelope([self._read(str(name)) for name in names], 0.1)
+
+    def _read(self, name: str) -> ResponseBounds:
+        data = self.bounds.sel(response=name)
+        keys = [key for key in ("lower", "upper", "nominal", "error") if key in data]
+        curves: Any = {key: data[key].values for key in keys}
+        return ResponseBounds(
+            name=name, long_name=str(data["response_long_name"].values),
+            units=str(data["response_units"].values), kind=data.attrs["bounds_kind"],
+            time=data["time"].values, **curves,
+        )  # fmt: skip

@@ -1,0 +1,65 @@
+"""Results side by side: numbers of both, as text, JSON and a page."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+from opening_panel import exact_time, panel, run
+
+from deployable.campaign.cli import main
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory):
+    """Results of a panel with a weak and with a strong spring."""
+    results, early = tmp_path_factory.mktemp("pair"), {"early": {"t_open": {"at_most": 1.9}}}
+    strong = {"k": {"nominal": 0.2, "relative": 0.05}}
+    raws = [panel(campaign="weak", requirements=early),
+            panel(campaign="strong", intervals=strong, requirements=early)]  # fmt: skip
+    return [str(run(raw, results).path) for raw in raws]
+
+
+@pytest.mark.slow
+def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp_path):
+    assert main(["compare", *pair, "--json", "--html", str(tmp_path / "page.html")]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert [case["name"] for case in facts["cases"]] == ["weak", "strong"]
+    assert [case["changes"] for case in facts["cases"]] == [
+        "k 0.1 N m/rad, ± 5 %", "k 0.2 N m/rad, ± 5 %"]  # fmt: skip
+    (t_open,) = [row for row in facts["quantities"] if row["name"] == "t_open"]
+    for row, k in zip(t_open["by_case"], (0.1, 0.2), strict=True):
+        expected = [exact_time(1.05 * k), exact_time(0.95 * k)]
+        np.testing.assert_allclose([row["lower"], row["upper"]], expected, rtol=2e-3)
+    (early,) = facts["requirements"]
+    met = [row["met"] for row in early["limits"][0]["by_case"]]
+    expected = [exact_time(0.95 * k) <= 1.9 for k in (0.1, 0.2)]
+    assert [m == "all" for m in met] == expected
+    (curve,) = facts["curves"]
+    files = [xarray.load_dataset(f"{folder}/bounds.nc") for folder in pair]
+    bounds = [file.sel(response="psi") for file in files]
+    for end in ("lower", "upper"):
+        change = np.abs(bounds[1][end].values - bounds[0][end].values).max()
+        assert curve["by_case"][1][f"{end}_change"] == pytest.approx(change)
+        assert f"{end}_change" not in curve["by_case"][0]
+    for row, data in zip(curve["by_case"], bounds, strict=True):
+        assert row["width"] == pytest.approx(float((data["upper"] - data["lower"]).max()))
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64") == 1 and "http" not in page.split("</style>")[1]
+    assert main(["compare", *pair]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("# weak and strong: 2 cases") and "## Curves by case" in text
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (["a"], "a: nothing to compare; allowed: two folders or more"),
+        (["a", "a"], "nothing to compare"),
+        (["a", "b"], "a has no summary.json; allowed: a folder of finished results"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(names, words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", *names]) == 1
+    assert words in capsys.readouterr().err

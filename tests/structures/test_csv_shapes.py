@@ -1,0 +1,193 @@
+"""CSV files as instruments and programs write them: each is read right, or refused with its line.
+
+Every file holds the same three instants (0, 0.5, 1.25 s) and angles (0.5, -0.25, 1.125 rad)."""
+
+import numpy as np
+import pytest
+
+from deployable.campaign.config.check import check_config
+from fpm.structures.curves_file import CurvesFile, CurvesFileError
+
+TIMES, ANGLES = [0.0, 0.5, 1.25], [0.5, -0.25, 1.125]
+H = "t [s],angle [rad]\n"
+R = "0,0.5\n0.5,-0.25\n1.25,1.125\n"
+DEGREES = [f"{t},{np.degrees(a):.12f}\n" for t, a in zip(TIMES, ANGLES, strict=True)]
+DEG = "".join(DEGREES)
+SEMI = "t [s];angle [rad]\n"
+COMMA = "0,0;0,5\n0,5;-0,25\n1,25;1,125\n"
+
+
+def milli(factor, digits=1):
+    """Rows with times in another unit."""
+    return "".join(f"{t * factor:.{digits}f},{a}\n" for t, a in zip(TIMES, ANGLES, strict=True))
+
+
+RIGHT = {
+    "plain": H + R,
+    "byte order mark": "\ufeff" + H + R,
+    "CRLF": (H + R).replace("\n", "\r\n"),
+    "CR": (H + R).replace("\n", "\r"),
+    "UTF-16": (H + R).encode("utf-16"),
+    "Latin 1 degrees": f"t [s],angle [°]\n{DEG}".encode("latin-1"),
+    "semicolons and points": SEMI + R.replace(",", ";"),
+    "semicolons and decimal commas": SEMI + COMMA,
+    "decimal commas everywhere": SEMI + "0,000;0,500\n0,500;-0,250\n1,250;1,125\n",
+    "decimal commas of powers": SEMI + "0,000e0;5,000e-1\n5,000e-1;-2,500e-1\n1,250e0;1,125E0\n",
+    "tabs": (H + R).replace(",", "\t"),
+    "tabs and decimal commas": (SEMI + COMMA).replace(";", "\t"),
+    "spaces": "t [s]  angle [rad]\n" + R.replace(",", "   "),
+    "aligned spaces": "  t [s]  angle [rad]\n  " + R.replace(",", "   ").replace("\n", "\n  "),
+    "spaces and decimal commas": "t [s] angle [rad]\n" + COMMA.replace(";", " "),
+    "spaces, units below": "t angle\ns rad\n" + R.replace(",", " "),
+    "sep line of a spreadsheet": "sep=;\n" + SEMI + R.replace(",", ";"),
+    "sep line with a comma": "sep=,\n" + H + R,
+    "space behind the comma": "t [s], angle [rad]\n" + R.replace(",", ", "),
+    "parentheses": "t (s),angle (rad)\n" + R,
+    "DIN slash": "t/s,angle/rad\n" + R,
+    "DIN slash with spaces": "t / s,angle / rad\n" + R,
+    "DIN brackets": "t/(s),angle/(rad)\n" + R,
+    "no space before the unit": "t[s],angle[rad]\n" + R,
+    "Time": "Time [s],angle [rad]\n" + R,
+    "sec": "Time (sec),angle (rad)\n" + R,
+    "seconds": "Time (seconds),angle (radians)\n" + R,
+    "capitals": "TIME [SEC],angle [RAD]\n" + R,
+    "ms": "t [ms],angle [rad]\n" + milli(1e3),
+    "us": "t [us],angle [rad]\n" + milli(1e6),
+    "micro sign": "t [µs],angle [rad]\n" + milli(1e6),
+    "Greek mu": "t [μs],angle [rad]\n" + milli(1e6),
+    "ns": "t [ns],angle [rad]\n" + milli(1e9, 0),
+    "minutes": "t [min],angle [rad]\n" + milli(1 / 60, 15),
+    "deg": "t [s],angle [deg]\n" + DEG,
+    "Deg": "t [s],angle [Deg]\n" + DEG,
+    "degree sign": "t [s],angle [°]\n" + DEG,
+    "turns": "t [s],angle [rev]\n"
+    + "".join(f"{t},{a / 2 / np.pi:.15f}\n" for t, a in zip(TIMES, ANGLES, strict=True)),
+    "row of units": "t,angle\ns,rad\n" + R,
+    "row of units in brackets": "t,angle\n[s],[rad]\n" + R,
+    "row of units with text": "t,angle,note\n(s),(rad),-\n" + R.replace("\n", ",ok\n"),
+    "comments": "# bench 3, run 7\n# operator: N.N.\n" + H + R,
+    "comments within": H + R.replace("\n0.5", "\n# trigger\n0.5"),
+    "names in a comment": "# bench 3\n# t [s],angle [rad]\n" + R,
+    "quoted names": '"t [s]","angle [rad]"\n' + R,
+    "all quoted": '"t [s]","angle [rad]"\n"0","0.5"\n"0.5","-0.25"\n"1.25","1.125"\n',
+    "quoted decimal commas": H + '"0,0","0,5"\n"0,5","-0,25"\n"1,25","1,125"\n',
+    "an index first": "n,t [s],angle [rad]\n0,0,0.5\n1,0.5,-0.25\n2,1.25,1.125\n",
+    "an index without name": ",t [s],angle [rad]\n0,0,0.5\n1,0.5,-0.25\n2,1.25,1.125\n",
+    "the time last": "angle [rad],t [s]\n0.5,0\n-0.25,0.5\n1.125,1.25\n",
+    "a symbol like a unit": "t/s,s/mm,angle/rad\n" + R.replace(",", ",7,"),
+    "a column of text": "t [s],angle [rad],note\n" + R.replace("\n", ",ok\n"),
+    "text with commas": "t [s],angle [rad],note\n" + R.replace("\n", ',"a, b; c"\n'),
+    "an empty column": "t [s],angle [rad],\n" + R.replace("\n", ",\n"),
+    "commas at the ends of rows": H + R.replace("\n", ",\n"),
+    "a column with gaps": "t [s],angle [rad],other [m]\n" + R.replace("\n", ",\n"),
+    "a column of an unknown unit": "t [s],raw [counts],angle [rad]\n" + R.replace(",", ",7,"),
+    "two columns that are not used": "t [s],angle [rad],x [m],x [m]\n" + R.replace("\n", ",1,2\n"),
+    "blank lines": "\n" + H + "\n" + R.replace("\n0.5", "\n\n0.5") + "\n\n",
+    "powers": H + "0e0,5.0E-1\n5e-1,-25e-2\n1.25e+00,0.1125E1\n",
+    "powers of Fortran": H + "0D0,5.0D-1\n5d-1,-25D-2\n1.25D+00,1.125D0\n",
+    "signs and bare points": H + "+0.,+.5\n.5,-.25\n1.25,1.125\n",
+    "a minus of typesetters": H + R.replace("-", "−"),
+    "thousands": '"t [ms]","angle [rad]"\n"0.0",0.5\n"500.0",-0.25\n"1,250.0",1.125\n',
+    "points between thousands": "t [ms];angle [rad]\n0,0;0,5\n500,0;-0,25\n1.250,0;1,125\n",
+}
+
+REFUSED = {
+    "empty": ("", "line 1: '' is no line of names"),
+    "names alone": (H, "no rows; allowed"),
+    "no names": (R, "line 1: no line of names with units stands above"),
+    "no units": ("t,angle\n" + R, "line 1: 't,angle' has no column with a unit of time"),
+    "lines above without #": ("Operator: N.N.\n" + H + R, "line 1: 'Operator: N.N.' has no column"),
+    "two times": ("x [s],y [ms],angle [rad]\n0,0,1\n", "line 1: the time could be x or y"),
+    "two called t": ("t [s],time [ms],angle [rad]\n0,0,1\n", "the time could be t or time"),
+    "no curve": ("t [s]\n0\n1\n", "line 1: there is no column beside the time"),
+    "a lone 1,234": (SEMI + "0;1,234\n1;2,345\n", "line 2: '1,234' could be 1.234 or 1234"),
+    "both commas": (SEMI + "0,5;0\n1;1,234.5\n", "line 2: '0,5' has a decimal comma, and"),
+    "commas and decimal commas": (H + "0,0,0,5\n", "line 2: 4 values (decimal commas need semico"),
+    "a short first row": (H + "0\n0.5,1\n", "line 2: 1 values; allowed: 2, as in line 1"),
+    "a longer row": (H + R + "2,1,7\n", "line 5: 3 values; allowed: 2, as in line 1"),
+    "a footer": (H + R + "END\n", "line 5: 'END' is not allowed; allowed: a finite number"),
+    "a time that is missing": (H + R + ",7\n", "line 5: '' is not allowed"),
+    "a time twice": (H + "0,1\n0,1\n", "line 3: the time 0 s does not follow 0 s; allowed: incre"),
+    "times that decrease": (H + "1,1\n0.5,1\n", "line 3: the time 0.5 s does not follow 1 s"),
+    "dates": (H + "2026-11-28T04:00:00,1\n", "allowed: seconds since the start"),
+    "an error of a sheet": (H + R + "#N/A,1\n", "line 5: '#N/A' is not allowed"),
+    "quotes left open": (H + '0,"0.5\n', "line 2: quotes that open here are not closed"),
+    "zero bytes": ((H + R).replace("1", "\0"), "it is no text"),
+    "tonnes or time": ("x [t],angle [rad]\n" + R, "line 1: 'x [t],angle [rad]' has no column with"),
+}  # fmt: skip
+
+UNUSABLE = {  # files with a time, whose column `angle` cannot be used
+    "1.234 among commas": (SEMI + "0,5;1.234\n", "line 2: '1.234' could be 1.234 or 1234, as comm"),
+    "1,23 among thousands": (SEMI + "1,234.5;1\n1,235.5;1,2345.6\n", "line 3: '1,2345.6' could be"),
+    "nan": (H + R + "2,nan\n", "line 5: 'nan' is not allowed; allowed: a finite number"),
+    "inf": (H + R + "2,-inf\n", "line 5: '-inf' is not allowed"),
+    "a value missing": (H + "# x\n" + R + "2,\n", "line 6: '' is not allowed; allowed: a finite"),
+    "underscores": (H + R + "2,1_000\n", "line 5: '1_000' is not allowed"),
+    "a value with its unit": (H + "0,1 rad\n", "line 2: '1 rad' is not allowed"),
+    "a name twice": ("t [s],angle [rad],angle [deg]\n0,1,2\n", "the column angle stands twice"),
+    "no unit": ("t [s],angle\n" + R, "line 1: angle: it has no unit; allowed: such as `t [s]"),
+    "a unit without brackets": ("t [s],angle m/s\n" + R, "angle m/s: it has no unit; allowed"),
+    "counts": ("t [s],angle [counts]\n" + R, "line 1: angle: 'counts' is not a unit"),
+    "gravity": ("t [s],angle [g]\n" + R, "'g' is not a unit; allowed: kg, or m/s2"),
+    "Celsius": ("t [s],angle [°C]\n" + R, "line 1: angle: 'degC' is not a unit"),
+}
+
+
+def read(folder, content):
+    path = folder / "curves.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return CurvesFile.read(path)
+
+
+@pytest.mark.parametrize("content", RIGHT.values(), ids=RIGHT)
+def test_a_shape_is_read_right(tmp_path, content):
+    file = read(tmp_path, content)
+    np.testing.assert_allclose(file.times, TIMES, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(file.columns["angle"], ANGLES, rtol=1e-11)
+
+
+@pytest.mark.parametrize(("content", "words"), REFUSED.values(), ids=REFUSED)
+def test_a_shape_is_refused_with_line_and_remedy(tmp_path, content, words):
+    with pytest.raises(CurvesFileError) as error:
+        read(tmp_path, content)
+    assert words in str(error.value) and "; allowed: " in str(error.value)
+
+
+@pytest.mark.parametrize(("content", "words"), UNUSABLE.values(), ids=UNUSABLE)
+def test_a_column_that_cannot_be_used_says_why(tmp_path, content, words):
+    file = read(tmp_path, content)
+    ((name, fault),) = file.faults.items()
+    assert name not in file.columns and words in fault
+    assert "; allowed: " in fault and words in file.allowed(name)
+
+
+def test_there_are_shapes_enough():
+    assert len(RIGHT) + len(REFUSED) + len(UNUSABLE) >= 80
+
+
+def test_names_with_spaces_and_times_before_0(tmp_path):
+    name = "/Root/Bench 3/Encoder CH01"
+    file = read(tmp_path, f"t [s],{name} [mm]\n-0.5,1\n0,2\n0.5,3\n")
+    assert file.times.tolist() == [-0.5, 0, 0.5]
+    assert file.columns[name].tolist() == [0.001, 0.002, 0.003]
+
+
+def test_a_record_far_beyond_the_end_of_the_runs_is_questioned(tmp_path):
+    rows = "".join(f"{100 * k},{k % 2}\n" for k in range(20))
+    (tmp_path / "push.csv").write_text("t [s],F [N]\n" + rows)
+    (tmp_path / "arm.yaml").write_text(
+        "parameters: {k: {value: 1, unit: N m/rad}}\npoints: {O: [0, 0, 0], C: [1, 0, 0]}\n"
+        "bodies: {arm: {mass: 1, centre: C, points: [O], inertia: [1, 1, 1]}}\n"
+        "joints: {hinge: {type: revolute, parts: [ground, arm], at: O, axis: y}}\n"
+        "curves: {push: {file: push.csv, column: F}}\n"
+        "loads: {push: {part: arm, at: C, force: [1, 0, 0], curve: push}}\n"
+        "actions: {spring: {type: torsion spring, joint: hinge, stiffness: k, rest: 0 deg}}\n"
+    )
+    for duration, expected in ((50, 0), (1, 1)):
+        campaign = check_config({
+            "campaign": "c", "scene": {"file": str(tmp_path / "arm.yaml")},
+            "solver": {"duration": duration}, "intervals": {"k": {"relative": 0.1}},
+            "responses": {"phi": {"opening": "hinge"}},
+        })  # fmt: skip
+        texts = [text for text in campaign.experiment.warnings if "lasts until 1900 s" in text]
+        assert len(texts) == expected

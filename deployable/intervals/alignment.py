@@ -13,6 +13,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -23,7 +24,7 @@ from .designs import spread_points
 from .errors import IntervalError
 from .estimates import widen
 from .spline_equations import distinct
-from .splines import CHUNK, Spline, check_spline_runs, choose_scales, fit_spline
+from .splines import CHUNK, SPACINGS, Spline, check_spline_runs, choose_scales, fit_spline
 
 EVENT_NAMES = "event_time", "event_contact", "event_closing"
 """Variables (run, event) of a samples dataset: time (s), what, and which way, NaN for none."""
@@ -38,6 +39,7 @@ _GAP = 3  # instants that a stretch must have in a run
 _NARROW = 0.05  # instants: events that follow each other sooner are one
 _MOST = 0.7  # of the runs must have these
 _SLACK = 1.0  # of the way from the border to the runs beyond it, where a border may be
+_SOON = 0.02  # of the duration: what follows at once
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
 _SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
 _CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
@@ -105,34 +107,56 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
     )
 
 
+def earliest_time(points: np.ndarray, since: np.ndarray) -> float:
+    """Return the earliest time (s) over the box of an event that comes at times `since` (R) the
+    start, s, in runs at points (R, k) in [-1, 1]^k, by a spline of their inverse squares: even
+    forces are in proportion to these, and they vanish where an event is never reached."""
+    with suppress(IntervalError):
+        check_spline_runs(points)
+        spline = fit_spline(points, since[:, None] ** -2)
+        free = spline.scales > 0
+        trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
+        return float(min(since.min(), spline.evaluate(trial).max() ** -0.5))
+    return float(since.min())
+
+
 def difference_across(
     points: np.ndarray, values: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
 ) -> np.ndarray:
-    """Return by how much values (R, n, T) of runs with and without an event differ, from it until
-    an instant, at most (n, T): of pairs that are the nearest ones of the other kind to each other,
-    and of the run that has it last.
+    """Return by how much values (R, n, T) of runs that have had an event, and of others that have
+    not, differ at most (n, T), about the time of any event that not all runs have.
 
-    points (R, k): of the runs in [-1, 1]^k; time (T): instants, s; runs: times of events by what
-    they are (`name_events`), of which the first of a kind counts."""
-    differences = np.zeros(values.shape[1:])
-    tree = scipy.spatial.cKDTree
+    Runs with and without it that are the nearest ones of the other kind to each other count to the
+    end, and so does the run that has it last. Of each run and the nearest one in which it is yet to
+    come it counts by how much the difference changes soon after. points (R, k): of the runs in [-1,
+    1]^k; time (T): instants, s; runs: times of events by what they are (`name_events`), of which
+    the first of a kind counts."""
+    differences, soon = np.zeros(values.shape[1:]), _SOON * (time[-1] - time[0])
+    gaps = scipy.spatial.distance.cdist(points, points)
     for key in {key for event_times in runs for key in event_times if key[-1] == 0}:
-        presence = np.array([key in event_times for event_times in runs])
-        if presence.all():
+        moments = np.array([event_times.get(key, np.inf) for event_times in runs])
+        rows, rivals = np.flatnonzero(np.isfinite(moments)), np.flatnonzero(moments == np.inf)
+        if not len(rivals):
             continue
-        rows, rivals = np.flatnonzero(presence), np.flatnonzero(~presence)
-        nearest_rival = tree(points[rivals]).query(points[rows])[1]
-        nearest_row = tree(points[rows]).query(points[rivals])[1]
-        moments = np.array([runs[row][key] for row in rows])
-        is_close = nearest_row[nearest_rival] == np.arange(len(rows))
-        is_close[moments.argmax()] = True  # nothing tells how much later it may come
-        for i in np.flatnonzero(is_close):
-            change = np.abs(values[rows[i]] - values[rivals[nearest_rival[i]]])
-            neighbours = tree(points[rows]).query(points[rows[i]], min(3, len(rows)))[1]
-            # Between runs the event may come so far off.
-            lag = np.abs(moments[neighbours] - moments[i]).max()
-            change = np.maximum.accumulate(np.where(time >= moments[i], change, 0.0), axis=-1)
-            differences = np.maximum(differences, widen(time, change, lag))
+        since = moments[rows] - time[0]
+        earliest, changes = time[0] + earliest_time(points[rows], since), np.zeros_like(differences)
+        nearest = rows[gaps[np.ix_(rivals, rows)].argmin(axis=1)]
+        for row in rows:
+            moment, rival = moments[row], gaps[row, rivals].argmin()
+            # Between runs, and between them and the box's end, the event may come so far off.
+            near = moments[rows[gaps[row, rows].argsort(kind="stable")[:3]]]
+            lag = max(np.abs(near - moment).max(), (moment - earliest) * (moment == moments.min()))
+            if nearest[rival] == row or moment == moments[rows].max():
+                change = np.abs(values[row] - values[rivals[rival]])
+                change = np.maximum.accumulate(np.where(time >= moment, change, 0.0), axis=-1)
+                changes = np.maximum(changes, widen(time, change, lag))
+            waiting = np.flatnonzero(moments > moment + soon)
+            difference = values[row] - values[waiting[gaps[row, waiting].argmin()]]
+            before = difference[:, max(np.searchsorted(time, moment) - 1, 0), None]
+            is_soon = (time >= moment) & (time <= moment + soon)
+            change = np.where(is_soon, np.abs(difference - before), 0.0)
+            changes = np.maximum(changes, widen(time, change, lag))
+        differences = np.maximum(differences, np.where(time >= earliest, changes, 0.0))
     return differences
 
 
@@ -146,9 +170,9 @@ class AlignedCurves:
 
     def __init__(
         self, points: np.ndarray, values: np.ndarray, time: np.ndarray, times: np.ndarray,
-        scales: np.ndarray | None = None,
+        scales: np.ndarray | None = None, is_part: bool = False,
     ) -> None:  # fmt: skip
-        self.points, self.values, self.time = points, values, time
+        self.points, self.values, self.time, self.is_part = points, values, time, is_part
         step = (time[-1] - time[0]) / (len(time) - 1)
         self.times_spline: Spline | None = None
         while times.shape[1]:  # those whose times are smooth functions
@@ -359,25 +383,48 @@ class AlignedCurves:
             times = times - self.times_spline.left_out
         return self.values - self.read(times, self.mapped_curves - self.errors, self.time)
 
-    @property
+    @cached_property
     def time_errors(self) -> np.ndarray:
-        """Left-out errors (R, E) of event times, s."""
+        """Left-out errors (R, E) of event times, s, where they are at least usual."""
         if self.times_spline is None:
             return np.zeros((len(self.points), 0))
-        return self.times_spline.left_out
+        return self._at_least_usual(self.times_spline.left_out)
 
-    def error(self, rows: np.ndarray, window: float) -> np.ndarray:
-        """Return the largest left-out errors (n, S) of mapped curves of the runs `rows`, within a
-        time `window` (s) in the same stretch."""
-        largest = np.abs(self.errors[rows]).max(axis=0, initial=0.0)
+    def _at_least_usual(self, errors: np.ndarray) -> np.ndarray:
+        """The size of errors (R, ...) of runs, where they are at least a mean, in which large ones
+        count most; in a part of the box, at whose border curves bend, they are the largest."""
+        size = np.abs(errors)
+        usual = size.max(axis=0) if self.is_part else (size**4).mean(axis=0) ** 0.25
+        return np.maximum(size, usual)
+
+    def curve_errors(self, window: float) -> np.ndarray:
+        """Return the largest left-out errors (R, n, S) of mapped curves of each run within a time
+        `window` (s) in the same stretch, where they are at least usual."""
+        errors = self._at_least_usual(self.errors)
         step = (self.time[-1] - self.time[0]) / (len(self.time) - 1)
         size = 4 * int(window / step) + 1  # columns are half an instant apart
         for i, count in zip(self.offsets, self.counts, strict=True):
             part = slice(i, i + count)
-            largest[:, part] = scipy.ndimage.maximum_filter1d(
-                largest[:, part], size, mode="nearest"
+            errors[..., part] = scipy.ndimage.maximum_filter1d(
+                errors[..., part], size, mode="nearest"
             )
-        return largest
+        return errors
+
+    def weigh_runs(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return by which runs (P, f + 1) the error at points (P, k) is told, those that are the
+        nearest, and by which shares (P, f + 1) of their left-out errors: all of it from halfway to
+        the next run on, less in proportion at points that are nearer to a run."""
+        scales, tree = self.spline.scales, scipy.spatial.cKDTree(self.points * self.spline.scales)
+        gaps = tree.query(self.points * scales, k=2)[0][:, -1]
+        count = min(int((scales > 0).sum()) + 1, len(gaps))
+        distances, rows = tree.query(points * scales, k=np.arange(count) + 1)
+        shares = np.minimum(2 * distances[:, :1] / gaps[rows], 1.0)
+        return rows, np.ones_like(shares) if self.is_part else shares
+
+    def shifts(self, points: np.ndarray) -> np.ndarray:
+        """Return the largest errors (P), s, of the event times at points (P, k)."""
+        rows, shares = self.weigh_runs(points)
+        return (self.time_errors[rows] * shares[..., None]).max(axis=(1, 2), initial=0.0)
 
 
 @dataclass(frozen=True)
@@ -399,11 +446,12 @@ class Part:
         return is_inside
 
     def maximum(
-        self, sign: float, columns: np.ndarray, error: np.ndarray
+        self, sign: float, columns: np.ndarray, window: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the largest values (C) of the curves times `sign` over the part of the box, their
-        points (C, k), and the largest values (C) with the error of mapped curves (n, S) and with
-        what is near the borders, for the C responses and instants of the mask `columns` (n, T).
+        points (C, k), and the largest values (C) with the error of mapped curves within a time
+        `window` (s) and with what is near the borders, for the C responses and instants of the mask
+        `columns` (n, T).
 
         A search by coordinates, with steps that are halved, starts from the best of the runs and of
         points spread over the box, and from those of the instants before and behind."""
@@ -415,6 +463,7 @@ class Part:
         is_outside = ~self.contains(trial)
         is_outside[: len(curves.points)] = False
         instants = np.flatnonzero(columns.any(axis=0))
+        errors = curves.curve_errors(window)
         best = np.full((len(columns), len(instants)), -np.inf)
         near_values, best_rows = best.copy(), np.zeros(best.shape, int)
         step = max(CHUNK // max(best.size, curves.mapped_curves[0].size), 1)
@@ -423,9 +472,10 @@ class Part:
             times = curves.times_at(trial[part])
             values = np.clip(curves.spline.evaluate(trial[part]), *curves.limits)
             values = curves.read(times, sign * values, time[instants])
-            column = np.rint(curves.place(times, time[instants])).astype(int)
-            most = (values + error[:, column].swapaxes(0, 1)).max(axis=0)
-            near_values = np.maximum(near_values, most)
+            column = np.rint(curves.place(times, time[instants])).astype(int)[:, None]
+            for rows, shares in zip(*(x.T for x in curves.weigh_runs(trial[part])), strict=True):
+                error = np.take_along_axis(errors[rows], column, axis=2) * shares[:, None, None]
+                near_values = np.maximum(near_values, (values + error).max(axis=0))
             values[is_outside[part]] = -np.inf
             top = values.argmax(axis=0)
             value = np.take_along_axis(values, top[None], axis=0)[0]
@@ -439,9 +489,10 @@ class Part:
             value, point = self._climb(sign, trial[rows], response, time[instants[instant]])
             better = value > values
             values, x = np.where(better, value, values), np.where(better[:, None], point, x)
-        column = curves.place(curves.times_at(x), time[instants[instant], None])[:, 0]
-        most = values + error[response, np.rint(column).astype(int)]
-        return values, x, np.maximum(most, near_values[choice])
+        column = curves.place(curves.times_at(x), time[instants[instant], None])
+        rows, shares = curves.weigh_runs(x)
+        error = errors[rows, response[:, None], np.rint(column).astype(int)] * shares
+        return values, x, np.maximum(values + error.max(axis=1), near_values[choice])
 
     def _climb(self, sign, x, response, instants) -> tuple[np.ndarray, np.ndarray]:
         """Larger values (C) near points (C, k), and where."""
@@ -479,15 +530,21 @@ def split_runs(
     points (R, k): of the runs in [-1, 1]^k; values (R, n, T) at `time` (T, s); events: times of the
     events of each run by what they are (`name_events`); with_last: which count (`shared_events`);
     depth: how many times parts are split."""
-    rows = distinct(points)  # in an order that is not that of the runs
-    rows = rows[np.lexsort(points[rows].T)]
-    return _split(rows, points, values, time, events, with_last, [], None, depth)
+    for factor in SPACINGS:
+        rows = distinct(points, factor)
+        rows = rows[np.lexsort(points[rows].T)]  # in an order that is not that of the runs
+        try:
+            return _split(rows, points, values, time, events, with_last, [], None, depth)
+        except IntervalError:
+            if factor == SPACINGS[-1]:
+                raise
+    return []
 
 
 def _split(rows, points, values, time, events, with_last, borders, scales, depth) -> list[Part]:
     event_times = [events[row] for row in rows]
     times = shared_events(event_times, time, with_last)
-    curves = AlignedCurves(points[rows], values[rows], time, times, scales)
+    curves = AlignedCurves(points[rows], values[rows], time, times, scales, bool(borders))
     whole, scales = [Part(rows, curves, borders)], curves.spline.scales
     for label in _labels(event_times, time) if depth else ():
         sides = []
@@ -536,15 +593,14 @@ def _loss(parts: list[Part], values: np.ndarray, time: np.ndarray) -> float:
     return float(np.sqrt((errors**2).mean())) if errors.size else np.inf
 
 
-def change_within(time: np.ndarray, curves: np.ndarray, shift: float) -> np.ndarray:
-    """Return by how much curves (n, T) at `time` (T, s) change within a time `shift` (s) of each
-    instant, at most (n, T)."""
-    step = (time[-1] - time[0]) / (len(time) - 1)
-    count = int(shift // step)
+def change_within(time: np.ndarray, curves: np.ndarray, shifts: np.ndarray) -> np.ndarray:
+    """Return by how much curves (n, T) at `time` (T, s) change within times `shifts` (n, T), s, of
+    each instant, at most (n, T)."""
+    counts = shifts * (len(time) - 1) / (time[-1] - time[0])
     most = np.zeros_like(curves)
-    for offset in range(1, count + 2):
-        share = 1.0 if offset <= count else shift / step - count
-        change = share * np.abs(curves[:, offset:] - curves[:, :-offset])
-        most[:, offset:] = np.maximum(most[:, offset:], change)
-        most[:, :-offset] = np.maximum(most[:, :-offset], change)
+    for offset in range(1, min(int(counts.max()) + 2, len(time))):
+        share = np.clip(counts - (offset - 1), 0.0, 1.0)
+        change = np.abs(curves[:, offset:] - curves[:, :-offset])
+        most[:, offset:] = np.maximum(most[:, offset:], share[:, offset:] * change)
+        most[:, :-offset] = np.maximum(most[:, :-offset], share[:, :-offset] * change)
     return most

@@ -33,7 +33,6 @@ from .estimates import (
 )
 from .ranges import Range, find_surrogate_range, spread_out, to_range
 from .samples import RunBounds, Samples
-from .spline_equations import distinct
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
 
@@ -293,9 +292,9 @@ class AlignedModel(Model):
     parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
     run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the
     runs, and their width, at most within a time as long, is the error.
-    The error is what the bounds become with the largest left-out errors of the mapped curves, of
-    the runs inside the box and those that `design`, if given, does not contain, and with what is
-    near the borders of parts; and their change within the left-out error of event times. Where an
+    The error is what the bounds become with left-out errors of the mapped curves, of the runs near
+    each place, and with what is near the borders of parts; and their change within the left-out
+    error of event times, of the runs near the place of the bound. Where an
     event of part of the box does not split the runs, it is at least the difference across its
     border."""
 
@@ -308,12 +307,6 @@ class AlignedModel(Model):
         # Extremes are looked for in one direction after the other, in the order of names.
         self.order = np.argsort(samples.source["parameter"].values, kind="stable")
         self.samples, self.points = samples, samples.points[:, self.order]
-        rows = distinct(self.points)
-        self.tests = (np.abs(self.points[rows]) < 1).all(axis=1)
-        if design is not None:
-            other_rows = find_other_runs(self.points[rows], design.points[:, self.order])
-            self.tests[other_rows] = True
-        self.tests = rows[self.tests] if self.tests.any() else rows
         runs: list[dict] = [{} for _ in self.points]
         if all(name in samples.source for name in EVENT_NAMES):
             columns = [samples.source[name].values for name in EVENT_NAMES]
@@ -324,13 +317,11 @@ class AlignedModel(Model):
         self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
         if len(self.parts) == 1:
             self.part_error = difference_across(self.points, samples.values, samples.time, runs)
-        if len(self.parts) > 1:  # where a part ends, runs inside the box are at its edge
-            self.tests = rows
         self.end_time = min(part.curves.end_time for part in self.parts)
         count = max(part.curves.times.shape[1] for part in self.parts)
         self.attributes = {
             "design_runs": len(self.points),
-            "error_kind": "largest difference of a run and the aligned splines through the others",
+            "error_kind": "difference of a run and the aligned splines through the others",
             "aligned_events": count,
         }
 
@@ -356,9 +347,9 @@ class AlignedModel(Model):
             x = self.points[run]
             near_values = best.copy()
             for part in self.parts:
-                tests = np.isin(part.rows, self.tests)
-                error = part.curves.error(tests, window * (time[-1] - time[0]))
-                values_of_part, places, border_values = part.maximum(sign, columns, error)
+                values_of_part, places, border_values = part.maximum(
+                    sign, columns, window * (time[-1] - time[0])
+                )
                 near_values[columns] = np.maximum(near_values[columns], border_values)
                 better = values_of_part > best[columns]
                 best[columns] = np.where(better, values_of_part, best[columns])
@@ -372,12 +363,13 @@ class AlignedModel(Model):
         self, bounds: Range, window: float | None, columns: np.ndarray | None = None
     ) -> ErrorEstimate:
         time, total = self.samples.time, self.model_error.copy()
-        shift = 0.0
-        for part in self.parts:
-            time_errors = part.curves.time_errors[np.isin(part.rows, self.tests)]
-            shift = max(shift, float(np.abs(time_errors).max(initial=0.0)))
-        for curve in (bounds.inner_lower, bounds.inner_upper):
-            total = total + change_within(time, curve, shift)
+        sides = (bounds.inner_lower, bounds.argmin), (bounds.inner_upper, bounds.argmax)
+        for curve, x in sides:
+            points, shifts = x[..., self.order].reshape(-1, x.shape[-1]), np.zeros(curve.size)
+            for part in self.parts:
+                is_inside = part.contains(points)
+                shifts[is_inside] = part.curves.shifts(points[is_inside])
+            total = total + change_within(time, curve, shifts.reshape(curve.shape))
         is_beyond = time > self.end_time
         width = bounds.inner_upper - bounds.inner_lower
         total[:, is_beyond] = widen(time, width, time[-1] - self.end_time)[:, is_beyond]
@@ -394,9 +386,9 @@ class AutoModel(Model):
     """For each response and stretch of time the model that predicts left-out runs best: polynomial,
     spline or aligned splines.
 
-    Stretches end where the first or last of the runs has an event at which curves are aligned. The
-    runs that test a spline decide between spline and aligned splines, those that the polynomial is
-    not fitted to between the better one and the polynomial."""
+    Stretches end where the first or last of the runs has an event at which curves are aligned. All
+    runs decide between spline and aligned splines, those that the polynomial is not fitted to
+    between the better one and the polynomial."""
 
     kind = "attained range of the model that predicts left-out runs best"
 
@@ -441,20 +433,18 @@ class AutoModel(Model):
             ends += [*first - step, *last + step, part.curves.end_time]
         tests = self.fits[0].test_rows
         splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first of them
-        # More runs tell splines apart than those that the polynomial is not fitted to.
-        all_rows = np.arange(len(self.samples.points))
-        rows = all_rows if alignment is None else np.union1d(tests, alignment.tests)
         for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
             start = splines
             if alignment and len(alignment.parts) > 1 and time[last - 1] > alignment.differ:
                 start += 1  # the others pass over what happens in a part of the box
             best = np.zeros(len(choice), int)
             if len(errors) > start:
-                loss = np.array([_mean_square(e[rows, :, first:last]) for e in errors[start:]])
+                loss = np.array([_mean_square(e[:, :, first:last]) for e in errors[start:]])
                 best = loss.argmin(axis=0) + start
             if splines and start == splines and len(tests):
                 loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
-                best = np.where(loss[0] <= loss[best, np.arange(len(best))], 0, best)
+                # The spline has these runs as well in the end.
+                best = np.where(2 * loss[0] <= loss[best, np.arange(len(best))], 0, best)
             choice[:, first:last] = np.reshape(best, (-1, 1))
         return choice
 

@@ -20,7 +20,7 @@ MAX_RUNS = 4000  # the spline's matrix is full
 _SCALE_RUNS = 400  # runs that choose the scales
 CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
-_SPACINGS = (1.0, 10.0, 100.0)  # times the least: nearer runs count once where rounding spoils it
+SPACINGS = (1.0, 10.0, 100.0)  # times the least: nearer runs count once where rounding spoils it
 _SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have fewer digits
 
 
@@ -128,7 +128,7 @@ def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None
     taken; None: those of least leave-one-out errors (`choose_scales`). IntervalError for runs too
     close, in one plane, or not one more of them than directions in which they differ."""
     runs = np.asarray(points, dtype=float)
-    for factor in _SPACINGS:
+    for factor in SPACINGS:
         rows = distinct(runs, factor)
         if factor > 1:
             check_spline_runs(runs[rows])

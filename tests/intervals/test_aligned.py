@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.stats import qmc
 
 from deployable.intervals import bounds_dataset
-from deployable.intervals.alignment import name_events, shared_events
+from deployable.intervals.alignment import difference_across, name_events, shared_events
 from deployable.intervals.chebyshev import tensor
 from deployable.intervals.designs import Design
 
@@ -99,7 +99,8 @@ def errors(bounds, motion, dense):
 def test_a_jump_that_each_run_has_at_its_own_time_is_followed(dense):
     design, points = runs(2)
     data = samples(stop, points)
-    off, inside = errors(bounds_dataset(data, design, model="aligned"), stop, dense)
+    aligned = bounds_dataset(data, design, model="aligned")
+    off, inside = errors(aligned, stop, dense)
     assert (off < 0.01).all() and (inside >= 0.99).all()
     plain, _ = errors(bounds_dataset(data, design, model="polynomial"), stop, dense)
     assert plain[1] > 5 * off[1]
@@ -126,6 +127,16 @@ def test_an_event_of_part_of_the_box_that_cannot_be_divided_counts_as_an_error(d
     earliest = min(events[0][0] for _, events in map(brake, points) if events)
     assert bounds.attrs["undivided_from"] == pytest.approx(earliest)
     assert (bounds["error"].sel(time=slice(0, earliest - 0.1)) < 0.02).all()
+
+
+def test_an_event_of_some_runs_may_come_earlier_than_in_any():
+    """Inverse squares of its times are even over the box: it comes from 0.877 s on."""
+    points = np.array(list(itertools.product([-0.8, 0.0, 0.8], [-0.8, 0.0, 0.8])))
+    times = (1 + 0.3 * points[:, 0]) ** -0.5
+    runs = [{(0, 1, 0): t} if t < 1.1 else {} for t in times]
+    values = np.array([[(t <= TIME) & (t < 1.1)] for t in times], dtype=float)
+    change = difference_across(points, values, TIME, runs)[0]
+    assert (change[(TIME > 0.885) & (TIME < 1.1)] == 1).all() and not change[TIME < 0.87].any()
 
 
 def test_bounds_contain_every_run_and_are_attained_where_they_say():

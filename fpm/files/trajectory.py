@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements import KINDS, energies_of
 from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful, Gate
 from fpm.files import classic, seals
@@ -37,6 +38,15 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 """Events at which velocities change all at once, and those that end what they begin."""
 
 
+class Energies(dict[str, np.ndarray]):
+    """Energies (t,) J of a run by name; zero those of the registry that its scene lacks."""
+
+    def __missing__(self, name: str) -> np.ndarray:
+        if name not in {energy.name for energy in energies_of(KINDS)}:
+            raise KeyError(name)
+        return np.zeros_like(self["kinetic"])
+
+
 class Contents(NamedTuple):
     """Contents of a trajectory file to write. attributes (global ones), variables: by name."""
 
@@ -56,8 +66,8 @@ class Impacts(NamedTuple):
 @dataclass(frozen=True)
 class Curves:
     """Curves and events of one run, off which responses and quantities are read. time (t,):
-    instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
-    name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
+    instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: `Energies`;
+    columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
     `eventful`, index among that element's `events`; eventful: elements that have events;
     dropped_events: number of events that were not kept; step: time step (s)."""
 
@@ -315,11 +325,11 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
                 name: (values("position")[:, i], values("velocity")[:, i])
                 for i, name in enumerate(names("point"))
             },
-            energies={
-                v.attributes["energy"]: v.values
+            energies=Energies(
+                (v.attributes["energy"], v.values)
                 for v in variables.values()
                 if "energy" in v.attributes
-            },
+            ),
             columns={
                 (name, label): v.values[:, i]
                 for name, v in variables.items()

@@ -21,6 +21,7 @@ DEFINITIONS = {
     "zA": {"position": "A", "component": "z"},
     "psi": {"opening": "A"},
     "T": {"energy": "kinetic"},
+    "U": {"energy": "cable"},
 }
 
 
@@ -43,8 +44,18 @@ def test_responses_are_what_they_say(dataset):
     assert np.array_equal(values["zA"], dataset.position.sel(point="A", axis="z"))
     assert np.array_equal(values["psi"], dataset.opening.sel(hinge="A"))
     assert np.array_equal(values["T"], dataset.kinetic_energy)
-    assert dataset.attrs["responses"] == "BD vBz speed zA psi T"
-    assert list(dataset.response_units.values) == ["m", "m s-1", "m s-1", "m", "rad", "J"]
+    assert dataset.attrs["responses"] == "BD vBz speed zA psi T U"
+    assert list(dataset.response_units.values) == ["m", "m s-1", "m s-1", "m", "rad", "J", "J"]
+
+
+def test_energies_that_the_structure_lacks_are_zero_and_take_no_room(outcome, dataset):
+    kept = {v.energy for v in dataset.values() if "energy" in v.attrs}
+    assert kept == {"kinetic", "strain", "spring", "contact", "joint_loss", "balance"}
+    assert kept == outcome.energies.keys() == set(BENNETT.energies)
+    assert outcome.energies["cable"].tolist() == [0.0] * 11
+    assert not dataset.response_values.sel(response="U").any()
+    with pytest.raises(KeyError, match="dark"):
+        outcome.energies["dark"]
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ CAMPAIGN_FILES = ("Snakefile", "workflow", "profiles", "config")
 MOST = 15.0  # s
 
 MANY_GROUP = "Many short runs"
-MANY = "runs of the solar array (12 s, 1,201 instants), by `run` without figures"
+RUNS_NAME = "runs of the solar array (12 s, 1,201 instants), by `run` without figures"
 
 MANY_RUNS = """
 import json, sys, time
@@ -103,7 +103,7 @@ def many_runs(samples: int = 1024, repeats: int = 3) -> list[Row]:
     total, stage, loop, size = min(calls)
     spread = f"least of {repeats}; median {np.median(calls, axis=0)[0]:.1f} s"
     return [
-        at_most(f"{samples:,} {MANY}", total, 5.0, note=spread, unit="s"),
+        at_most(f"{samples:,} {RUNS_NAME}", total, 5.0, note=spread, unit="s"),
         at_most("their trajectories on disk", size, 250.0, unit="MB"),
         at_least("time loop in the stage that simulates", 100 * loop / stage, 45.0, unit="%"),
         info("time loop, of the whole", loop, "s"),

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from deployable import campaign
+from deployable.campaign.runs.results import runs_in
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most, set_group
 from evidence.search.boxes import Box
@@ -137,7 +138,7 @@ def play(
             campaign.run("c.yaml", results="r", figures=False, notify=lambda text: None)
             seconds = sum(os.times()[:4]) - start_time
             summary = json.loads(Path("r/box/summary.json").read_text())
-            runs = len(list(Path("r/box/trajectories").glob("*.nc")))
+            runs = sum(map(runs_in, Path("r/box/trajectories").glob("*.nc")))
         finally:
             os.chdir(start)
     answers = {quantity["name"]: quantity for quantity in summary["quantities"]}

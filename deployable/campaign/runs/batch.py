@@ -66,6 +66,7 @@ def run_batch(
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
+    store.notify_old_files(notify)
     groups = store.groups(plan.unique_runs, jobs.group)
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]

@@ -17,6 +17,8 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.files.contents import EVENT_VARIABLES
 from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
+from fpm.files import netcdf
+from fpm.files.netcdf import NetcdfVariable
 from fpm.files.seals import DamagedError, check, unseal
 from fpm.files.trajectory import Column
 
@@ -38,12 +40,6 @@ class Result:
     def id(self) -> str:
         """Id of the run, 16 hex digits, after which its file is named."""
         return self.run.id
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """Attributes of the run's netCDF file: `run_id`, those of all runs, `parameter_<name>`."""
-        values = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
-        return {"run_id": self.id, **self.common, **values}
 
 
 @dataclass(frozen=True)
@@ -119,6 +115,9 @@ class Store:
         what responses need, since their files had them; in this base none."""
         return set()
 
+    def notify_old_files(self, notify: Callable[[str], object]) -> None:
+        """Report files of earlier versions, which are not used; in this base there are none."""
+
     def file_of(self, group: Runs) -> str:
         """Return the name, without suffix, of a group's file: a digest of its runs, and of the
         responses and quantities it holds."""
@@ -152,6 +151,11 @@ class Store:
 def title(path: Path) -> str:
     """Return the name in the seal (checksum) of a group's file `path`, such as `runs 3f2a`."""
     return f"runs {path.stem}"
+
+
+def runs_in(path: Path) -> int:
+    """Return how many runs a file has, by its name, which ends with `.<number>.nc`."""
+    return int(path.stem.rsplit(".", 1)[1])
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
@@ -217,20 +221,17 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
     """Write a new netCDF file. names: of coordinates, by dimension; variables: by name a tuple of
     netCDF type, dimensions, values, and options of `createVariable`."""
-    import netCDF4
-
-    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-        for dimension, labels in names.items():
-            file.createDimension(dimension, len(labels))
-            variable = file.createVariable(dimension, str, (dimension,))
-            variable.long_name = f"name of the {dimension}"
-            if len(labels):
-                variable[:] = np.array(list(map(str, labels)), dtype=object)
-        for name, (kind, dims, values, options) in variables.items():
-            for dim, size in zip(dims, np.shape(values), strict=True):
-                if dim not in file.dimensions:
-                    file.createDimension(dim, size)
-            file.createVariable(name, kind, dims, **options)[:] = values
+    texts = {
+        dimension: NetcdfVariable(
+            (dimension,), np.array(labels, str), {"long_name": f"name of the {dimension}"}
+        )
+        for dimension, labels in names.items()
+    }
+    columns = {
+        name: NetcdfVariable(dims, values, {}, {"kind": kind, **options})
+        for name, (kind, dims, values, options) in variables.items()
+    }
+    netcdf.write(path, {}, texts | columns)
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:

@@ -5,10 +5,8 @@ have the names that the kinds give them; all others are fixed. Files of one run 
 `Outcome.dataset` gives it, lack that dimension."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -123,13 +121,7 @@ class Curves:
         return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
-def contents(
-    outcomes: Sequence[Any],
-    responses: Sequence[Any] = (),
-    attributes: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, tuple[Sequence, str]] | None = None,
-    runs: Sequence[str] | None = None,
-) -> Contents:
+def contents(outcomes, responses=(), attributes=None, parameters=None, runs=None) -> Contents:
     """Return the contents of a trajectory file of runs of one structure, with names and units by
     the CF conventions. outcomes: of the runs (fpm.Outcome), the first failure of which is raised;
     responses: fpm.reading.responses.Response, whose values are added; attributes: further global
@@ -238,13 +230,9 @@ def _events(outcomes) -> dict[str, NetcdfVariable]:
     rows = np.repeat(np.arange(len(outcomes), dtype=np.int32), [len(o.events) for o in outcomes])
     eventful = outcomes[0].eventful
     event_names = (" ".join(e.events) for e in eventful)
-    gates = np.array(
-        [
-            e.gate[:4] if e.gate else (0.0, _NO_SIDE, 0.0, 0.0)
-            for outcome in outcomes
-            for e in outcome.eventful
-        ]
-    ).reshape(len(outcomes), -1, 4)
+    no_gate = (0.0, _NO_SIDE, 0.0, 0.0)
+    gates = [e.gate[:4] if e.gate else no_gate for o in outcomes for e in o.eventful]
+    gates = np.array(gates).reshape(len(outcomes), -1, 4)
     text = "where it latches, hits, closes: opening, side (2: not known), reach, largest rate"
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
@@ -303,12 +291,10 @@ def check_finite(variables: Mapping[str, NetcdfVariable]) -> None:
             raise ValueError(f"{name} has values that are not finite; nothing is written")
 
 
-def write(
-    trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, name: str = "a trajectory"
-) -> None:
+def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **facts: str) -> None:
     """Write trajectories (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
-    appears when it is complete. name: what they are called in the seal. Raises ValueError if a
-    value is not finite; then no file is left."""
+    appears when it is complete. facts: texts by name for the seal, where `name` is what they are
+    called. Raises ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
             str(key): NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
@@ -319,7 +305,7 @@ def write(
     # By this attribute xarray tells coordinates that are no dimensions.
     names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
     trajectory.attributes["coordinates"] = " ".join(names)
-    with seals.whole_file(path, {"name": name}) as temporary:
+    with seals.whole_file(path, {"name": "a trajectory", **facts}) as temporary:
         netcdf.write(temporary, *trajectory)
 
 
@@ -353,8 +339,8 @@ def read_curves(
     names = values[RUN].tolist()
     selection = set(names if runs is None else runs)
     events = np.stack([values[key] for key in EVENTS], axis=1)
-    points, elements = values["point"].tolist(), values["event_element"].tolist()
-    labels = [text.split(" ") for text in values["event_names"]]
+    labels = [tuple(text.split(" ")) for text in values["event_names"]]
+    elements = [*zip(values["event_element"], labels, values["event_joint"], strict=True)]
     energies = [(v[2]["energy"], v[1]) for v in variables.values() if "energy" in v[2]]
     columns = {
         (key, label): array[..., i]
@@ -367,19 +353,14 @@ def read_curves(
             time=values["time"],
             points={
                 point: (values["position"][row, :, i], values["velocity"][row, :, i])
-                for i, point in enumerate(points)
+                for i, point in enumerate(values["point"])
             },
             energies=Energies((energy, array[row]) for energy, array in energies),
             columns={column: array[row] for column, array in columns.items()},
             events=events[values["event_run"] == row],
             eventful=tuple(
-                Eventful(
-                    element, tuple(words), joint, None if gate[1] == _NO_SIDE else Gate(*gate)
-                )
-                for element, words, joint, gate in zip(
-                    elements, labels, values["event_joint"].tolist(),
-                    values["event_gate"][row].tolist(), strict=True,
-                )
+                Eventful(*facts, None if gate[1] == _NO_SIDE else Gate(*gate))
+                for facts, gate in zip(elements, values["event_gate"][row].tolist(), strict=True)
             ),
             dropped_events=int(values["events_dropped"][row]),
             step=float(values["time_step"][row]),
@@ -387,19 +368,3 @@ def read_curves(
         for row, name in enumerate(names)
         if name in selection
     }  # fmt: skip
-
-
-def read_names(path: str | os.PathLike) -> tuple[str, ...]:
-    """Return the names of the runs in the trajectory file at `path`, unchecked, and remembered as
-    long as the file is the same; none in what is no such file."""
-    state = os.stat(path)
-    return _read_names(os.fspath(path), state.st_mtime_ns, state.st_size)
-
-
-@lru_cache(1 << 16)
-def _read_names(path: str, *state: int) -> tuple[str, ...]:
-    import netCDF4
-
-    with suppress(OSError, IndexError), netCDF4.Dataset(path) as file:
-        return tuple(file[RUN][:].tolist())
-    return ()

@@ -24,6 +24,7 @@ from deployable.campaign.runs import batch as batches
 from deployable.campaign.runs.batch import Simulation, clocks, run_batch
 from deployable.campaign.samples.samples import gather
 from deployable.campaign.text.numbers import duration_text
+from fpm.files.seals import seal
 
 KEEP = ["trajectories", "responses"]
 
@@ -52,14 +53,16 @@ def test_runs_are_found_in_the_files_of_another_design(raw, tmp_path):
     """Whichever file has them; files of earlier versions are told of, and not used."""
     plan, _ = run_all(check_config(raw), tmp_path, "trajectories")
     raw["held_out"] += 3
-    (tmp_path / "trajectories/0123456789abcdef.nc").write_bytes(b"one run")
+    stray = tmp_path / "trajectories/0123456789abcdef.nc"
+    stray.write_bytes(b"one run")
+    seal(stray, {"name": "run 0123456789abcdef"})
     larger, said = make_plan(check_config(raw).experiment), []
     manifest, jobs = tmp_path / "0.json", Jobs(512, 4, "trajectories")
     run_batch(larger, 0, 1, jobs, tmp_path / "trajectories", manifest, said.append)
     new = len(larger.unique_runs) - len(plan.unique_runs)
     assert json.loads(manifest.read_text())["simulated"] == new > 0
-    assert "has files of an earlier version, one for each run, in all 1; they are not" in said[0]
-    (tmp_path / "trajectories/0123456789abcdef.nc").unlink()
+    assert "has 1 files of an earlier version, one a run, which are not used" in said[0]
+    stray.unlink()
     assert len(curves_in(tmp_path / "trajectories")) == len(larger.unique_runs)
 
 
@@ -157,8 +160,8 @@ def test_a_trajectory_tells_its_parameters(config, tmp_path):
     for run in plan.unique_runs:
         data = load_run(tmp_path / "trajectories", run.id)
         assert data["parameter_a"] == run.values[0] and data["parameter_a"].units == "m"
-        assert data["parameter_elements"] == 2
-        assert data["parameter_roll"] == 45
+        assert data.attrs["parameter_elements"] == 2
+        assert data.attrs["parameter_roll"] == 45
         assert data.attrs["config_hash"] == plan.config_hash
         assert data.attrs["time_step_limit"] == plan.time.step_limit
         assert "numpy" in json.loads(data.attrs["provenance"])

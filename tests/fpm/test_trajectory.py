@@ -106,7 +106,7 @@ def test_runs_of_a_batch_are_one_dataset_with_their_names_and_parameters(tmp_pat
     both = fpm.trajectory.read(tmp_path / "both.nc")
     assert both.parameter_a.sel(run="two") == 0.036 and both.parameter_a.units == "m"
     read = fpm.trajectory.read_curves(tmp_path / "both.nc")
-    assert list(read) == ["one", "two"] == list(fpm.trajectory.read_names(tmp_path / "both.nc"))
+    assert list(read) == ["one", "two"]
     assert list(fpm.trajectory.read_curves(tmp_path / "both.nc", runs=["two"])) == ["two"]
     for row, (name, outcome) in enumerate(zip(read, outcomes, strict=True)):
         events = np.flatnonzero(both.event_run == row)
@@ -195,7 +195,6 @@ def test_curves_are_refused_of_what_is_not_a_whole_trajectory(outcome, tmp_path)
     fpm.trajectory.write(outcome.dataset(), path)  # as earlier versions wrote each run
     with pytest.raises(DamagedError, match=r"run\.nc cannot be used: it is of one run, as earlier"):
         fpm.trajectory.read_curves(path)
-    assert fpm.trajectory.read_names(path) == ()
 
 
 def test_what_was_read_can_be_written_again(outcome, tmp_path):

@@ -12,7 +12,8 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from fpm.elements import Latch, Motor, Stop
 from fpm.files.outcome import BALANCE
-from fpm.files.trajectory import read_curves, read_names
+from fpm.files.seals import read_seal
+from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
@@ -46,8 +47,8 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     """Energies (J) of a campaign's nominal run: `change`, the largest change over the run of any
     one kind of energy, `largest`, the largest size of one, `imbalance`, the largest error of their
     balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
-    run, paths = plan.runs[0].id, sorted(folder.runs("trajectories").glob("*.*.nc"))
-    path = next((path for path in paths if run in read_names(path)), None)
+    run, paths = plan.runs[0].id, sorted(folder.runs("trajectories").glob("*.nc"))
+    path = next((path for path in paths if run in read_seal(path)[0].get("runs", "")), None)
     if path is None:
         return None
     energies = dict(read_curves(path, runs=[run])[run].energies)

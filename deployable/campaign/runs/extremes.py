@@ -130,7 +130,7 @@ class ScanExtremes(common.Store):
             for path in self.folder.glob("*.nc"):
                 name = path.name.split(".")[0]
                 if name in names:
-                    counts[name] = max(common.runs_in(path), counts.get(name, 0))
+                    counts[name] = max(_runs_in(path), counts.get(name, 0))
             return sum(counts.values())
 
         return count
@@ -158,7 +158,7 @@ class ScanExtremes(common.Store):
         """Read what is stored of a chunk (`group`), from its undamaged file with most runs; None
         without one."""
         files = self.folder.glob(f"{self.file_of(group)}.*.nc")
-        paths = sorted(files, key=common.runs_in, reverse=True)
+        paths = sorted(files, key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         if path is None:
             return None
@@ -171,3 +171,8 @@ class ScanExtremes(common.Store):
             chunk.write(temporary)
         for stale_path in {*self.folder.glob(f"{name}.*.nc")} - {path}:
             stale_path.unlink(missing_ok=True)
+
+
+def _runs_in(path: Path) -> int:
+    """How many runs the file of a chunk has, by its name."""
+    return int(path.stem.rsplit(".", 1)[1])

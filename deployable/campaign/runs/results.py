@@ -65,7 +65,8 @@ class Store:
     so that a restarted campaign finds them again. experiment: its responses are kept, and
     `quantities`, but for expressions of others. A file that is damaged counts as absent, and is
     noted in `damage` (errors by path); `absences`: by run id, the columns (variable, label) that
-    its file lacks. A run that failed has a note, `<run id>.failed.json`, and is never missing."""
+    its file lacks; `old_files`: of earlier versions, one a run. A run that failed has a note,
+    `<run id>.failed.json`, and is never missing."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -73,6 +74,7 @@ class Store:
         self.quantities = [q for q in experiment.quantity_list if q.kind != "expression"]
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
+        self.old_files: set[Path] = set()
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide runs, in order, into groups that are written together, of at most `size` runs."""
@@ -115,9 +117,6 @@ class Store:
         what responses need, since their files had them; in this base none."""
         return set()
 
-    def notify_old_files(self, notify: Callable[[str], object]) -> None:
-        """Report files of earlier versions, which are not used; in this base there are none."""
-
     def file_of(self, group: Runs) -> str:
         """Return the name, without suffix, of a group's file: a digest of its runs, and of the
         responses and quantities it holds."""
@@ -151,11 +150,6 @@ class Store:
 def title(path: Path) -> str:
     """Return the name in the seal (checksum) of a group's file `path`, such as `runs 3f2a`."""
     return f"runs {path.stem}"
-
-
-def runs_in(path: Path) -> int:
-    """Return how many runs a file has, by its name, which ends with `.<number>.nc`."""
-    return int(path.stem.rsplit(".", 1)[1])
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
@@ -221,17 +215,12 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
     """Write a new netCDF file. names: of coordinates, by dimension; variables: by name a tuple of
     netCDF type, dimensions, values, and options of `createVariable`."""
-    texts = {
-        dimension: NetcdfVariable(
-            (dimension,), np.array(labels, str), {"long_name": f"name of the {dimension}"}
-        )
-        for dimension, labels in names.items()
-    }
-    columns = {
-        name: NetcdfVariable(dims, values, {}, {"kind": kind, **options})
-        for name, (kind, dims, values, options) in variables.items()
-    }
-    netcdf.write(path, {}, texts | columns)
+    columns = {dim: NetcdfVariable((dim,), np.array(labels, str),
+                                   {"long_name": f"name of the {dim}"})
+               for dim, labels in names.items()}  # fmt: skip
+    for name, (kind, dims, values, options) in variables.items():
+        columns[name] = NetcdfVariable(dims, values, {}, {"kind": kind, **options})
+    netcdf.write(path, {}, columns)
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:

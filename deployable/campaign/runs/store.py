@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tarfile
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +18,18 @@ from deployable.campaign.files.contents import EVENT_VARIABLES, report_damage
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import ScanExtremes
-from deployable.campaign.runs.results import Result, RunRecord, Store, runs_in
+from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
-from fpm.files.seals import DamagedError
+from fpm.files.seals import DamagedError, read_seal
 from fpm.files.trajectory import Column
 from fpm.reading.variables import VARIABLES
-
-_FILES = "*.*.nc"
-"""Pattern of the names of trajectory files; earlier versions wrote one, `<name>.nc`, for a run."""
 
 
 class Trajectories(Store):
     """Store of runs for `jobs.keep: trajectories`: one netCDF file for each group of runs that were
-    written together, with all that they recorded, `<digest of their names>.<their number>.nc`. A
-    run is found by its name in whichever file has it. Changed responses are evaluated from it,
-    unless they need other variables."""
+    written together, with all that they recorded. Its seal names the runs, so that each is found in
+    whichever file has it. Changed responses are evaluated from it, unless they need other
+    variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
@@ -43,17 +40,24 @@ class Trajectories(Store):
     def _paths(self) -> dict[str, list[Path]]:
         """The files that have a run, by its name; as found at first, and written since."""
         paths: dict[str, list[Path]] = {}
-        for path in sorted(self.folder.glob(_FILES)):
-            if path != self._path(names := trajectory.read_names(path)):
-                reason = "it was cut off or edited, or has other runs than its name says"
-                self.damage[path] = DamagedError(path, reason)
-                continue
-            for name in names:
+        for path in sorted(self.folder.glob("*.nc")):
+            for name in self._names_in(path):
                 paths.setdefault(name, []).append(path)
         return paths
 
-    def _path(self, names: Sequence[str]) -> Path:
-        return self.folder / f"{digest(list(names))}.{len(names)}.nc"
+    def _names_in(self, path: Path) -> list[str]:
+        try:
+            facts, _ = read_seal(path)
+            if "runs" not in facts:
+                self.old_files.add(path)
+            elif facts["name"] != common.title(path):
+                raise DamagedError(path, f"it is {facts['name']}")
+            return facts.get("runs", "").split()
+        except DamagedError as error:
+            self.damage[path] = error
+        except FileNotFoundError:
+            pass
+        return []
 
     def missing(self, group: Runs) -> Runs:
         """Return the runs of a group to be simulated: those without an undamaged file, or whose
@@ -67,19 +71,10 @@ class Trajectories(Store):
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """Return a function that counts the stored runs of these groups: those that there are now,
-        and, by the names of files, those that are added."""
-        count = sum(run.id in self._paths for group in groups for run in group)
-        paths = {*self.folder.glob(_FILES)}
-        return lambda: count + sum(map(runs_in, {*self.folder.glob(_FILES)} - paths))
-
-    def notify_old_files(self, notify: Callable[[str], object]) -> None:
-        """Report files of earlier versions, which are not used."""
-        if files := {*self.folder.glob("*.nc")} - {*self.folder.glob(_FILES)}:
-            notify(
-                f"{self.folder} has files of an earlier version, one for each run, in all "
-                f"{len(files)}; they are not used and may be removed"
-            )
+        """Return a function that counts the stored runs of these groups, by seals alone."""
+        names = {run.id for group in groups for run in group}
+        paths = partial(self.folder.glob, "*.nc")
+        return lambda: len(names.intersection(n for path in paths() for n in self._names_in(path)))
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
         """Write the results to one file, none if there are none; `group` is not used. Raises
@@ -88,15 +83,14 @@ class Trajectories(Store):
             return
         names = [result.id for result in results]
         types = self.experiment.scene_type.parameters
-        parameters = {
-            name: ([result.parameters[name] for result in results], types[name].unit)
-            for name, value in results[0].parameters.items()
-            if value is not None
-        }
-        outcomes, facts = [result.outcome for result in results], results[0].common
-        contents = trajectory.contents(outcomes, (), facts, parameters, names)
-        path = self._path(names)
-        trajectory.write(contents, path, common.title(path))
+        attributes = {f"parameter_{key}": x for key, x in results[0].parameters.items()
+                      if key not in self.experiment.intervals and x is not None}  # fmt: skip
+        parameters = {key: ([result.parameters[key] for result in results], types[key].unit)
+                      for key in self.experiment.intervals}  # fmt: skip
+        outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
+        contents = trajectory.contents(outcomes, (), attributes, parameters, names)
+        path = self.folder / f"{digest(names)}.nc"
+        trajectory.write(contents, path, name=common.title(path), runs=" ".join(names))
         for name in names:
             self._paths.setdefault(name, []).append(path)
 
@@ -120,14 +114,10 @@ class Trajectories(Store):
         sound_curves: dict[str, trajectory.Curves] = {}
         names = [run.id for run in runs]
         for path in dict.fromkeys(path for name in names for path in self._paths.get(name, ())):
-            file_names = [
-                n for n in names if n not in sound_curves and path in self._paths.get(n, ())
-            ]
-            if not file_names:
-                continue
+            rest = [n for n in names if n not in sound_curves and path in self._paths.get(n, ())]
             try:
                 with report_damage(path):
-                    file_curves = trajectory.read_curves(path, common.title(path), file_names)
+                    file_curves = trajectory.read_curves(path, common.title(path), rest)
             except DamagedError as error:
                 self.damage[error.path] = error
                 continue

@@ -21,6 +21,7 @@ from deployable import campaign
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most, set_group
 from evidence.search.boxes import Box
+from fpm.files.trajectory import read_curves
 
 DRAWS, CHUNK = 2**18, 2**14
 """Points by which true fractions are told, and those that a model gets at once."""
@@ -137,7 +138,7 @@ def play(
             campaign.run("c.yaml", results="r", figures=False, notify=lambda text: None)
             seconds = sum(os.times()[:4]) - start_time
             summary = json.loads(Path("r/box/summary.json").read_text())
-            runs = len(list(Path("r/box/trajectories").glob("*.nc")))
+            runs = sum(len(read_curves(x)) for x in Path("r/box/trajectories").glob("*.nc"))
         finally:
             os.chdir(start)
     answers = {quantity["name"]: quantity for quantity in summary["quantities"]}

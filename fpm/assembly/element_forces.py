@@ -9,7 +9,7 @@ import numpy as np
 from fpm.assembly.conditions import CROSS_PRODUCTS, ParticlePoses
 from fpm.assembly.elastic import elastic_of
 from fpm.assembly.matrices import Form, largest_entry, scale_matrix, sparse
-from fpm.elements import Hinge, energies_of
+from fpm.elements import Hinge
 from fpm.elements.batch import Batch
 from fpm.kernels import layout
 from fpm.kernels.world import StepTime
@@ -52,8 +52,7 @@ class ElementForces:
         # As at the start: kernels take means of curves over a step.
         part_scene.curves = [curve.constant_at(0.0) for curve in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
-        rest = energies_of(kinds), width(np.dtype(np.float64)), np.float64, 1, 1
-        batch = Batch([part_scene], kinds, *rest)
+        batch = Batch([part_scene], kinds, width(np.dtype(np.float64)), np.float64, 1, 1)
         self.parts, self._history = batch.parts(), batch.filled_blocks()
         self.world = batch.world()
         self.world.state[:, layout.P : layout.P + 3] = 0.0  # poses are not reached by steps

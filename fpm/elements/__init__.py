@@ -82,7 +82,6 @@ def kinds_of(scenes) -> list[type[ElementType]]:
 def energies_of(kinds) -> list:
     """Return the distinct energies (Energy) in the balance of a run, as its outcome lists them
     between kinetic energy and balance: what element types store, give as work and take out, in this
-    order. kinds: element types; those in the registry KINDS always count too."""
-    kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
+    order. kinds: element types."""
     energies = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
     return list(dict.fromkeys(energy for energy in energies if energy))

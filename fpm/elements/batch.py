@@ -85,16 +85,15 @@ class Batch:
     """Scenes that differ in numbers only, while they are packed into the arrays that kernels take.
 
     scenes: one for each sample simulated side by side (lane); scene: the first, for what is equal
-    in all; kinds: their element types, in order; energies: of their balance (Energy); width: number
-    of lanes, at least that of scenes; dtype: of arrays; instants: number of recorded instants;
-    room: number of events of each scene for which there is room; moved_particles, free: indices of
-    the particles that some element type moves itself, and of the others."""
+    in all; kinds: their element types, in order; width: number of lanes, at least that of scenes;
+    dtype: of arrays; instants: number of recorded instants; room: number of events of each scene
+    for which there is room; moved_particles, free: indices of the particles that some element type
+    moves itself, and of the others."""
 
     def __init__(
         self,
         scenes: Sequence[SceneData],
         kinds: Sequence[type[Any]],
-        energies: list,
         width: int,
         dtype,
         instants: int,
@@ -103,7 +102,7 @@ class Batch:
         self.scenes, self.width, self.dtype = SceneList(scenes), width, dtype
         self.instants = instants
         self.scene = scenes[0]
-        self.kinds, self.energies = kinds, energies
+        self.kinds = kinds
         self.moved_particles = {p for kind in self.kinds for p in kind.moved_particles(self.scene)}
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
         self._blocks, self._end = [blank(BLOCK, dtype)], 0

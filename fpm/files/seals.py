@@ -18,7 +18,7 @@ from pathlib import Path
 
 _CHUNK = 1 << 20
 _LARGE = 16 << 20  # bytes that take a while to read
-_LONGEST = 4096  # bytes of a seal, at most
+_LONGEST = 1 << 20  # bytes of a seal, at most
 _MOST = 1 << 30  # bytes of a file that is read at once
 _COMMENT = {".md", ".html", ".svg"}
 _KEY = re.compile(rb'^\{\n "seal": (\{[^\n]*\}),\n')
@@ -67,16 +67,24 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     path = Path(path)
     if path.suffix == ".json":
         return check_content(path, read_bytes(path), name)
+    facts, size = read_seal(path)
+    _compare(path, facts, _digest(path, size), name)
+    return facts
+
+
+def read_seal(path: Path) -> tuple[dict[str, str], int]:
+    """Return the facts in the seal of a file that is not JSON, unchecked, and the number of bytes
+    before it. Raises DamagedError without a seal, FileNotFoundError without a file."""
     if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe would be waited for
         raise DamagedError(path, "it is no plain file")
     size = path.stat().st_size
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
-        match = _LINE.search(file.read())
+        end = file.read()
+        match = _LINE.search(end, max(0, end.rfind(b"\n", 0, -1)))
     facts = _facts(path, match and match[1])
     assert match is not None  # or _facts has raised
-    _compare(path, facts, _digest(path, size - len(match[0])), name)
-    return facts
+    return facts, size - len(match[0])
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:

@@ -1,20 +1,21 @@
-"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.files.seals`).
+"""Trajectory files: runs of one batch in one netCDF file, complete or absent, and sealed.
 
-Written in the classic format (`fpm.files.classic`), read by any netCDF library and `read_curves`.
-The format has no empty arrays: a run without events has no variables of events. Energies and what
-else the kinds in a scene record have the names that the kinds give them; all others are fixed."""
+Arrays over time have the dimension `run` first. Energies and what else the kinds in a scene record
+have the names that the kinds give them; all others are fixed. Files of one run alone, as
+`Outcome.dataset` gives it, lack that dimension."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements import KINDS, energies_of
 from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful, Gate
-from fpm.files import classic, seals
+from fpm.files import netcdf, seals
+from fpm.files.netcdf import NetcdfVariable
 
 if TYPE_CHECKING:
     import xarray
@@ -37,11 +38,24 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 """Events at which velocities change all at once, and those that end what they begin."""
 
 
+class Energies(dict[str, np.ndarray]):
+    """Energies (t,) J of a run by name; zero those of the registry that its scene lacks."""
+
+    def __missing__(self, name: str) -> np.ndarray:
+        if name not in {energy.name for energy in energies_of(KINDS)}:
+            raise KeyError(name)
+        return np.zeros_like(self["kinetic"])
+
+
+RUN, EVENTS = "run", ("event_time", "event_of", "event_number")
+"""The dimension of runs with their names; columns of `Curves.events`, of all runs in a file."""
+
+
 class Contents(NamedTuple):
     """Contents of a trajectory file to write. attributes (global ones), variables: by name."""
 
     attributes: dict[str, Any]
-    variables: dict[str, classic.NetcdfVariable]
+    variables: dict[str, NetcdfVariable]
 
 
 class Impacts(NamedTuple):
@@ -56,8 +70,8 @@ class Impacts(NamedTuple):
 @dataclass(frozen=True)
 class Curves:
     """Curves and events of one run, off which responses and quantities are read. time (t,):
-    instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
-    name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
+    instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: `Energies`;
+    columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
     `eventful`, index among that element's `events`; eventful: elements that have events;
     dropped_events: number of events that were not kept; step: time step (s)."""
 
@@ -107,67 +121,80 @@ class Curves:
         return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
-def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
-    """Return the contents of a trajectory file of one run, with names and units by the CF
-    conventions. outcome: the run's (fpm.Outcome), whose failure is raised if it has one; responses:
-    sequence of fpm.reading.responses.Response, whose values are added; attributes: further global
-    ones by name; parameters: (value, unit) by name, each a scalar coordinate `parameter_<name>`;
-    None for none of them."""
-    if outcome.failure is not None:
-        raise outcome.failure
-    variables = {
-        "time": _variable("time", outcome.time, "s", "time", standard_name="time", axis="T"),
-        **_points(outcome),
-        **_energies(outcome),
-        **_record_variables(outcome),
-        **_events(outcome),
-        **_responses(outcome, responses),
-        **{
-            f"{_PARAMETER}{name}": _variable((), np.array(value), unit, name)
-            for name, (value, unit) in (parameters or {}).items()
-        },
+def contents(outcomes, responses=(), attributes=None, parameters=None, runs=None) -> Contents:
+    """Return the contents of a trajectory file of runs of one structure, with names and units by
+    the CF conventions. outcomes: of the runs (fpm.Outcome), the first failure of which is raised;
+    responses: fpm.reading.responses.Response, whose values are added; attributes: further global
+    ones by name; parameters: (value of each run, unit) by name, coordinates `parameter_<name>`,
+    without unit if it is ""; runs: their names; None: no attributes, no parameters, numbers."""
+    for outcome in outcomes:
+        if outcome.failure is not None:
+            raise outcome.failure
+    names = map(str, range(len(outcomes))) if runs is None else runs
+    columns = {key: (list(map(f, outcomes)), *rest) for key, (f, *rest) in _NUMBERS.items()}
+    columns |= {
+        f"{_PARAMETER}{name}": (values, unit, name)
+        for name, (values, unit) in (parameters or {}).items()
     }
-    limit = outcome.limit
+    variables = {
+        **_names(RUN, names, "name of the run"),
+        "time": _variable("time", outcomes[0].time, "s", "time", standard_name="time", axis="T"),
+        **_points(outcomes),
+        **_energies(outcomes),
+        **_record_variables(outcomes),
+        **_events(outcomes),
+        **_responses(outcomes, responses),
+        **{name: _variable(RUN, *c) for name, c in columns.items() if None not in c[0]},
+    }
+    scene = outcomes[0].scene.name
     header = {
         "Conventions": CONVENTIONS,
-        "title": f"trajectory of scene {outcome.scene.name}",
+        "title": f"trajectories of scene {scene}",
         "source": "finite particle method",
-        "history": f"fpm.solver.simulate: {outcome.steps} steps of {outcome.step:.9g} s",
-        "scene": outcome.scene.name,
+        "history": f"fpm.solver.simulate: {len(outcomes)} runs",
+        "scene": scene,
         "responses": " ".join(response.name for response in responses),
-        "time_step": outcome.step,
-        "steps": outcome.steps,
-        "events_dropped": outcome.dropped_events,
     }
-    if outcome.scene.assembly is not None:
-        assembly = outcome.scene.assembly
-        header |= {"assembly_energy": assembly.energy, "assembly_gap": assembly.gap}
-    if outcome.scene.equilibrium is not None:
-        balance = outcome.scene.equilibrium
-        header |= {"equilibrium_energy": balance.energy, "equilibrium_imbalance": balance.imbalance}
-    if limit is not None:
-        header |= {"time_step_limit": limit.step, "limiting_element": limit.element}
     return Contents({**header, **(attributes or {})}, variables)
 
 
-def _variable(dims, values, unit, long_name, **extra) -> classic.NetcdfVariable:
+_NUMBERS: dict[str, tuple[Callable[[Any], Any], str, str]] = {
+    "time_step": (lambda o: o.step, "s", "time step"),
+    "steps": (lambda o: o.steps, "1", "number of time steps"),
+    "events_dropped": (lambda o: o.dropped_events, "1", "number of events that were not kept"),
+    "assembly_energy": (lambda o: o.scene.assembly and o.scene.assembly.energy, "J",
+                        "strain energy after the parts were forced together"),
+    "assembly_gap": (lambda o: o.scene.assembly and o.scene.assembly.gap, "m",
+                     "distance of the points of the joint most open before that"),
+    "equilibrium_energy": (lambda o: o.scene.equilibrium and o.scene.equilibrium.energy, "J",
+                           "strain energy of the equilibrium at the start"),
+    "equilibrium_imbalance": (lambda o: o.scene.equilibrium and o.scene.equilibrium.imbalance, "",
+                              "largest force (N) or moment (N m) left in it on a particle"),
+    "time_step_limit": (lambda o: o.limit and o.limit.step, "s", "stable time step"),
+    "limiting_element": (lambda o: o.limit and o.limit.element, "", "element that limits the step"),
+}  # fmt: skip
+"""What a file has of each run: a function of its outcome (None: not known), unit, and words."""
+
+
+def _variable(dims, values, unit, long_name, **extra) -> NetcdfVariable:
     """A variable of numbers; without units if `unit` is "", as where its columns have several."""
     dims = (dims,) if isinstance(dims, str) else dims
     units = {"units": unit} if unit else {}
-    return classic.NetcdfVariable(dims, values, {**units, "long_name": long_name, **extra})
+    return NetcdfVariable(dims, np.asarray(values), {**units, "long_name": long_name, **extra})
 
 
 def _names(dimension: str, values, long_name: str, name: str | None = None) -> dict:
     """Text along a dimension: its coordinate, or a variable of another name."""
     text = np.array(list(values), dtype=str)
-    return {name or dimension: classic.NetcdfVariable((dimension,), text, {"long_name": long_name})}
+    return {name or dimension: NetcdfVariable((dimension,), text, {"long_name": long_name})}
 
 
-def _points(outcome) -> dict[str, classic.NetcdfVariable]:
-    names, dims = list(outcome.points), ("time", "point", "axis")
-    tracks = np.zeros((2, len(outcome.time), len(names), 3))
-    for i, name in enumerate(names):
-        tracks[:, :, i] = outcome.points[name]
+def _points(outcomes) -> dict[str, NetcdfVariable]:
+    names, dims = list(outcomes[0].points), (RUN, "time", "point", "axis")
+    tracks = np.zeros((2, len(outcomes), len(outcomes[0].time), len(names), 3))
+    for row, outcome in enumerate(outcomes):
+        for i, name in enumerate(names):
+            tracks[:, row, :, i] = outcome.points[name]
     return {
         **_names("point", names, "named point"),
         **_names("axis", "xyz", "global axis"),
@@ -176,77 +203,87 @@ def _points(outcome) -> dict[str, classic.NetcdfVariable]:
     }
 
 
-def _energies(outcome) -> dict[str, classic.NetcdfVariable]:
+def _energies(outcomes) -> dict[str, NetcdfVariable]:
     return {
-        variable: _variable("time", outcome.energies[name], "J", long_name, energy=name)
-        for name, variable, long_name in outcome.energy_kinds
+        variable: _variable(
+            (RUN, "time"), [o.energies[name] for o in outcomes], "J", long_name, energy=name
+        )
+        for name, variable, long_name in outcomes[0].energy_kinds
     }
 
 
-def _record_variables(outcome) -> dict[str, classic.NetcdfVariable]:
+def _record_variables(outcomes) -> dict[str, NetcdfVariable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
-    for name, (values, unit, long_name, dimension, labels, axis) in outcome.records.items():
-        dims = (axis,) if dimension is None else (axis, dimension)
+    for name, (_, unit, long_name, dimension, labels, axis) in outcomes[0].records.items():
+        dims = (RUN, axis) if dimension is None else (RUN, axis, dimension)
+        values = [outcome.records[name].values for outcome in outcomes]
         variables[name] = _variable(dims, values, unit, long_name)
         if dimension is not None:
             variables |= _names(dimension, labels, dimension)
     return variables
 
 
-def _events(outcome) -> dict[str, classic.NetcdfVariable]:
-    (time, element, number), eventful = outcome.events.T, outcome.eventful
+def _events(outcomes) -> dict[str, NetcdfVariable]:
+    time, element, number = np.concatenate([outcome.events for outcome in outcomes]).T
     element, number = element.astype(np.int32), number.astype(np.int8)
+    rows = np.repeat(np.arange(len(outcomes), dtype=np.int32), [len(o.events) for o in outcomes])
+    eventful = outcomes[0].eventful
     event_names = (" ".join(e.events) for e in eventful)
-    gates = np.array(
-        [e.gate[:4] if e.gate else (0.0, _NO_SIDE, 0.0, 0.0) for e in eventful]
-    ).reshape(-1, 4)
+    no_gate = (0.0, _NO_SIDE, 0.0, 0.0)
+    gates = [e.gate[:4] if e.gate else no_gate for o in outcomes for e in o.eventful]
+    gates = np.array(gates).reshape(len(outcomes), -1, 4)
     text = "where it latches, hits, closes: opening, side (2: not known), reach, largest rate"
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
         **_names("event_element", event_names, "events of the element, by number", "event_names"),
         **_names("event_element", (e.joint for e in eventful), "joint it is on", "event_joint"),
-        "event_gate": _variable(("event_element", "gate_number"), gates, "", text),
+        "event_gate": _variable((RUN, "event_element", "gate_number"), gates, "", text),
         "event_time": _variable("event", time, "s", "time of an event"),
         "event_of": _variable("event", element, "1", "index of the event's element"),
         "event_number": _variable("event", number, "1", "number of the event"),
+        "event_run": _variable("event", rows, "1", "index of the event's run"),
     }
 
 
-def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
+def _responses(outcomes, responses) -> dict[str, NetcdfVariable]:
     """All responses in one variable: no name that a response may have meets another's."""
-    values = np.array([response.evaluate(outcome) for response in responses])
-    values, dims = values.reshape(-1, len(outcome.time)), ("response", "time")
+    if not responses:
+        return {}
+    values = [[response.evaluate(outcome) for response in responses] for outcome in outcomes]
     text = (response.long_name for response in responses)
+    words = "responses in units of response_units"
     return {
         **_names("response", (r.name for r in responses), "response"),
         **_names("response", (r.unit for r in responses), "unit of the response", "response_units"),
         **_names("response", text, "response in words", "response_long_name"),
-        "response_values": _variable(dims, values, "", "responses in units of response_units"),
+        "response_values": _variable((RUN, "response", "time"), values, "", words),
     }
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-    """Return one run's trajectory as an xarray.Dataset. outcome: the run's (fpm.Outcome), whose
-    failure is raised if it has one; responses: sequence of Response whose values are added;
-    attributes: further global ones by name; parameters: (value, unit) by name, of the run; None:
-    none."""
+    """Return one run's trajectory as an xarray.Dataset, without the dimension of runs. outcome: the
+    run's (fpm.Outcome), whose failure is raised if it has one; responses: sequence of Response
+    whose values are added; attributes: further global ones by name; parameters: (value, unit) by
+    name, of the run; None: none."""
     import xarray
 
-    attributes, variables = contents(outcome, responses, attributes, parameters)
-    return xarray.Dataset(
-        {name: v for name, v in variables.items() if not _is_coordinate(name, v)},
-        coords={name: v for name, v in variables.items() if _is_coordinate(name, v)},
+    columns = {name: ([value], unit) for name, (value, unit) in (parameters or {}).items()}
+    attributes, variables = contents([outcome], responses, attributes, columns)
+    data = xarray.Dataset(
+        {name: v[:3] for name, v in variables.items() if not _is_coordinate(name, v)},
+        coords={name: v[:3] for name, v in variables.items() if _is_coordinate(name, v)},
         attrs=attributes,
     )
+    return data.isel(run=0).drop_vars([RUN, "event_run"])
 
 
-def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
+def _is_coordinate(name: str, variable: NetcdfVariable) -> bool:
     text = variable.values.dtype.kind in "UO"
     return variable.dims == (name,) or text or name.startswith(_PARAMETER)
 
 
-def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
+def check_finite(variables: Mapping[str, NetcdfVariable]) -> None:
     """Check that all values of `variables` (NetcdfVariable by name) are finite; raises ValueError
     that names the first with one that is not."""
     for name, variable in variables.items():
@@ -254,96 +291,80 @@ def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
             raise ValueError(f"{name} has values that are not finite; nothing is written")
 
 
-def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
-    """Write a trajectory (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
-    appears when it is complete. Its attribute `run_id`, if it has one, names it in the seal. Raises
-    ValueError if a value is not finite; then no file is left."""
+def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **facts: str) -> None:
+    """Write trajectories (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
+    appears when it is complete. facts: texts by name for the seal, where `name` is what they are
+    called. Raises ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
-            str(name): classic.NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
-            for name, v in trajectory.variables.items()
+            str(key): NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
+            for key, v in trajectory.variables.items()
         }
         trajectory = Contents(dict(trajectory.attrs), variables)
     check_finite(trajectory.variables)
     # By this attribute xarray tells coordinates that are no dimensions.
     names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
     trajectory.attributes["coordinates"] = " ".join(names)
-    with seals.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
-        classic.write(temporary, *trajectory)
-
-
-def _name(run: str | None) -> str:
-    """What a trajectory is called in its seal."""
-    return f"run {run}" if run else "a trajectory"
+    with seals.whole_file(path, {"name": "a trajectory", **facts}) as temporary:
+        netcdf.write(temporary, *trajectory)
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Return the trajectory in the file at `path`, in memory, as an xarray.Dataset. Raises
+    """Return the trajectories in the file at `path`, in memory, as an xarray.Dataset. Raises
     seals.DamagedError if the file is not as it was written."""
     import xarray
 
     seals.check(path)
-    with xarray.open_dataset(path) as dataset:
+    with xarray.open_dataset(path, engine="netcdf4") as dataset:
         return dataset.load()
 
 
-def _texts(variables: Mapping[str, classic.NetcdfVariable], name: str) -> list[str]:
-    """Values of a variable of text; none where it is not in the file, as its dimension is empty."""
-    rows = variables[name].values if name in variables else ()
-    return [row.tobytes().rstrip(b"\0").decode() for row in rows]
+def read_curves(
+    path: str | os.PathLike, name: str | None = None, runs: Iterable[str] | None = None
+) -> dict[str, Curves]:
+    """Return curves and events of the runs in the trajectory file at `path`, by their names; all
+    are views of arrays of the file. name: what it must be called in its seal, None: anything; runs:
+    names of those to return, None: all. Raises OSError if there is no file,
+    seals.DamagedError (a subclass) if it is not as it was written, or has no dimension of runs, as
+    in an earlier version."""
+    import netCDF4
 
-
-def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
-    """Return the curves and events in the trajectory file at `path`, a hundred times faster than as
-    a dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
-    seals.DamagedError (a subclass) if it is not as it was written, or of another run."""
-    content = seals.read_bytes(path)
-    seals.check_content(path, content, run and _name(run))
-    attributes, variables = classic.read(path, content)
-
-    names = partial(_texts, variables)
-
-    def values(name: str) -> np.ndarray:
-        return variables[name].values
-
-    try:
-        columns = ("event_time", "event_of", "event_number")
-        events = [values(name) for name in columns if name in variables]
-        return Curves(
-            time=values("time"),
+    seals.check(path, name)
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        if RUN not in file.variables:
+            raise seals.DamagedError(path, "it is of one run, as earlier versions wrote files")
+        variables = {key: (v.dimensions, v[...], v.__dict__) for key, v in file.variables.items()}
+    values = {key: array for key, (_, array, _) in variables.items()}
+    names = values[RUN].tolist()
+    selection = set(names if runs is None else runs)
+    events = np.stack([values[key] for key in EVENTS], axis=1)
+    labels = [tuple(text.split(" ")) for text in values["event_names"]]
+    elements = [*zip(values["event_element"], labels, values["event_joint"], strict=True)]
+    energies = [(v[2]["energy"], v[1]) for v in variables.values() if "energy" in v[2]]
+    columns = {
+        (key, label): array[..., i]
+        for key, (dims, array, _) in variables.items()
+        if dims[:1] == (RUN,) and dims[1:-1] in (("time",), (LED_OVER,))
+        for i, label in enumerate(values[dims[-1]].tolist())
+    }
+    return {
+        name: Curves(
+            time=values["time"],
             points={
-                name: (values("position")[:, i], values("velocity")[:, i])
-                for i, name in enumerate(names("point"))
+                point: (values["position"][row, :, i], values["velocity"][row, :, i])
+                for i, point in enumerate(values["point"])
             },
-            energies={
-                v.attributes["energy"]: v.values
-                for v in variables.values()
-                if "energy" in v.attributes
-            },
-            columns={
-                (name, label): v.values[:, i]
-                for name, v in variables.items()
-                if v.dims[:-1] in (("time",), (LED_OVER,))
-                for i, label in enumerate(names(v.dims[1]))
-            },
-            events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),
+            energies=Energies((energy, array[row]) for energy, array in energies),
+            columns={column: array[row] for column, array in columns.items()},
+            events=events[values["event_run"] == row],
             eventful=tuple(
-                Eventful(
-                    name,
-                    tuple(text.split(" ")),
-                    joint,
-                    None if gate[1] == _NO_SIDE else Gate(*gate),
-                )
-                for name, text, joint, gate in zip(
-                    names("event_element"),
-                    names("event_names"),
-                    names("event_joint"),
-                    values("event_gate").tolist() if "event_gate" in variables else (),
-                    strict=True,
-                )
+                Eventful(*facts, None if gate[1] == _NO_SIDE else Gate(*gate))
+                for facts, gate in zip(elements, values["event_gate"][row].tolist(), strict=True)
             ),
-            dropped_events=int(attributes.get("events_dropped", 0)),
-            step=float(attributes["time_step"]),
+            dropped_events=int(values["events_dropped"][row]),
+            step=float(values["time_step"][row]),
         )
-    except KeyError as missing:
-        raise OSError(f"{os.fspath(path)} has no variable {missing}") from None
+        for row, name in enumerate(names)
+        if name in selection
+    }  # fmt: skip

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm import elements
 from fpm.declare import SLIDE_UNITS, NumberLimits
 from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
@@ -382,7 +383,8 @@ def _pins(scene: Scene) -> Iterable[str]:
 
 
 def _energies(scene: Scene) -> Iterable[str]:
-    return "kinetic", *(energy.name for energy in energies_of(scene.kinds)), "balance"
+    energies = energies_of([*elements.KINDS, *scene.kinds])
+    return "kinetic", *(energy.name for energy in energies), "balance"
 
 
 KINDS = {

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fpm.declare import Number
-from fpm.elements import energies_of
+from fpm.elements import energies_of, kinds_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 
@@ -89,10 +89,9 @@ class SceneType:
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
-        """Names of the energies (J) that a run of the structure records: kinetic, those of all
-        element types in the registry (zero where the structure has no such element) and of its own
-        types, and balance (the error of the energy balance)."""
-        names = (energy.name for energy in energies_of(self.sample.kinds))
+        """Names of the energies (J) that a run of the structure records: kinetic, those of its
+        element types, and balance (the error of the energy balance)."""
+        names = (energy.name for energy in energies_of(kinds_of([self.sample])))
         return ("kinetic", *names, "balance")
 
     def __post_init__(self) -> None:

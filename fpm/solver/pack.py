@@ -4,7 +4,7 @@ from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 from typing import Any
 
-from fpm.elements import energies_of, kinds_of
+from fpm.elements import kinds_of
 from fpm.elements.batch import Batch
 from fpm.elements.reads import SceneList
 from fpm.errors import SceneError
@@ -73,5 +73,4 @@ def pack(
     scenes: must pass `check_topology`; width: number of lanes (samples in an array), at least that
     of scenes (further lanes repeat the last scene); dtype: of the arrays; instants: number of
     recorded instants; room: number of events of each scene that are kept, more are only counted."""
-    kinds = kinds_of(scenes)
-    return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)
+    return Batch(scenes, kinds_of(scenes), width, dtype, instants, room)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fpm.elements import energies_of
 from fpm.elements.batch import join_particles
 from fpm.elements.cross import columns, cross
 from fpm.elements.kind import Series
@@ -11,6 +12,7 @@ from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful
+from fpm.files.trajectory import Energies
 from fpm.kernels import layout
 from fpm.reading import variables
 from fpm.reading.recording import Recording
@@ -40,7 +42,7 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
     for name, beam in scene.points.items():
         _start_velocity(scene, beam, points[name][1])
-    kinds = (KINETIC, *batch.energies, BALANCE)
+    kinds = (KINETIC, *energies_of(batch.kinds), BALANCE)
     records: dict[str, Series] = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
         for name, series in kind.read_records(part, scene, lane).items():
@@ -90,10 +92,10 @@ def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
         velocity[0] = scene.velocity[particle] + cross(spin, arm)
 
 
-def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
-    """Energies (t,) J by name; energies of element types that the scene has not are zero."""
+def _energies(batch, record, lane: int, instants: int) -> Energies:
+    """Energies (t,) J by name."""
     table = record.energies[:instants, :, lane]
-    energies = {energy.name: np.zeros(instants, table.dtype) for energy in batch.energies}
+    energies = {energy.name: np.zeros(instants, table.dtype) for energy in energies_of(batch.kinds)}
     for k, energy in enumerate(batch.accounts):
         values = table[:, layout.ACCOUNTS + k]
         # The work of the weight starts at the height of the scene.
@@ -102,7 +104,8 @@ def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
     for k, energy in enumerate(kind.stores for kind in batch.kinds if kind.stores):
         # Kinds may share a name, as cables and beams may store strain energy.
         energies[energy.name] = energies[energy.name] + table[:, first + k]
-    return {"kinetic": table[:, layout.KINETIC], **energies, "balance": table[:, layout.BALANCE]}
+    kinetic, balance = table[:, layout.KINETIC], table[:, layout.BALANCE]
+    return Energies(kinetic=kinetic, **energies, balance=balance)
 
 
 def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityError:

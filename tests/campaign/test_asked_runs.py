@@ -4,11 +4,11 @@ import copy
 
 import numpy as np
 import pytest
+from stored_runs import curves_in
 
 from deployable import campaign
 from deployable.campaign.answers.estimate import describe_work
 from deployable.campaign.folder import Folder
-from fpm.files.trajectory import read_curves
 from fpm.reading.variables import VARIABLES
 
 pytestmark = pytest.mark.slow  # time loops of their own
@@ -41,7 +41,7 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     assert "simulated again" not in told
     assert describe_work(config, folder, list_stages).startswith("nothing to be done")
     files = sorted(folder.runs("trajectories").glob("*.nc"))
-    plain = {path: read_curves(path) for path in files}
+    plain = curves_in(folder.runs("trajectories"))
     assert not recorded(*plain.values())
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
@@ -57,11 +57,12 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     config, told = run(raw, tmp_path, **STRESS, **SPIN)  # both are there now
     assert "simulated again" not in told
     assert sorted(folder.runs("trajectories").glob("*.nc")) == files
-    for path, before in plain.items():
-        curves = read_curves(path)
+    after = curves_in(folder.runs("trajectories"))
+    for name, before in plain.items():
+        curves = after[name]
         assert recorded(curves) == set(config.experiment.record)
-        for name, tracks in before.points.items():
-            assert np.array_equal(tracks, curves.points[name])
+        for point, tracks in before.points.items():
+            assert np.array_equal(tracks, curves.points[point])
 
 
 def test_their_quantities_have_intervals(raw, tmp_path):

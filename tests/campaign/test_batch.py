@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from harm import harm_file
+from stored_runs import curves_in, load_run
 
 import fpm
 from deployable.campaign.config.check import check_config
@@ -23,7 +24,7 @@ from deployable.campaign.runs import batch as batches
 from deployable.campaign.runs.batch import Simulation, clocks, run_batch
 from deployable.campaign.samples.samples import gather
 from deployable.campaign.text.numbers import duration_text
-from fpm.files.trajectory import read_curves
+from fpm.files.seals import seal
 
 KEEP = ["trajectories", "responses"]
 
@@ -46,6 +47,23 @@ def test_every_run_is_simulated_once_and_found_again(config, tmp_path, keep):
     assert sum(counts) == len(plan.unique_runs)
     _, again = run_all(config, tmp_path, keep)
     assert again == [0, 0]
+
+
+def test_runs_are_found_in_the_files_of_another_design(raw, tmp_path):
+    """Whichever file has them; files of earlier versions are told of, and not used."""
+    plan, _ = run_all(check_config(raw), tmp_path, "trajectories")
+    raw["held_out"] += 3
+    stray = tmp_path / "trajectories/0123456789abcdef.nc"
+    stray.write_bytes(b"one run")
+    seal(stray, {"name": "run 0123456789abcdef"})
+    larger, said = make_plan(check_config(raw).experiment), []
+    manifest, jobs = tmp_path / "0.json", Jobs(512, 4, "trajectories")
+    run_batch(larger, 0, 1, jobs, tmp_path / "trajectories", manifest, said.append)
+    new = len(larger.unique_runs) - len(plan.unique_runs)
+    assert json.loads(manifest.read_text())["simulated"] == new > 0
+    assert "has 1 files of an earlier version, one a run, which are not used" in said[0]
+    stray.unlink()
+    assert len(curves_in(tmp_path / "trajectories")) == len(larger.unique_runs)
 
 
 @pytest.mark.parametrize("keep", KEEP)
@@ -133,17 +151,15 @@ def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):
         jobs = Jobs(512, size, "trajectories")
         run_batch(plan, 0, 1, jobs, folder, tmp_path / "0.json", lambda text: None)
     for run in plan.unique_runs:
-        one = xr.open_dataset(tmp_path / "1" / f"{run.id}.nc")
-        other = xr.open_dataset(tmp_path / "5" / f"{run.id}.nc")
-        xr.testing.assert_identical(one, other)
+        one, other = (load_run(tmp_path / size, run.id) for size in ("1", "5"))
+        xr.testing.assert_equal(one, other)
 
 
 def test_a_trajectory_tells_its_parameters(config, tmp_path):
     plan, _ = run_all(config, tmp_path, "trajectories")
-    run = plan.runs[1]
-    with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
-        assert data.attrs["run_id"] == run.id
-        assert data.attrs["parameter_a"] == run.values[0]
+    for run in plan.unique_runs:
+        data = load_run(tmp_path / "trajectories", run.id)
+        assert data["parameter_a"] == run.values[0] and data["parameter_a"].units == "m"
         assert data.attrs["parameter_elements"] == 2
         assert data.attrs["parameter_roll"] == 45
         assert data.attrs["config_hash"] == plan.config_hash
@@ -151,15 +167,18 @@ def test_a_trajectory_tells_its_parameters(config, tmp_path):
         assert "numpy" in json.loads(data.attrs["provenance"])
 
 
-def values_in(path, config) -> np.ndarray:
-    """Values (n, t) of the responses, from a trajectory."""
-    return np.array([r.evaluate(read_curves(path)) for r in config.experiment.response_list])
+def values_in(folder, config) -> dict[str, np.ndarray]:
+    """Values (n, t) of the responses by run, from trajectories."""
+    responses = config.experiment.response_list
+    runs = curves_in(folder).items()
+    return {name: np.array([r.evaluate(curves) for r in responses]) for name, curves in runs}
 
 
 @pytest.mark.parametrize("keep", KEEP)
 def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
     plan, _ = run_all(config, tmp_path, keep)
     run_all(config, tmp_path, "trajectories")
+    values = values_in(tmp_path / "trajectories", config)
     gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
         assert samples.sizes["run"] == len(plan.runs)
@@ -167,8 +186,7 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
             assert samples["role"].values[row] == run.role
             assert samples["value"].values[row].tolist() == list(run.values)
             assert samples["parameter_a"].values[row] == run.values[0]
-            path = tmp_path / "trajectories" / f"{run.id}.nc"
-            wanted = values_in(path, config).astype(samples["values"].dtype)
+            wanted = values[run.id].astype(samples["values"].dtype)
             np.testing.assert_array_equal(samples["values"].values[row], wanted)
         assert "parameter_a" in samples["values"].coords
         assert samples["parameter_a"].attrs["units"] == "m"
@@ -193,10 +211,10 @@ def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, 
     assert sum(counts) == again
     gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
     run_all(check_config(raw), tmp_path / "fresh", "trajectories")
+    values = values_in(tmp_path / "fresh/trajectories", config)
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
         for row, run in enumerate(plan.runs):
-            path = tmp_path / "fresh" / "trajectories" / f"{run.id}.nc"
-            wanted = values_in(path, config).astype(samples["values"].dtype)
+            wanted = values[run.id].astype(samples["values"].dtype)
             np.testing.assert_array_equal(samples["values"].values[row], wanted)
         assert samples["response"].values.tolist() == list(raw["responses"])
         assert samples["response_long_name"].values[0] == "z-velocity of D"
@@ -243,12 +261,12 @@ def test_nothing_is_simulated_by_other_mechanics_than_was_planned(config, tmp_pa
 def test_events_are_gathered_in_their_rows(raw, tmp_path):
     raw["solver"] = {"duration": 0.4, "instants": 11}  # closes after about 0.33 s
     plan, _ = run_all(check_config(raw), tmp_path, "trajectories")
-    jobs = Jobs(512, 2, "trajectories")
+    jobs, curves = Jobs(512, 2, "trajectories"), curves_in(tmp_path / "trajectories")
     gather(plan, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
         assert samples["contact"].values.tolist() == ["A", "B", "C", "D"]
         for row, run in enumerate(plan.runs):
-            times = read_curves(tmp_path / "trajectories" / f"{run.id}.nc").events[:, 0]
+            times = curves[run.id].events[:, 0]
             assert len(times) > 0
             found = samples["event_time"].values[row]
             np.testing.assert_array_equal(found[: len(times)], times)
@@ -262,10 +280,10 @@ def test_faces_that_pass_through_each_other_are_told(raw, tmp_path, keep):
     plan, _ = run_all(check_config(raw), tmp_path, keep)
     gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
     run_all(check_config(raw), tmp_path, "trajectories")
+    curves = curves_in(tmp_path / "trajectories")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
         for row, run in enumerate(plan.runs):
-            curves = read_curves(tmp_path / "trajectories" / f"{run.id}.nc")
-            least = min(opening.min() for opening in curves.openings.values())
+            least = min(opening.min() for opening in curves[run.id].openings.values())
             assert samples["overlap"].values[row] == -least > SOFT
         most = float(samples["overlap"].max())
     assert f"overlap by up to {most:.2g} rad" in sentence("soft", {"overlap": most})

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 import yaml
+from stored_runs import load_run
 from swing import CONFIG
 
 from deployable.campaign.cli import main
@@ -43,9 +44,8 @@ def test_any_run_of_a_campaign_is_its_trajectory(results):
         run = str(samples["run_id"].values[2])
     motion = choose(str(results), run[:10]).motion(5)
     assert motion.attrs["run_id"] == run
-    with xarray.open_dataset(results / "trajectories" / f"{run}.nc") as there:
-        kept = there["position"].sel(time=motion["time"].values)
-        assert np.array_equal(kept.values, motion["point_position"].values)
+    kept = load_run(results / "trajectories", run)["position"].sel(time=motion["time"].values)
+    assert np.array_equal(kept.values, motion["point_position"].values)
 
 
 def test_tables_are_the_files_numbers_to_the_last_digit(results, tmp_path):

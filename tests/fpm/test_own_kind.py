@@ -70,7 +70,8 @@ def test_its_events_and_what_it_records_are_in_the_file(outcome, tmp_path):
     np.testing.assert_allclose(lengths, back.position.sel(point="body", axis="x"), atol=1e-12)
     assert back.spring_length.units == "m"
     assert np.array_equal(back.ground_energy, outcome.energies["ground"])
-    curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
+    fpm.trajectory.write(fpm.trajectory.contents([outcome]), tmp_path / "runs.nc")
+    curves = fpm.trajectory.read_curves(tmp_path / "runs.nc")["0"]
     assert np.array_equal(curves.energies["ground"], outcome.energies["ground"])
 
 

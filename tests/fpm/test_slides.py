@@ -140,8 +140,8 @@ def test_files_have_what_slides_and_their_latches_did(tmp_path):
     assert data["opening"].attrs["units"] == "rad"
     assert data["slide_latch_impulse"].attrs["units"] == "N s"
     assert data["slide_motor_force"].sel(slide_motor="driven").attrs["units"] == "N"
-    trajectory.write(data, tmp_path / "run.nc")
-    curves = trajectory.read_curves(tmp_path / "run.nc")
+    trajectory.write(trajectory.contents([outcome]), tmp_path / "run.nc")
+    curves = trajectory.read_curves(tmp_path / "run.nc")["0"]
     assert curves.columns.keys() == outcome.columns.keys()
     for column, values in outcome.columns.items():
         assert np.array_equal(curves.columns[column], values)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from opening import CONFIG
+from stored_runs import curves_in
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
@@ -45,7 +46,7 @@ def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
     parts = r"(\d+) (?:runs|of the design|further ones|for the best choice)"
     total, *parts = map(int, re.findall(parts, sentence("given", opened.facts)))
     assert len(parts) == 3
-    assert total == sum(parts) == len(list((folder / "trajectories").glob("*.nc")))
+    assert total == sum(parts) == len(curves_in(folder / "trajectories"))
     assert opened.work[0]["task"] == (
         f"Integrating {parts[0]} runs, {parts[1] + parts[2]} for quantities and choice not counted"
     )
@@ -122,7 +123,7 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
             end = found["argmin" if what == "least" else "argmax"].sel(quantity="t_open").values
             run = data.runs[shown.run]
             np.testing.assert_allclose(run.values, end, rtol=1e-12)
-            with xarray.open_dataset(folder / "trajectories" / f"{run.id}.nc") as alone:
-                np.testing.assert_array_equal(run.curves[0], alone["opening"].sel(hinge="hinge"))
+            (opening,) = curves_in(folder / "trajectories")[run.id].openings.values()
+            np.testing.assert_array_equal(run.curves[0], opening)
     further = [run for run in data.runs if run.role == REFINEMENT]
     assert not set(map(data.runs.index, further)) & set(data.unfitted_runs)

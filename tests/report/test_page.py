@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from stored_runs import load_run
 
 from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report import from_results, write_page
@@ -105,12 +106,10 @@ def test_the_extreme_runs_move_beside_the_nominal_one(results, data):
 
 def test_motions_are_those_of_the_trajectory_files(results, data):
     for moving in data.moving:
-        with xarray.open_dataset(
-            results / "trajectories" / f"{data.runs[moving.run].id}.nc"
-        ) as trajectory:
-            there = trajectory.sel(time=moving.motion["time"].values)
-            assert np.array_equal(there["position"].values, moving.motion["point_position"].values)
-            assert trajectory.attrs["time_step"] == moving.motion.attrs["time_step"]
+        trajectory = load_run(results / "trajectories", data.runs[moving.run].id)
+        there = trajectory.sel(time=moving.motion["time"].values)
+        assert np.array_equal(there["position"].values, moving.motion["point_position"].values)
+        assert trajectory["time_step"] == moving.motion.attrs["time_step"]
 
 
 def test_as_many_runs_move_as_a_page_has_room_for():

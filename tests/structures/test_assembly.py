@@ -135,8 +135,8 @@ def test_what_was_forced_together_is_at_rest_and_its_energy_counts_from_the_star
     assert np.array_equal(alone.energies["strain"], together[1].energies["strain"])
     assert np.array_equal(alone.points["pin"][0], together[1].points["pin"][0])
     data = together[0].dataset()
-    assert data.attrs["assembly_energy"] == scenes[0].assembly.energy
-    assert data.attrs["assembly_gap"] == pytest.approx(1e-4, rel=1e-9)
+    assert data["assembly_energy"] == scenes[0].assembly.energy
+    assert float(data["assembly_gap"]) == pytest.approx(1e-4, rel=1e-9)
 
 
 def test_a_mechanism_closes_without_strain_and_keeps_the_opening_that_is_held():

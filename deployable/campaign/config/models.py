@@ -331,13 +331,13 @@ class Jobs:
     """Runs that are integrated side by side; they are written while the next ones are integrated,
     so this bounds memory and what a killed job loses."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"
-    """`trajectories` writes one netCDF file per run with everything recorded, from which other
-    responses can be taken later without simulating again. `responses` keeps the responses alone, in
-    single precision (6e-8 of a value), in far less disk space; another design, size of group or
-    response simulates again. `extremes`, for `sobol` without order, keeps the least and largest
-    value of each response at each instant, with where they are attained, and of every run its
-    parameters, quantities and events: a million runs take some 100 MB (docs/larger-campaigns.md).
-    """
+    """`trajectories` writes everything recorded of a group of runs into a netCDF file, from which
+    other responses can be taken later without simulating again. `responses` keeps the responses
+    alone, in single precision (6e-8 of a value), in far less disk space; another design, size of
+    group or response simulates again. `extremes`, for `sobol` without order, keeps the least and
+    largest value of each response at each instant, with where they are attained, and of every run
+    its parameters, quantities and events: a million runs take some 100 MB
+    (docs/larger-campaigns.md)."""
     minutes: Annotated[float, Rule(least=0, unit="min")] = 0.0
     """How long a job shall take on its `processes`, in place of `runs_per_job`: clusters want jobs
     of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an

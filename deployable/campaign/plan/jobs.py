@@ -50,10 +50,10 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
 
 def job_megabytes(campaign: Campaign) -> int:
     """Return the megabytes of memory to ask a queue for, for one job: for the program, and for each
-    process its own and two groups of `jobs.group` runs, one being written, one simulated."""
+    process its own and three groups of `jobs.group` runs: being simulated, done, and written."""
     experiment, jobs = campaign.experiment, campaign.jobs
     run = 8 * experiment.solver.instants * (count_curves(experiment) + len(experiment.responses))
-    return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
+    return math.ceil(PROGRAM + jobs.processes * (PROCESS + 3.0 * jobs.group * run / 1e6))
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:

@@ -12,6 +12,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from fpm.elements import Latch, Motor, Stop
 from fpm.files.outcome import BALANCE
+from fpm.files.seals import read_seal
 from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
@@ -46,10 +47,11 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     """Energies (J) of a campaign's nominal run: `change`, the largest change over the run of any
     one kind of energy, `largest`, the largest size of one, `imbalance`, the largest error of their
     balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
-    path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
-    if not path.exists():
+    run, paths = plan.runs[0].id, sorted(folder.runs("trajectories").glob("*.nc"))
+    path = next((path for path in paths if run in read_seal(path)[0].get("runs", "")), None)
+    if path is None:
         return None
-    energies = dict(read_curves(path).energies)
+    energies = dict(read_curves(path, runs=[run])[run].energies)
     balance = energies.pop(BALANCE.name)
     return {
         "exchanged": float(max((np.ptp(x) for x in energies.values()), default=0.0)),

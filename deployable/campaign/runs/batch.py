@@ -70,6 +70,8 @@ def run_batch(
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
+    if count := len(store.old_files):
+        notify(f"{folder} has {count} files of an earlier version, one a run, which are not used")
 
     simulation, total = Simulation(plan, jobs.group, threads), sum(map(len, groups))
     if work:

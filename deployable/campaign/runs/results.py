@@ -17,6 +17,8 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.files.contents import EVENT_VARIABLES
 from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
+from fpm.files import netcdf
+from fpm.files.netcdf import NetcdfVariable
 from fpm.files.seals import DamagedError, check, unseal
 from fpm.files.trajectory import Column
 
@@ -38,12 +40,6 @@ class Result:
     def id(self) -> str:
         """Id of the run, 16 hex digits, after which its file is named."""
         return self.run.id
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """Attributes of the run's netCDF file: `run_id`, those of all runs, `parameter_<name>`."""
-        values = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
-        return {"run_id": self.id, **self.common, **values}
 
 
 @dataclass(frozen=True)
@@ -69,7 +65,8 @@ class Store:
     so that a restarted campaign finds them again. experiment: its responses are kept, and
     `quantities`, but for expressions of others. A file that is damaged counts as absent, and is
     noted in `damage` (errors by path); `absences`: by run id, the columns (variable, label) that
-    its file lacks. A run that failed has a note, `<run id>.failed.json`, and is never missing."""
+    its file lacks; `old_files`: of earlier versions, one a run. A run that failed has a note,
+    `<run id>.failed.json`, and is never missing."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -77,6 +74,7 @@ class Store:
         self.quantities = [q for q in experiment.quantity_list if q.kind != "expression"]
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
+        self.old_files: set[Path] = set()
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide runs, in order, into groups that are written together, of at most `size` runs."""
@@ -217,20 +215,12 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
     """Write a new netCDF file. names: of coordinates, by dimension; variables: by name a tuple of
     netCDF type, dimensions, values, and options of `createVariable`."""
-    import netCDF4
-
-    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-        for dimension, labels in names.items():
-            file.createDimension(dimension, len(labels))
-            variable = file.createVariable(dimension, str, (dimension,))
-            variable.long_name = f"name of the {dimension}"
-            if len(labels):
-                variable[:] = np.array(list(map(str, labels)), dtype=object)
-        for name, (kind, dims, values, options) in variables.items():
-            for dim, size in zip(dims, np.shape(values), strict=True):
-                if dim not in file.dimensions:
-                    file.createDimension(dim, size)
-            file.createVariable(name, kind, dims, **options)[:] = values
+    columns = {dim: NetcdfVariable((dim,), np.array(labels, str),
+                                   {"long_name": f"name of the {dim}"})
+               for dim, labels in names.items()}  # fmt: skip
+    for name, (kind, dims, values, options) in variables.items():
+        columns[name] = NetcdfVariable(dims, values, {}, {"kind": kind, **options})
+    netcdf.write(path, {}, columns)
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import shutil
 import tarfile
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment
+from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
 from deployable.campaign.files.contents import EVENT_VARIABLES, report_damage
@@ -19,78 +20,117 @@ from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
-from fpm.files.seals import DamagedError
+from fpm.files.seals import DamagedError, read_seal
 from fpm.files.trajectory import Column
 from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
-    """Store of runs for `jobs.keep: trajectories`: one netCDF file for each run, with all that it
-    recorded. Changed responses are evaluated from it, unless they need other variables."""
+    """Store of runs for `jobs.keep: trajectories`: one netCDF file for each group of runs that were
+    written together, with all that they recorded. Its seal names the runs, so that each is found in
+    whichever file has it. Changed responses are evaluated from it, unless they need other
+    variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
         self._columns: dict[str, set[Column]] = {}
         self._needs = {need for response in self.responses for need in response.needs}
 
-    def path(self, run: PlannedRun) -> Path:
-        """Return the path of a run's file, `<run id>.nc`."""
-        return self.folder / f"{run.id}.nc"
+    @cached_property
+    def _paths(self) -> dict[str, list[Path]]:
+        """The files that have a run, by its name; as found at first, and written since."""
+        paths: dict[str, list[Path]] = {}
+        for path in sorted(self.folder.glob("*.nc")):
+            for name in self._names_in(path):
+                paths.setdefault(name, []).append(path)
+        return paths
+
+    def _names_in(self, path: Path) -> list[str]:
+        try:
+            facts, _ = read_seal(path)
+            if "runs" not in facts:
+                self.old_files.add(path)
+            elif facts["name"] != common.title(path):
+                raise DamagedError(path, f"it is {facts['name']}")
+            return facts.get("runs", "").split()
+        except DamagedError as error:
+            self.damage[path] = error
+        except FileNotFoundError:
+            pass
+        return []
 
     def missing(self, group: Runs) -> Runs:
         """Return the runs of a group to be simulated: those without an undamaged file, or whose
         file lacks a variable that responses need."""
         group = self.sound(group)
-        return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
+        curves = self.curves(group)
+        return group[[i for i, run in enumerate(group) if run.id not in curves]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
         """Return the columns (variable, label) that the files of these runs have."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """Return a function that counts the stored runs of these groups, by file names alone."""
-        names = {self.path(run).name for group in groups for run in group}
-        return lambda: sum(path.name in names for path in self.folder.glob("*.nc"))
+        """Return a function that counts the stored runs of these groups, by seals alone."""
+        names = {run.id for group in groups for run in group}
+        paths = partial(self.folder.glob, "*.nc")
+        return lambda: len(names.intersection(n for path in paths() for n in self._names_in(path)))
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
-        """Write each result, as it comes, to the file of its run; `group` is not used. Raises
+        """Write the results to one file, none if there are none; `group` is not used. Raises
         ValueError if a number is not finite."""
-        for result in results:
-            contents = trajectory.contents(result.outcome, attributes=result.attributes)
-            trajectory.write(contents, self.path(result.run))
+        if not (results := list(results)):
+            return
+        names = [result.id for result in results]
+        types = self.experiment.scene_type.parameters
+        attributes = {f"parameter_{key}": x for key, x in results[0].parameters.items()
+                      if key not in self.experiment.intervals and x is not None}  # fmt: skip
+        parameters = {key: ([result.parameters[key] for result in results], types[key].unit)
+                      for key in self.experiment.intervals}  # fmt: skip
+        outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
+        contents = trajectory.contents(outcomes, (), attributes, parameters, names)
+        path = self.folder / f"{digest(names)}.nc"
+        trajectory.write(contents, path, name=common.title(path), runs=" ".join(names))
+        for name in names:
+            self._paths.setdefault(name, []).append(path)
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
         """Read the runs of a group that are stored: returns a `RunRecord` by run id."""
         records = {}
-        for run in group:
-            if (curves := self._curves(run)) is None:
-                continue
-            with report_damage(self.path(run)):
+        for name, curves in self.curves(group).items():
+            with report_damage(self._paths[name][0]):
                 values = common.values_of(self.responses, [curves])[0]
                 numbers = common.numbers_of(self.quantities, curves)
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
                 fields = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
-                records[run.id] = RunRecord(*fields)
+                records[name] = RunRecord(*fields)
         return records
 
-    def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
-        """The run's curves; None if its file is absent, damaged, or lacks what responses need."""
-        path = self.path(run)
-        try:
-            with report_damage(path):
-                curves = trajectory.read_curves(path, run.id)
-        except DamagedError as error:
-            self.damage[error.path] = error
-            return None
-        except FileNotFoundError:
-            return None
-        if not (lacks := self._needs - set(curves.columns)):
-            return curves
-        self.absences[run.id] = lacks
-        self._columns[run.id] = {column for column in curves.columns if column[0] in VARIABLES}
-        return None
+    def curves(self, runs: Sequence[PlannedRun]) -> dict[str, trajectory.Curves]:
+        """Read the curves of those of some runs that have an undamaged file with what responses
+        need, by id. What others lack is noted."""
+        sound_curves: dict[str, trajectory.Curves] = {}
+        names = [run.id for run in runs]
+        for path in dict.fromkeys(path for name in names for path in self._paths.get(name, ())):
+            rest = [n for n in names if n not in sound_curves and path in self._paths.get(n, ())]
+            try:
+                with report_damage(path):
+                    file_curves = trajectory.read_curves(path, common.title(path), rest)
+            except DamagedError as error:
+                self.damage[error.path] = error
+                continue
+            except FileNotFoundError:
+                continue
+            for name, curves in file_curves.items():
+                if lacks := self._needs - curves.columns.keys():
+                    self.absences[name] = lacks
+                    self._columns[name] = {c for c in curves.columns if c[0] in VARIABLES}
+                else:
+                    sound_curves[name] = curves
+                    self.absences.pop(name, None)
+        return sound_curves
 
 
 class Responses(Store):

@@ -9,6 +9,7 @@ import numpy as np
 import fpm
 from evidence.attack.metamorphic.random_structures import DURATION, Draw
 from evidence.attack.metamorphic.structure_text import Structure, as_text
+from fpm.elements import KINDS, energies_of
 from fpm.errors import SceneError
 from fpm.solver.pack import topology
 from fpm.structures import StructureError, loads
@@ -95,9 +96,8 @@ def curves_of(outcome: fpm.Outcome) -> Curves:
     for name, (position, velocity) in outcome.points.items():
         curves["position", name] = position[-INSTANTS:], "m"
         curves["velocity", name] = velocity[-INSTANTS:], "m/s"
-    for name, values in outcome.energies.items():
-        if name != "balance":
-            curves["energy", name] = values[-INSTANTS:], "J"
+    for name in ("kinetic", *(energy.name for energy in energies_of(KINDS))):
+        curves["energy", name] = outcome.energies[name][-INSTANTS:], "J"
     for name, record in outcome.records.items():
         if record.labels:
             for k, label in enumerate(record.labels):

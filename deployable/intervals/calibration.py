@@ -42,6 +42,8 @@ _SAMPLES = 128  # points at which the fraction of the hull is counted
 _SPOTS = 48  # points of the box and of the hull at which the misfit is found for sliders
 _GAP_INSTANTS = 4  # instants on each side over which an error of interpolation counts
 _STEP_FACTOR = 2.0  # 4/3 of the second order, for a change at the center of the hull alone
+_SPARE = 0.2  # of the band beyond the least misfit, by which errors may widen what is left
+_LEAST_SPARE, _HALVINGS = 0.04, 3  # least such part of the band; most halvings of a test's step
 _CHECKS, _ATTEMPTS = 96, 3  # runs that may contradict a refutation; how often it is tried
 _DEVIATIONS = 2.0  # standard deviations of such a count that are allowed for
 
@@ -71,11 +73,13 @@ class Measurement(NamedTuple):
 class TestRuns(NamedTuple):
     """Runs of a test, and the part of its start to look in. points (N, p): coordinates of N runs,
     -1 to 1, first of the box, then s of the test's own start; curves (N, n, R): n responses, in
-    their units, at R instants; starts (2, s): lower and upper coordinates of that part."""
+    their units, at R instants; starts (2, s): lower and upper coordinates of that part; halvings:
+    how often the time step of these runs was halved."""
 
     points: np.ndarray
     curves: np.ndarray
     starts: np.ndarray
+    halvings: int = 0
 
 
 class CurveFit(NamedTuple):
@@ -343,12 +347,13 @@ class _Waves:
     """Runs of all tests so far, and the hull (2, size) of what they leave."""
 
     def __init__(
-        self, tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-        hull: np.ndarray, data: Sequence[TestRuns], notify: Callable,
+        self, tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, hull: np.ndarray,
+        data: Sequence[TestRuns], notify: Callable,
     ):  # fmt: skip
-        self.tests, self.times, self.evaluate, self.finer = tests, times, evaluate, finer
+        self.tests, self.times, self.evaluate = tests, times, evaluate
         self.k, self.notify, self.runs = hull.shape[1], notify, 0
         self.points, self.curves = [d.points for d in data], [d.curves for d in data]
+        self.halvings, self.step_errors = [d.halvings for d in data], [0.0] * len(data)
         self.attained: Any = inf
         self.best: Any = None
         self.residuals: Any = []
@@ -367,7 +372,7 @@ class _Waves:
     def add(self, t: int, points: np.ndarray) -> np.ndarray:
         """Make runs of test `t` at coordinates (N, p), and return their curves (N, n, R), NaN of
         those that failed, which are left out of the fits."""
-        curves = self.evaluate(t, points)
+        curves = self.evaluate(t, points, self.halvings[t])
         is_sound = np.isfinite(curves).all(axis=(1, 2))
         self.points[t] = np.concatenate([self.points[t], points[is_sound]])
         self.curves[t] = np.concatenate([self.curves[t], curves[is_sound]])
@@ -384,9 +389,11 @@ class _Waves:
             spread = _design(half > 0, comb(test.dimension + 2, 2), number)
             points = np.concatenate([center[None], center + half * spread])
             middle = self.add(t, points)[0]
-            change = _STEP_FACTOR * _lobes(np.nan_to_num(self.finer(t, center) - middle))
+            finer = self.evaluate(t, center[None], self.halvings[t] + 1)[0]
+            change = _STEP_FACTOR * _lobes(np.nan_to_num(finer - middle))
             places = test.times - test.limits[:, 0].mean()
             errors = np.array([np.interp(places, self.times, row) for row in change])
+            self.step_errors[t] = float((errors / test.bands).max())
             data = self.points[t], self.curves[t], self.times
             fits.append(fit_curves(test, *data, hull, errors))
         return fits
@@ -410,6 +417,21 @@ class _Waves:
             self.attained, self.best = misfit, values
             self.residuals = run_problem.linearise(values)[0]
         return values, misfit
+
+    def refine(self, allowed: float) -> bool:
+        """Halve the step of each test by which curves err more than `allowed` (bands), and tell
+        whether one was. Its runs, which have the errors of the step before, no longer count."""
+        rows = [
+            t for t, error in enumerate(self.step_errors)
+            if error > allowed and self.halvings[t] < _HALVINGS
+        ]  # fmt: skip
+        for t in rows:
+            self.halvings[t] += 1
+            self.points[t], self.curves[t] = self.points[t][:0], self.curves[t][:0]
+        if rows:
+            self.attained = inf
+            self.run(self.best)
+        return bool(rows)
 
     def is_contradicted(self, number: int) -> bool:
         """Whether further runs, spread over all of the box and the starts, come nearer than the
@@ -458,8 +480,13 @@ class _Waves:
             error = (problem.errors / problem.bands).max() / limit
             is_steady = self.shrink(pool)
             is_precise = error <= (4 * _PRECISE if is_steady else _PRECISE)
-            is_met = level is None and self.attained - least <= _PRECISE * self.attained
-            if is_precise or is_met or (is_steady and number + 1 >= waves):
+            spare = _SPARE * max(limit - self.attained, _LEAST_SPARE)
+            is_met = self.attained - least <= (_PRECISE * limit if level is None else spare)
+            is_done = (is_met or is_precise) if level is None else (is_met and is_precise)
+            allowed = min(_PRECISE * limit, _SPARE * max(limit - least, _LEAST_SPARE))
+            if number + 1 < 2 * waves and self.refine(allowed):
+                continue
+            if is_done or (is_steady and number + 1 >= waves):
                 break
         if not pool and self.attained <= (1.0 if level is None else level):
             pool = [self.best]
@@ -536,21 +563,19 @@ def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
 
 
 def calibrate(
-    tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-    hull: np.ndarray, data: Sequence[TestRuns] = (), waves: int = 6,
-    notify: Callable = lambda text: None,
+    tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, hull: np.ndarray,
+    data: Sequence[TestRuns] = (), waves: int = 6, notify: Callable = lambda text: None,
 ) -> Calibration:  # fmt: skip
     """Find what of a box explains all tests, with runs where that is open; if the tests are
     refuted, where the least band is attained.
 
     tests: at least one; times: recorded instants (R) of runs in s, which span the instants of all
-    tests and delays; evaluate: function of the number of a test and coordinates (N, p), -1 to 1 in
-    its box and starts, that returns the curves (N, n, R) of runs there; finer: function of the
-    number of a test and coordinates (p) that returns the curves (n, R) of a run there with half the
-    step; hull: part of the box (2, k) in which to look, -1 to 1; data: runs of each test that were
+    tests and delays; evaluate: function of the number of a test, coordinates (N, p), -1 to 1 in its
+    box and starts, and how often the time step is halved, that returns the curves (N, n, R) of runs
+    there; hull: part of the box (2, k) in which to look, -1 to 1; data: runs of each test that were
     made before, none if it is empty; waves: number of waves of runs, up to twice as many while they
     narrow the hull, and as many again where no point explains; notify: called with messages."""
-    state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
+    state = _Waves(tests, times, evaluate, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves)
         is_refuted = least > 1.0
@@ -580,7 +605,8 @@ def calibrate(
     row = divmod(int(np.abs(parts[t]).argmax()), len(tests[t].times))
     starts = [state.hull[:, places[len(test.axes) : test.dimension]]
               for places, test in zip(state.places, tests, strict=True)]  # fmt: skip
-    data = [TestRuns(*runs) for runs in zip(state.points, state.curves, starts, strict=True)]
+    runs = zip(state.points, state.curves, starts, state.halvings, strict=True)
+    data = [TestRuns(*fields) for fields in runs]
     return Calibration(
         state.hull[:, :k], starts, least, state.attained,
         state.best[:k], (0.0, 0.0) if is_refuted else fractions, samples, state.runs,
@@ -589,8 +615,8 @@ def calibrate(
 
 
 def calibrate_together(
-    tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-    hull: np.ndarray, waves: int = 6, notify: Callable = lambda indices, text: None,
+    tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, hull: np.ndarray,
+    waves: int = 6, notify: Callable = lambda indices, text: None,
 ) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
     """Find what of a box explains all tests, and what each explains alone. The first is looked for
     in what these have in common, or in all of `hull` where that is nothing or one is refuted.
@@ -598,9 +624,9 @@ def calibrate_together(
 
     def find(indices: Sequence[int], hull: np.ndarray, data: Sequence[TestRuns]) -> Calibration:
         return calibrate(
-            [tests[t] for t in indices], times, lambda t, points: evaluate(indices[t], points),
-            lambda t, point: finer(indices[t], point), hull, data, waves=waves,
-            notify=partial(notify, indices),
+            [tests[t] for t in indices], times,
+            lambda t, points, halvings: evaluate(indices[t], points, halvings), hull, data,
+            waves=waves, notify=partial(notify, indices),
         )  # fmt: skip
 
     indices = range(len(tests))

@@ -34,6 +34,10 @@ PANEL = 0.3
 NUDGE = 1e-6
 """Shift (of the size) and turn (rad) by which forces are differentiated, on either side."""
 
+NUDGE_SHARES, BEND_SHARE, BEND_TOL = (1.0, 1e-2, 1e-4, 1e-6), 0.1, 1e-7
+"""Shares of it that are tried in turn where slopes on both sides differ by more than these shares:
+of the slope itself, and of the largest slope."""
+
 
 class ElementForces:
     """Computes the forces of elements of one type on the n particles of a scene, by their kernels.
@@ -67,12 +71,11 @@ class ElementForces:
         self.stiff = np.unique(stiff).astype(int)
         self._has_memory = kind.has_memory
         size = float(np.ptp(scene.position, axis=0).max()) or 1.0
-        particles, axes = np.divmod(self.stiff, 6)
+        self._particles, axes = np.divmod(self.stiff, 6)
         is_turn = axes >= 3
-        self._lane_particles, steps = np.tile(particles, 2), np.where(is_turn, NUDGE, NUDGE * size)
-        self._widths = np.tile(2.0 * steps, 2)
+        self._widths = 2.0 * np.where(is_turn, NUDGE, NUDGE * size)
         self._shifts = NUDGE * size * np.eye(6, 9)[axes] * ~is_turn[:, None]
-        self._turns = np.flatnonzero(is_turn), particles[is_turn], CROSS_PRODUCTS[axes[is_turn] - 3]
+        self._turns = np.flatnonzero(is_turn), CROSS_PRODUCTS[axes[is_turn] - 3]
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
         """Move the elements from their last poses to `poses` (positions and frames of all
@@ -96,23 +99,39 @@ class ElementForces:
         stiffness (`sparse`, `full`)."""
         history, fields = self.copy_history(), _fields_of(poses)
         self._put(fields)
-        forces, state, count = self._act_there()[:, 0].copy(), self.world.state, len(self.stiff)
-        slopes, lanes = np.empty((len(forces), 2 * count)), state.shape[2]
-        shifts, (turns, particles, products) = self._shifts.copy(), self._turns
-        turns_of_frames = NUDGE * (products @ poses.frame[particles])
-        shifts[turns, 3:] = turns_of_frames[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
-        lane_fields = fields[self._lane_particles] + np.concatenate([shifts, -shifts])
-        for first in range(0, 2 * count, lanes):
-            chunk = slice(first, first + lanes)
-            size = len(lane_fields[chunk])
-            self._put(fields)
-            state[self._lane_particles[chunk], POSE, np.arange(size)] = lane_fields[chunk]
-            slopes[:, chunk] = self._act_there()[:, :size] / self._widths[chunk]
+        forces, columns = self._act_there()[:, 0].copy(), np.arange(len(self.stiff))
+        values = np.zeros((len(forces), len(columns)))
+        for share in NUDGE_SHARES:
+            before, after = self._nudge(poses, fields, columns, share)
+            widths = share * self._widths[columns]
+            values[:, columns] = (before - after) / widths
+            # Where the slopes on both sides differ, a bend as of a stop lies between them.
+            bends = np.abs(before + after - 2.0 * forces[:, None]) / widths
+            slopes = np.abs(values[:, columns])
+            is_bent = bends > np.maximum(BEND_SHARE * slopes, BEND_TOL * slopes.max(initial=0.0))
+            columns = columns[is_bent.any(axis=0)]
+            if not len(columns):
+                break
         self.restore(history)
-        values = slopes[:, count:] - slopes[:, :count]
         rows, columns = np.nonzero(values)
         entries = values[rows, columns], rows, self.stiff[columns]
         return forces, form(*entries, (len(forces), len(forces)))
+
+    def _nudge(self, poses, fields, columns, share: float):
+        """Forces (6n, c) at `poses` less, then plus, a share of the nudge of each of c columns."""
+        shifts, (turns, products), state = self._shifts.copy(), self._turns, self.world.state
+        frames = poses.frame[self._particles[turns]]
+        shifts[turns, 3:] = (NUDGE * (products @ frames))[:, :, 1:].swapaxes(1, 2).reshape(-1, 6)
+        shifts = share * np.concatenate([-shifts[columns], shifts[columns]])
+        particles, lanes = np.tile(self._particles[columns], 2), state.shape[2]
+        forces = np.empty((6 * len(fields), len(shifts)))
+        for first in range(0, len(shifts), lanes):
+            chunk = slice(first, first + lanes)
+            size = len(shifts[chunk])
+            self._put(fields)
+            state[particles[chunk], POSE, np.arange(size)] += shifts[chunk]
+            forces[:, chunk] = self._act_there()[:, :size]
+        return forces[:, : len(columns)], forces[:, len(columns) :]
 
     def _put(self, fields: np.ndarray) -> None:
         self.world.state[:, POSE] = fields[:, :, None]

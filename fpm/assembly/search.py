@@ -76,8 +76,8 @@ FOLD = 0.7
 its energy is none again."""
 
 EASE_SHARE, EASE_DECREASE, EASE_INCREASE = 1e-2, 1 / 30, 10.0
-"""ε at first, as a share of the largest force; its factors after a position that was found, and
-after one that was not."""
+"""ε at first, as a share of the largest force; its least factor after a position that was found,
+and its largest after one that was not."""
 
 STIFFER = 1e16
 """Largest ε over the stiffness at the start: stops that are met on the way are stiffer."""
@@ -285,11 +285,11 @@ class RestSearch:
             share = self._resolution if count <= FIRM_POSITIONS else SOFT_SHARE
             floor = max(SOFT_SHARE * bars, share * max(elements, force)) or 1.0
             ease = max(ease, floor)
-            trial = self._approach(poses, impulses, ease, ROUNDING * force)
+            trial, factor = self._approach(poses, impulses, ease, ROUNDING * force)
             if trial is None or not (is_led or self._falls(poses, trial, ease)):
                 if ease > STIFFER * (stiffest or 1.0):
                     break
-                ease *= EASE_INCREASE
+                ease *= factor
                 continue
             poses, impulses, motion = trial
             self._balance.follow(poses)
@@ -305,28 +305,31 @@ class RestSearch:
         self._refuse_motion(motion)
 
     def _approach(self, poses, impulses, ease: float, rounding: float):
-        """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion; or None.
-        Where forces are left of `rounding` (N m) only, nothing moves."""
+        """Poses of least energy with a drag `ease` (N m), impulses and the scaled motion, or None;
+        and the factor of the drag to try next. Where forces are left of `rounding` (N m) only,
+        nothing moves."""
         first, motion = poses, self._no_force
         for count in range(ROUNDS):
             solve, gradient = self._linearise(poses, impulses, ease, self._mass)
             lacks = self._lacks(poses)
             residual = np.abs((self._scales * gradient)[self._free]).max(initial=0.0)
             if not count and residual <= rounding and self._gap(poses) <= GAP_TOL:
-                return poses, impulses, motion
+                return (poses, impulses, motion), EASE_INCREASE
             step, change = solve(-gradient - ease * (self._mass @ motion) / self._scales, lacks)
             poses = poses.displace(self._scales * step)
             motion = displacement(first, poses) / self._scales
             largest, size = (np.abs(x).max(initial=0.0) for x in (step, motion))
             if not (np.isfinite(largest) and max(largest, size) <= REACH):
-                return None
+                # A first motion too far falls in proportion to the drag; any other needs much more.
+                excess = largest / AIM if not count else np.inf
+                return None, min(EASE_INCREASE, excess)
             impulses = impulses + change
             is_closed = self._gap(poses) <= max(CLOSE * size**2, GAP_TOL)
             if is_closed and largest <= max(CLOSE * size, STEP_TOL):
                 if size > SMALL and self._negative(solve, NEGATIVE).shape[1]:
-                    return None
-                return poses, impulses, motion
-        return None
+                    break
+                return (poses, impulses, motion), EASE_INCREASE
+        return None, EASE_INCREASE
 
     def _falls(self, first, trial, ease: float) -> bool:
         """Whether the energy falls from first to last poses, and by as much as the drag takes."""

@@ -84,13 +84,10 @@ def test_hull_is_at_most_a_third_wider_than_the_exact_one(curve, sensor):
     bands = np.full((1, len(INSTANTS)), BAND)
     test = Measurement(INSTANTS, values[None], bands, limits, np.arange(2), starts=2)
 
-    def evaluate(t, points):
+    def evaluate(t, points, halvings):
         return np.array([[curve(x, TIMES)] for x in points])
 
-    result = calibrate(
-        [test], TIMES, evaluate, lambda t, point: evaluate(t, point[None])[0],
-        np.array([[-1.0, -1.0], [1.0, 1.0]]),
-    )  # fmt: skip
+    result = calibrate([test], TIMES, evaluate, np.array([[-1.0, -1.0], [1.0, 1.0]]))
     (low, high), (least, largest) = exact_hull(curve, test), result.hull
     assert (least <= low + 1e-6).all() and (high - 1e-6 <= largest).all()
     assert (largest - least <= 1.3 * (high - low)).all()

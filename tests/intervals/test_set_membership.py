@@ -29,16 +29,13 @@ def measure(x, start=0.0, sensor=(0.0, 1.0, 0.0), missing=0.0, noise=0.0, limits
 def find(*tests, hull=((-1.0, -1.0), (1.0, 1.0)), **options):
     """What of the box explains the tests."""
 
-    def evaluate(t, points):
+    def evaluate(t, points, halvings):
         starts = points[:, 2] if tests[t].starts else np.zeros(len(points))
         pairs = zip(points, starts, strict=True)
         return np.array([[curve(x, 0.2 * s, TIMES)] for x, s in pairs])
 
-    def finer(t, point):
-        return evaluate(t, point[None])[0]
-
     function = calibrate_together if len(tests) > 1 else calibrate
-    return function(tests, TIMES, evaluate, finer, np.array(hull), **options)
+    return function(tests, TIMES, evaluate, np.array(hull), **options)
 
 
 def exact(test):

@@ -8,7 +8,7 @@ from deployable.intervals.calibration import Measurement, calibrate
 TIMES = np.linspace(0.0, 3.0, 301)
 
 
-def vibration(t: int, points: np.ndarray) -> np.ndarray:
+def vibration(t: int, points: np.ndarray, halvings: int) -> np.ndarray:
     """Curves (N, 1, 301) of a mass of 1 kg that is let go at 1 m, on a spring of k = 500 ± 300."""
     stiffness = 500.0 + 300.0 * points[:, :1]
     return np.cos(np.sqrt(stiffness) * TIMES)[:, None]
@@ -23,10 +23,7 @@ def test_a_true_model_is_not_refuted_though_the_box_spans_periods(k):
     test = Measurement(
         instants, values[None], np.full((1, len(instants)), 0.005), limits, np.arange(1)
     )
-    result = calibrate(
-        [test], TIMES, vibration, lambda t, point: vibration(t, point[None])[0],
-        np.array([[-1.0], [1.0]]),
-    )  # fmt: skip
+    result = calibrate([test], TIMES, vibration, np.array([[-1.0], [1.0]]))
     low, high = 500.0 + 300.0 * result.hull[:, 0]
     assert not result.is_refuted and low <= k <= high
 
@@ -63,12 +60,35 @@ def test_true_models_are_not_refuted_nor_their_truth_excluded(curve, instants, t
     limits = np.array([[0.0, 1.0, 0.0]] * 2)
     test = Measurement(seen, values[None], bands, limits, np.arange(1))
 
-    def evaluate(t, points, step=1.0):
-        return np.array([[curve(x, times, step)] for x in points[:, 0]])
+    def evaluate(t, points, halvings):
+        return np.array([[curve(x, times, 0.5**halvings)] for x in points[:, 0]])
 
-    result = calibrate(
-        [test], times, evaluate, lambda t, point: evaluate(t, point[None], 0.5)[0],
-        np.array([[-1.0], [1.0]]),
-    )  # fmt: skip
+    result = calibrate([test], times, evaluate, np.array([[-1.0], [1.0]]))
     (low,), (high,) = result.hull
     assert not result.is_refuted and low <= truth <= high
+
+
+@pytest.mark.parametrize("error", [2e-6, 2e-5])
+def test_steps_are_halved_until_they_hardly_widen_what_is_left(error):
+    """Beside 0.9 of the band as noise, with errors of the first step of 0.06 and 0.6 of the band;
+    the hull and the least band are those of a fine grid of the exact curves."""
+    instants, box = np.linspace(0.0, 2.0, 601), np.array([[-1.0], [1.0]])
+    times = instants[::3]
+    noise = 0.0018 * np.random.default_rng(3).uniform(-1, 1, len(times))
+    limits = np.array([[0.0, 1.0, 0.0]] * 2)
+    values = np.cos(31.02 * times) + noise
+    test = Measurement(times, values[None], np.full((1, 201), 0.002), limits, np.arange(1))
+
+    def evaluate(t, points, halvings):
+        frequencies = (31.0 + 0.1 * points) * (1.0 + error * 0.25**halvings)
+        return np.cos(frequencies * instants)[:, None]
+
+    result = calibrate([test], instants, evaluate, box)
+    grid = np.linspace(0.19, 0.21, 8001)
+    misfits = np.abs(np.cos((31.0 + 0.1 * grid[:, None]) * times) - values).max(axis=1) / 0.002
+    (low,), (high,) = result.hull
+    exact = grid[misfits <= 1.0]
+    assert low <= exact[0] and exact[-1] <= high
+    assert high - low <= 1.3 * np.ptp(exact)
+    assert result.least <= misfits.min() <= result.attained + 0.02
+    assert result.attained - result.least <= 0.04

@@ -18,7 +18,7 @@ from deployable.campaign.config.sections import Accuracy, Interval, Jobs, Resolv
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, choose_step
+from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
@@ -138,10 +138,12 @@ class _Test:
         if count < rows:
             self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
 
-    def evaluate(self, points: np.ndarray, plan: Plan | None = None) -> np.ndarray:
-        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses; NaN of those
-        that fail."""
-        plan = plan or self.plan
+    def evaluate(self, points: np.ndarray, halvings: int) -> np.ndarray:
+        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses, with a step that
+        is halved so often; NaN of those that fail."""
+        plan = self.plan
+        for _ in range(halvings):
+            plan = replace(plan, time=halved(plan.time))
         records = self.model.records(plan, runs_at(plan, points))
         self.runs += len(points)
         blank = np.full((len(self.rows), len(self.instants)), np.nan)
@@ -152,10 +154,6 @@ class _Test:
             np.fmax(largest, np.fmax.reduce(curves)),
         )
         return curves
-
-    def finer(self, point: np.ndarray) -> np.ndarray:
-        """Curves (n, R) of the run at a point (p) with half the step."""
-        return self.evaluate(point[None], replace(self.plan, time=halved(self.plan.time)))[0]
 
     def _curves_left(self, result: Calibration, index: int) -> np.ndarray:
         """Curves (N, n, R) of the test's runs in the narrowed box and start; index: of its fit."""
@@ -202,8 +200,10 @@ def _calibrate(
     def notify_of(indices: Sequence[int], text: str) -> None:
         notify(f"{', '.join(tests[t].name for t in indices)}: {text}")
 
-    evaluations = (lambda t, points: tests[t].evaluate(points)), (lambda t, x: tests[t].finer(x))
-    arguments = [test.measurement for test in tests], times, *evaluations, hull
+    def evaluate(t: int, points: np.ndarray, halvings: int) -> np.ndarray:
+        return tests[t].evaluate(points, halvings)
+
+    arguments = [test.measurement for test in tests], times, evaluate, hull
     waves = max(1, verify.max_iterations)
     if data is None:
         return calibrate_together(*arguments, waves, notify_of)

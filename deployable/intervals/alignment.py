@@ -39,7 +39,7 @@ _GAP = 3  # instants that a stretch must have in a run
 _NARROW = 0.05  # instants: events that follow each other sooner are one
 _MOST = 0.7  # of the runs must have these
 _SLACK = 1.0  # of the way from the border to the runs beyond it, where a border may be
-_SOON = 0.02  # of the duration: what follows at once
+_PAUSE = 0.02  # of the duration: what follows at once
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
 _SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
 _CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
@@ -107,17 +107,17 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
     )
 
 
-def earliest_time(points: np.ndarray, since: np.ndarray) -> float:
-    """Return the earliest time (s) over the box of an event that comes at times `since` (R) the
-    start, s, in runs at points (R, k) in [-1, 1]^k, by a spline of their inverse squares: even
-    forces are in proportion to these, and they vanish where an event is never reached."""
+def earliest_time(points: np.ndarray, delays: np.ndarray) -> float:
+    """Return the earliest time (s) over the box of an event with these delays (R) after the start,
+    in s, in runs at points (R, k) in [-1, 1]^k, by a spline of their inverse squares: even forces
+    are in proportion to these, and they vanish where an event is never reached."""
     with suppress(IntervalError):
         check_spline_runs(points)
-        spline = fit_spline(points, since[:, None] ** -2)
+        spline = fit_spline(points, delays[:, None] ** -2)
         free = spline.scales > 0
         trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
-        return float(min(since.min(), spline.evaluate(trial).max() ** -0.5))
-    return float(since.min())
+        return float(min(delays.min(), spline.evaluate(trial).max() ** -0.5))
+    return float(delays.min())
 
 
 def difference_across(
@@ -131,30 +131,33 @@ def difference_across(
     come it counts by how much the difference changes soon after. points (R, k): of the runs in [-1,
     1]^k; time (T): instants, s; runs: times of events by what they are (`name_events`), of which
     the first of a kind counts."""
-    differences, soon = np.zeros(values.shape[1:]), _SOON * (time[-1] - time[0])
+    differences, pause = np.zeros(values.shape[1:]), _PAUSE * (time[-1] - time[0])
     gaps = scipy.spatial.distance.cdist(points, points)
     for key in {key for event_times in runs for key in event_times if key[-1] == 0}:
         moments = np.array([event_times.get(key, np.inf) for event_times in runs])
         rows, rivals = np.flatnonzero(np.isfinite(moments)), np.flatnonzero(moments == np.inf)
         if not len(rivals):
             continue
-        since = moments[rows] - time[0]
-        earliest, changes = time[0] + earliest_time(points[rows], since), np.zeros_like(differences)
+        delays = moments[rows] - time[0]
+        earliest = time[0] + earliest_time(points[rows], delays)
+        changes = np.zeros_like(differences)
         nearest = rows[gaps[np.ix_(rivals, rows)].argmin(axis=1)]
         for row in rows:
             moment, rival = moments[row], gaps[row, rivals].argmin()
             # Between runs, and between them and the box's end, the event may come so far off.
-            near = moments[rows[gaps[row, rows].argsort(kind="stable")[:3]]]
-            lag = max(np.abs(near - moment).max(), (moment - earliest) * (moment == moments.min()))
+            neighbours = moments[rows[gaps[row, rows].argsort(kind="stable")[:3]]]
+            lag = max(
+                np.abs(neighbours - moment).max(), (moment - earliest) * (moment == moments.min())
+            )
             if nearest[rival] == row or moment == moments[rows].max():
                 change = np.abs(values[row] - values[rivals[rival]])
                 change = np.maximum.accumulate(np.where(time >= moment, change, 0.0), axis=-1)
                 changes = np.maximum(changes, widen(time, change, lag))
-            waiting = np.flatnonzero(moments > moment + soon)
-            difference = values[row] - values[waiting[gaps[row, waiting].argmin()]]
-            before = difference[:, max(np.searchsorted(time, moment) - 1, 0), None]
-            is_soon = (time >= moment) & (time <= moment + soon)
-            change = np.where(is_soon, np.abs(difference - before), 0.0)
+            later_rows = np.flatnonzero(moments > moment + pause)
+            difference = values[row] - values[later_rows[gaps[row, later_rows].argmin()]]
+            reference = difference[:, max(np.searchsorted(time, moment) - 1, 0), None]
+            is_soon = (time >= moment) & (time <= moment + pause)
+            change = np.where(is_soon, np.abs(difference - reference), 0.0)
             changes = np.maximum(changes, widen(time, change, lag))
         differences = np.maximum(differences, np.where(time >= earliest, changes, 0.0))
     return differences

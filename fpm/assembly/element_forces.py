@@ -102,11 +102,11 @@ class ElementForces:
         forces, columns = self._act_there()[:, 0].copy(), np.arange(len(self.stiff))
         values = np.zeros((len(forces), len(columns)))
         for share in NUDGE_SHARES:
-            before, after = self._nudge(poses, fields, columns, share)
+            lower, upper = self._nudge(poses, fields, columns, share)
             widths = share * self._widths[columns]
-            values[:, columns] = (before - after) / widths
+            values[:, columns] = (lower - upper) / widths
             # Where the slopes on both sides differ, a bend as of a stop lies between them.
-            bends = np.abs(before + after - 2.0 * forces[:, None]) / widths
+            bends = np.abs(lower + upper - 2.0 * forces[:, None]) / widths
             slopes = np.abs(values[:, columns])
             is_bent = bends > np.maximum(BEND_SHARE * slopes, BEND_TOL * slopes.max(initial=0.0))
             columns = columns[is_bent.any(axis=0)]

@@ -28,7 +28,12 @@ def words(section, key):
 def test_every_design_can_be_asked_for_with_all_its_options_and_no_other():
     assert words(DesignSection, "method") == set(METHODS)
     options = {option for method in METHODS.values() for option in method.options}
-    assert {field.name for field in fields(DesignSection)} == {"method", "order"} | options
+    assert {field.name for field in fields(DesignSection)} == {
+        "method",
+        "order",
+        "file",
+        "values",
+    } | options
 
 
 def test_every_model_can_be_asked_for_and_no_other():

@@ -53,7 +53,7 @@ def campaign_of(
         digest = file_digest(config.design.file)
     if config.accuracy is not None:
         config, accuracy = with_accuracy(config, structure)
-        method, order = config.design.method, None
+        method, order, held_out = config.design.method, None, config.held_out
     experiment = Experiment(
         name=config.campaign,
         scene=SceneChoice(structure.name, config.scene.parameters, config.scene.file or ""),

@@ -160,8 +160,9 @@ def contents(outcomes, responses=(), attributes=None, parameters=None, runs=None
 
 _NUMBERS: dict[str, tuple[Callable[[Any], Any], str, str]] = {
     "time_step": (lambda o: o.step, "s", "time step"),
-    "steps": (lambda o: o.steps, "1", "number of time steps"),
-    "events_dropped": (lambda o: o.dropped_events, "1", "number of events that were not kept"),
+    "steps": (lambda o: np.int32(o.steps), "1", "number of time steps"),
+    "events_dropped": (lambda o: np.int32(o.dropped_events), "1",
+                       "number of events that were not kept"),
     "assembly_energy": (lambda o: o.scene.assembly and o.scene.assembly.energy, "J",
                         "strain energy after the parts were forced together"),
     "assembly_gap": (lambda o: o.scene.assembly and o.scene.assembly.gap, "m",

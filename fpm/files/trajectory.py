@@ -232,8 +232,8 @@ def _events(outcomes) -> dict[str, NetcdfVariable]:
     eventful = outcomes[0].eventful
     event_names = (" ".join(e.events) for e in eventful)
     no_gate = (0.0, _NO_SIDE, 0.0, 0.0)
-    rows_of_gates = [e.gate[:4] if e.gate else no_gate for o in outcomes for e in o.eventful]
-    gates = np.array(rows_of_gates).reshape(len(outcomes), -1, 4)
+    gate_rows = [e.gate[:4] if e.gate else no_gate for o in outcomes for e in o.eventful]
+    gates = np.array(gate_rows).reshape(len(outcomes), -1, 4)
     text = "where it latches, hits, closes: opening, side (2: not known), reach, largest rate"
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),

@@ -46,8 +46,8 @@ from fpm.reading.shocks import warn
 from fpm.structures.reading import read_text
 
 ADAPTIVE, OWN_RUNS = "adaptive", "own"
-"""Methods of designs that no config names: of an `accuracy`, and of runs of a user's own."""
-"""The method of a design whose runs are found round by round; no config can ask for it alone."""
+"""Methods of designs that no config names: of runs that an `accuracy` finds round by round, and of
+a user's own runs."""
 
 NAME, CAMPAIGN_NAME = (re.compile(get_args(kind)[1].pattern) for kind in (Name, CampaignName))
 """Patterns of the names of responses, quantities and requirements, and of campaigns."""

@@ -58,7 +58,7 @@ def facts_of(
     with open_samples(folder) as samples:
         facts, failures = bounds_facts(bounds, samples, published), [*samples.failures]
     facts |= _structure(experiment, facts["parameters"])
-    facts["quantities"] = []
+    facts["quantities"], by_name = [], {}
     bounds_checks = int(bounds.attributes.get("check_runs", 0))
     runs = {"design": facts["design"]["runs"], "further": 0, "choice": 0, "checks": bounds_checks}
     if experiment.quantities:
@@ -69,12 +69,7 @@ def facts_of(
         by_name = {row["name"]: row for row in facts["quantities"]}
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
-            names = [part.name for part in getattr(quantity, "parts", ())]
-            row["late_parts"] = [
-                name
-                for name in names
-                if by_name[name]["censored_at"] or by_name[name]["may_be_endless"]
-            ]
+            row["late_parts"] = _late_parts(quantity, by_name)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
                 row["reached"] = approach
     for name in answers:
@@ -82,7 +77,6 @@ def facts_of(
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
     least = {quantity.name: quantity.least for quantity in experiment.quantity_list}
-    by_name = {row["name"]: row for row in facts["quantities"]}
     for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
         name = limit["quantity"]
         if reason := why_idle(limit, by_name[name], least[name]):
@@ -110,6 +104,13 @@ def facts_of(
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
+
+
+def _late_parts(quantity: Any, rows: Mapping[str, Mapping]) -> list[str]:
+    """The times in an expression of quantities that go on beyond the end of the runs, or may have
+    no upper end. rows: of all quantities by name."""
+    names = [part.name for part in getattr(quantity, "parts", ())]
+    return [name for name in names if rows[name]["censored_at"] or rows[name]["may_be_endless"]]
 
 
 def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:

@@ -30,11 +30,11 @@ _DECIMAL_COMMA = re.compile(
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+\.\d*|[-+]?\d{1,3}(?:,\d{3}){2,}")
 _WITH_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,3}(?:\.\d{3})+,\d*|[-+]?\d{1,3}(?:\.\d{3}){2,}|[^.]*")
 _WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?|[^,]*")
-_COMMENT = re.compile(r"\s*(?:$|#(?!N/?A|NV|VALUE|REF|DIV|NAME|NUM|NULL))")  # no error of a sheet
+_COMMENT = re.compile(r"\s*(?:$|[%!]|//|#(?!N/?A|NV|VALUE|REF|DIV|NAME|NUM|NULL))")  # no sheet's
 _IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 _BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^/()]+))")
 _SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "^": "", "·": " ",
-                        "*": " ", "−": "-"})  # fmt: skip
+                        "*": " ", "−": "-", "⁻": "-", "¹": "1"})  # fmt: skip
 _NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
 _TIMES = ("t", "time", "zeit", "temps", "tiempo", "tempo", "timestamp")
 
@@ -123,7 +123,7 @@ class CsvTable:
             if not lines_above:
                 text = "no line of names with units stands above the numbers"
                 self.refuse(rows[0][0], f"{text}; allowed: such as {EXAMPLE}")
-            rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("# ")))
+            rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("#%!/ ")))
         self.head, self.head_line = rows.pop(0)
         self.separator = separator or self._separator(self.head_line)
         self.names, self.units = self._header(self.head_line, rows)
@@ -184,9 +184,11 @@ class CsvTable:
         """Number of the column that is the time."""
         second = unit("s").dimension
         columns = [k for k, u in enumerate(self.units) if getattr(u, "dimension", None) == second]
-        if len(columns) > 1:
-            matches = [k for k in columns if self.names[k].lower() in _TIMES]
-            columns = matches if len(matches) == 1 else columns
+        times = [k for k, name in enumerate(self.names) if name.lower() in _TIMES]
+        named = [k for k in columns if k in times]
+        if columns and not named:  # `time` without a unit beside `delay [s]`
+            columns += [k for k in times if self.units[k] == _NO_UNIT]
+        columns = named if len(named) == 1 else columns
         if len(columns) > 1:
             text = f"the time could be {' or '.join(self.names[k] for k in columns)}"
             remedy = "one column with a unit of time, or one of them called t"

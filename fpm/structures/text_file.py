@@ -77,6 +77,8 @@ class _File:
         """The scene at the values given, each in its parameter's unit."""
         problems = Problems(self.source)
         builder = self.builder(parameters, problems)
+        if not problems and not len(builder.scene.mass):
+            problems.say(0, "the structure has no part; allowed: at least a bar, a body or a mass")
         problems.stop()
         return builder.scene
 

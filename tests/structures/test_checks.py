@@ -146,6 +146,11 @@ def test_a_loop_that_does_not_close_is_told_with_its_gap_and_line():
     assert "CD: C}" in OPEN.splitlines()[problem.line - 1]
 
 
+def test_a_structure_without_a_part_is_refused():
+    with pytest.raises(StructureError, match="the structure has no part; allowed: at least a bar"):
+        loads("points: {A: [0, 0, 0]}").build()
+
+
 @pytest.mark.parametrize(("old", "new"), [("points:", "pionts:"), ("bars:", "bar:"),
                                           ("value: 2, whole", "value: 2.5, whole"),
                                           ("section: tube, ", "")])  # fmt: skip

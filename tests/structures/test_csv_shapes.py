@@ -89,6 +89,29 @@ RIGHT = {
     "a minus of typesetters": H + R.replace("-", "−"),
     "thousands": '"t [ms]","angle [rad]"\n"0.0",0.5\n"500.0",-0.25\n"1,250.0",1.125\n',
     "points between thousands": "t [ms];angle [rad]\n0,0;0,5\n500,0;-0,25\n1.250,0;1,125\n",
+    "German Excel": "\ufeffsep=;\r\n" + (SEMI + COMMA).replace("\n", "\r\n"),
+    "sep line of tabs": "sep=\t\n" + (H + R).replace(",", "\t"),
+    "Adams": '"Time"\t"angle"\n"(sec)"\t"(rad)"\n' + R.replace(",", "\t"),
+    "Ansys": "\tTime [s]\tangle [rad]\n1\t0.\t0.5\n2\t0.5\t-0.25\n3\t1.25\t1.125\n",
+    "comments of Matlab": "% bench\n" + H + "0,0.5\n% trigger\n0.5,-0.25\n1.25,1.125\n",
+    "comments of MTi": "// Start Time: Unknown\n// Sample rate: 100.0Hz\n" + H + R,
+    "comments of Fortran": "! bench\n" + H + R,
+    "names in a comment of Matlab": "% t [s],angle [rad]\n" + R,
+    "comment at the end": H + R + "# end of record\n",
+    "two returns": (H + R).replace("\n", "\r\r\n"),
+    "UTF-16, high byte first": b"\xfe\xff" + (H + R).encode("utf-16-be"),
+    "hours": "t [h],angle [rad]\n" + milli(1 / 3600, 15),
+    "mrad": "t [s],angle [mrad]\n0,500\n0.5,-250\n1.25,1125\n",
+    "msec and Latin 1": ("Time (msec),angle (rad)\n" + milli(1e3)).encode("latin-1"),
+    "us without spaces": "t(us),angle(rad)\n" + milli(1e6),
+    "fixed width, units below": "   Time   angle\n    (s)   (rad)\n" + R.replace(",", "   "),
+    "units after a blank line": "t,angle\n\n[s],[rad]\n" + R,
+    "no-break spaces in names": "t\u00a0[s],angle\u00a0[rad]\n" + R,
+    "a column of truth": "t [s],angle [rad],valid\n" + R.replace("\n", ",TRUE\n"),
+    "names that differ by a capital": "t [s],Angle [m],angle [rad]\n" + R.replace(",", ",9,"),
+    "a delay beside the time": "t [s],delay [s],angle [rad]\n" + R.replace(",", ",9,"),
+    "temperature beside the time": "T [degC],t [s],angle [rad]\n"
+    + "".join(f"20,{row}\n" for row in R.split()),
 }
 
 REFUSED = {
@@ -113,6 +136,31 @@ REFUSED = {
     "an error of a sheet": (H + R + "#N/A,1\n", "line 5: '#N/A' is not allowed"),
     "quotes left open": (H + '0,"0.5\n', "line 2: quotes that open here are not closed"),
     "zero bytes": ((H + R).replace("1", "\0"), "it is no text"),
+    "header of LabVIEW": ("LabVIEW Measurement\t\nSeparator\tTab\n", "line 1: 'LabVIEW Meas"),
+    "times of Matlab": ("Time,angle\n0 sec,0.5\n", "line 1: 'Time,angle' has no column with a uni"),
+    "title of Adams": ("MODEL: .model_1\n" + H + R, "line 1: 'MODEL: .model_1' has no column with"),
+    "header of a scope": ('"Record Length",3,Points\n' + H + R, "line 1: '\"Record Length\",3,"),
+    "ISO times without a unit": ("time,angle [rad]\n2026-11-28T04:00:00Z,1\n", "no column with a"),
+    "clock times": (H + "00:00:00,0.5\n", "line 2: '00:00:00' is not allowed; allowed: seconds si"),
+    "milliseconds without a unit": ("time_ms,angle [rad]\n0,1\n", "'time_ms,angle [rad]' has no c"),
+    "a delay, and a time without a unit": (
+        "time,delay [s],angle [rad]\n0,0.1,1\n1,0.2,2\n", "line 1: the time could be delay or time"
+    ),
+    "apostrophes": ("t [ms];angle [rad]\n0;1\n1'250;1\n", 'line 3: "1\'250" is not allowed'),
+    "narrow spaces": ("t [ms];angle [rad]\n0;1\n1\u202f250;1\n", "line 3: '1\\u202f250' is not"),
+    "points between thousands alone": ("t [ms];angle [rad]\n0;1\n500;1\n1.250;1\n", "line 4: the"),
+    "quoted thousands": ('t [ms],angle [rad]\n0,1\n"1,250",1\n', "line 3: '1,250' could be 1.250"),
+    "the time twice": ("t [s],angle [rad],t [s]\n0,1,0\n", "line 1: the time could be t or t; all"),
+    "descriptions below names": ("t,angle\ntime,hinge\ns,rad\n" + R, "line 1: 't,angle' has no co"),
+    "a line of dashes": ("t [s]  angle [rad]\n-----  -----\n0 0.5\n", "line 2: '-----' is not all"),
+    "names of rows": (H + '"1",0,0.5\n"2",0.5,-0.25\n', "line 2: 3 values; allowed: 2, as in line"),
+    "names over two lines": ('"t\n[s]","angle\n[rad]"\n' + R, "line 3: quotes that open here are"),
+    "bars between columns": ((H + R).replace(",", "|"), "line 2: 1 values; allowed: 2, as in line"),
+    "columns that touch": ("t [s] angle [rad]\n0.0E+00-0.5E+00\n", "line 2: 1 values; allowed: 2"),
+    "another separator than sep": ("sep=,\n" + SEMI + R, "line 2: 't [s];angle [rad]' has no colu"),
+    "units behind dashes": ("t - s,angle - rad\n" + R, "line 1: 't - s,angle - rad' has no column"),
+    "UTF-16 without its mark": ((H + R).encode("utf-16-le"), "it is no text in UTF-8; allowed: a"),
+    "the end of a file of DOS": (H + R + "\x1a", "line 5: '\\x1a' is not allowed"),
     "tonnes or time": ("x [t],angle [rad]\n" + R, "line 1: 'x [t],angle [rad]' has no column with"),
 }  # fmt: skip
 
@@ -129,6 +177,11 @@ UNUSABLE = {  # files with a time, whose column `angle` cannot be used
     "a unit without brackets": ("t [s],angle m/s\n" + R, "angle m/s: it has no unit; allowed"),
     "counts": ("t [s],angle [counts]\n" + R, "line 1: angle: 'counts' is not a unit"),
     "gravity": ("t [s],angle [g]\n" + R, "'g' is not a unit; allowed: kg, or m/s2"),
+    "an error of a sheet among values": (H + R + "2,#VALUE!\n", "line 5: '#VALUE!' is not allowed"),
+    "a comment behind a value": (H + "0,0.5 # start\n", "line 2: '0.5 # start' is not allowed"),
+    "hexadecimal": (H + "0,0x1F\n", "line 2: '0x1F' is not allowed; allowed: a finite number"),
+    "a power without its sign": (H + "0,5.0+E01\n", "line 2: '5.0+E01' is not allowed"),
+    "per cent": ("t [s],angle [%]\n" + R, "line 1: angle: '%' is not a unit; allowed"),
     "Celsius": ("t [s],angle [°C]\n" + R, "line 1: angle: 'degC' is not a unit"),
 }
 
@@ -162,7 +215,7 @@ def test_a_column_that_cannot_be_used_says_why(tmp_path, content, words):
 
 
 def test_there_are_shapes_enough():
-    assert len(RIGHT) + len(REFUSED) + len(UNUSABLE) >= 80
+    assert len(RIGHT) + len(REFUSED) + len(UNUSABLE) >= 120
 
 
 def test_names_with_spaces_and_times_before_0(tmp_path):

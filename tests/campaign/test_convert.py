@@ -23,7 +23,8 @@ def model(body: str, rest: str = "", option: str = "") -> str:
     """MJCF of one body, with a site at its end, and more."""
     return f"""<mujoco><compiler angle="radian" autolimits="true"/>
       <option gravity="0 0 -9.81" timestep="1e-4" integrator="RK4" {option}/>
-      <worldbody><site name="eye" pos="0 0 1"/><body name="arm">{body}{INERTIAL}
+      <worldbody><site name="e1"/><site name="e2"/><site name="eye" pos="0 0 1"/>
+      <body name="arm">{body}{INERTIAL}
       <site name="end" pos="0.3 0.05 0.1"/></body></worldbody>{rest}</mujoco>"""
 
 
@@ -88,6 +89,7 @@ JOINTS = {
     'stiffness="50" springref="0.3" solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3"/>',
     "spring between sites": FREE,
     "weld": '<joint name="a" axis="0 1 0"/>',
+    "weld of places alone": '<joint name="a" axis="0 1 0"/>',
 }
 TIE = """<tendon><spatial name="tie" stiffness="200" springlength="0.9" damping="0.5">
 <site site="eye"/><site site="end"/></spatial></tendon>"""
@@ -103,6 +105,7 @@ HIT = """<keyframe><key name="k" qvel="2"/></keyframe>"""
 @pytest.mark.parametrize("kind", JOINTS)
 def test_other_joints_move_as_in_mujoco(kind, made):
     rest = {"spring between sites": TIE, "weld": WELD}.get(kind, "")
+    rest = WELD.replace("anchor", 'torquescale="0" anchor') if "places" in kind else rest
     text, keyframe = model(JOINTS[kind], rest), ""
     if "limits" in kind:  # without weight, as the limit's own spring alone moves a body there
         text, keyframe = model(JOINTS[kind], HIT).replace("-9.81", "0"), "k"
@@ -111,7 +114,8 @@ def test_other_joints_move_as_in_mujoco(kind, made):
     assert mjcf.distance(mjcf.motion(structure.build(), "end", 2e-4), places) < 1e-3
 
 
-URDF = """<robot name="two"><link name="base"/>
+URDF = """<robot name="two"><link name="base"><collision><geometry><box size="1 1 1"/></geometry>
+</collision></link>
 <link name="arm-1"><inertial><origin xyz="0.2 0 0"/><mass value="1"/>
 <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0.001" ixz="0" iyz="0"/></inertial></link>
 <link name="tool"><inertial><mass value="0.5"/>
@@ -138,10 +142,19 @@ def test_urdf_swings_by_its_closed_equation(made):
     (outcome,) = fpm.simulate([scene], duration=1.0, instants=11, step=5e-4)
     exact = solve_ivp(swing, (0, 1), (0, 0), rtol=1e-10, atol=1e-12, t_eval=np.linspace(0, 1, 11))
     np.testing.assert_allclose(outcome.openings["hinge"], exact.y[0], atol=2e-5)
+    assert "link base has the mass of its shapes at 1000 kg/m3" in notes
     assert "body tool is held rigidly on arm-1" in notes
     assert "arm-1 is called arm_1 among bodies" in notes
     assert "<transmission> of <robot> two is not taken: it has no equivalent" in notes
     assert "<gazebo> of <robot> two is not taken: it has no equivalent" in notes
+
+
+def test_meshes_that_give_no_mass_need_no_file(tmp_path):
+    mesh = '<collision><geometry><mesh filename="package://none/arm.stl"/></geometry></collision>'
+    (tmp_path / "arm.urdf").write_text(URDF.replace("</link>\n<link", f"{mesh}</link>\n<link"))
+    notes = convert(tmp_path / "arm.urdf", tmp_path / "arm.yaml")
+    assert structures.load(tmp_path / "arm.yaml").build().mass.max() == 1.5
+    assert any(note.startswith("contact of arm-1, base is not taken") for note in notes)
 
 
 def test_parameters_of_what_acts_can_be_intervals(made):
@@ -203,6 +216,21 @@ LEFT = {  # XML of the body, the rest, and what is said of it
     "flag": (FREE, '<option><flag spring="disable"/></option>', "flag spring=disable"),
     "contact": (FREE + '<geom name="g" size="0.1"/>', '<worldbody><geom type="plane" size="1 1 1"/>'
                 "</worldbody>", "contact of arm, world"),
+    "pair of geoms": (
+        FREE + '<geom name="g" size="0.1" contype="0" conaffinity="0"/>', '<worldbody><geom name='
+        '"f" type="plane" size="1 1 1" contype="0"/></worldbody><contact><pair geom1="f" geom2="g"'
+        "/></contact>", "contact of arm, world",
+    ),
+    "least length of a tendon": (
+        FREE, '<tendon><spatial name="t" range="0.5 2"><site site="eye"/><site site="end"/>'
+        "</spatial></tendon>", "limit of tendon t at 0.5 m",
+    ),
+    "actuator that is off": (
+        '<joint name="a"/>', '<option actuatorgroupdisable="2"/><actuator><motor name="m" joint="a"'
+        ' group="2"/></actuator>', "actuator m",
+    ),
+    "controls beyond their range": (FREE, '<option><flag clampctrl="disable"/></option>',
+                                    "flag clampctrl=disable"),
     "camera": (FREE, '<worldbody><camera name="view"/></worldbody>', "camera view"),
     "gravity compensation": ('<joint name="a"/><body name="balloon" gravcomp="1"><joint name="b"/>'
                              f"{INERTIAL}</body>", "", "gravcomp of body balloon"),

@@ -1,6 +1,7 @@
 """MJCF and URDF models as structures' files: what is not taken is listed."""
 
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,10 +12,10 @@ from deployable.campaign.convert.parts import add_joints, add_loops, add_parts
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 
-FLAGS = "CONSTRAINT", "EQUALITY", "FRICTIONLOSS", "LIMIT", "SPRING", "DAMPER", "ACTUATION"
+FLAGS = "CONSTRAINT EQUALITY FRICTIONLOSS LIMIT SPRING DAMPER ACTUATION CLAMPCTRL"
 URDF = (
     "robot link inertial origin mass inertia visual collision geometry box cylinder sphere capsule "
-    "mesh material color texture joint parent child axis limit dynamics mujoco compiler"
+    "mesh material color texture joint parent child axis limit dynamics mimic mujoco compiler"
 )
 """Elements of URDF that MuJoCo reads, or that only say how things look."""
 
@@ -25,8 +26,8 @@ FIELDS = {
     "joint": "jnt_stiffnesspoly jnt_springyield jnt_margin dof_armature dof_dampingpoly",
     "ball or free joint": "jnt_stiffness jnt_limited dof_damping dof_frictionloss",
     "tendon": "tendon_frictionloss tendon_armature tendon_springyield tendon_stiffnesspoly "
-    "tendon_dampingpoly",
-    "actuator": "actuator_armature actuator_damping",
+    "tendon_dampingpoly tendon_margin",
+    "actuator": "actuator_armature actuator_damping actuator_delay",
     "body": "body_gravcomp",
 }
 """Fields of objects that are not taken where they are not 0."""
@@ -47,6 +48,7 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         spec.compiler.fusestatic = False
+        _leave_meshes(mujoco, spec)
         model = spec.compile()
     except (ValueError, OSError) as error:
         raise CampaignError(f"{path}: MuJoCo cannot read it: {error}") from None
@@ -77,6 +79,22 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
     return draft.notes
 
 
+def _leave_meshes(library: Any, spec: Any) -> None:
+    """Make spheres of meshes whose mass does not count, as their files are often elsewhere."""
+    is_all = spec.compiler.inertiafromgeom == library.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    for geom in spec.geoms:
+        body = geom.parent
+        while body.name != "world" and not body.joints:
+            body = body.parent
+        is_light = body.name == "world" or (geom.parent.explicitinertial and not is_all)
+        if geom.meshname and is_light:
+            geom.type, geom.meshname = library.mjtGeom.mjGEOM_SPHERE, ""
+            geom.size = [1e-3, 0, 0]
+    for mesh in [*spec.meshes]:
+        if all(geom.meshname != mesh.name for geom in spec.geoms):
+            spec.delete(mesh)
+
+
 def _note_rest(draft: Draft, path: Path) -> None:
     """Note what of the model has no part in the structure."""
     m = draft.model
@@ -91,19 +109,20 @@ def _note_rest(draft: Draft, path: Path) -> None:
                 name = draft.name_of(kind.split()[-1], i)
                 draft.leave_out(f"{field.partition('_')[2]} of {kind} {name}")
     geoms = np.flatnonzero(m.geom_contype | m.geom_conaffinity)
+    geoms = np.concatenate([geoms, m.pair_geom1, m.pair_geom2])
     bodies = sorted({draft.name_of("body", body) for body in m.geom_bodyid[geoms]})
-    if len(bodies) > 1:
+    if len(bodies) > 1 and not draft.is_disabled("CONTACT"):
         draft.leave_out(f"contact of {', '.join(bodies)}", "bodies pass through each other")
     for key in ("wind", "density", "viscosity"):
         if np.any(getattr(m.opt, key)):
             draft.leave_out(f"option {key}")
-    for flag in FLAGS:
+    for flag in FLAGS.split():
         if draft.is_disabled(flag):
             draft.leave_out(f"flag {flag.lower()}=disable")
     is_urdf = b"<robot" in path.read_bytes()
     for element in ElementTree.parse(path).getroot().iter() if is_urdf else ():
-        for child in element:
-            if child.tag not in URDF.split():
-                draft.leave_out(
-                    f"<{child.tag}> of <{element.tag}> {element.get('name', '')}".rstrip()
-                )
+        tags, name = [child.tag for child in element], element.get("name", "")
+        for tag in sorted({*tags} - {*URDF.split()}, key=tags.index):
+            draft.leave_out(f"<{tag}> of <{element.tag}> {name}".rstrip())
+        if "collision" in tags and "inertial" not in tags:
+            draft.notes.append(f"link {name} has the mass of its shapes at 1000 kg/m3")

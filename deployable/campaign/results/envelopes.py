@@ -1,4 +1,4 @@
-"""Bounds in Python that draw themselves: `bounds.envelope.plot()`."""
+"""Bounds in Python that draw themselves: `bounds.plot()`."""
 
 from typing import Any
 
@@ -8,21 +8,19 @@ from deployable.campaign.results.figures import envelope
 from deployable.campaign.results.response_bounds import ResponseBounds
 
 
-@xr.register_dataset_accessor("envelope")
-class EnvelopeAccessor:
-    """What a dataset of bounds (`campaign.run`, `intervals.bounds_dataset`) has as `envelope`."""
+class Envelopes(xr.Dataset):
+    """The bounds that `campaign.run` returns: a dataset whose `plot` draws them."""
 
-    def __init__(self, bounds: xr.Dataset):
-        self.bounds = bounds
+    __slots__ = ()
 
     def plot(self, *names: str) -> Any:
         """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
         responses, none: all."""
-        names = names or tuple(self.bounds["response"].values)
+        names = names or tuple(self["response"].values)
         return envelope([self._read(str(name)) for name in names], 0.1)
 
     def _read(self, name: str) -> ResponseBounds:
-        data = self.bounds.sel(response=name)
+        data = self.sel(response=name)
         keys = [key for key in ("lower", "upper", "nominal", "error") if key in data]
         curves: Any = {key: data[key].values for key in keys}
         return ResponseBounds(

@@ -7,7 +7,6 @@ import sys
 import threading
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -208,11 +207,10 @@ def run(
     -------
     xarray.Dataset
         The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it, which
-        `bounds.envelope.plot()` draws; with cases a dict of it by the name of the case."""
+        `bounds.plot()` draws; with cases a dict of it by the name of the case."""
     import scipy.linalg  # noqa: F401  # its library can be limited once it is loaded
     from threadpoolctl import threadpool_limits
 
-    import_module("deployable.campaign.results.envelopes")  # `plot` of bounds
     with threadpool_limits(limits=1, user_api="blas"):
         campaign = config if isinstance(config, Campaign) else check_config(config)
         complete(campaign, results, figures, notify)
@@ -222,8 +220,11 @@ def run(
 
 
 def _load(path: Path) -> Any:
+    from deployable.campaign.results.envelopes import Envelopes  # draws, unlike the stages
+
     with open_dataset(path) as data:
-        return data.load()
+        data.load()
+    return Envelopes(data.data_vars, data.coords, data.attrs)
 
 
 def complete(

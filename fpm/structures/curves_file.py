@@ -185,10 +185,10 @@ class CsvTable:
         second = unit("s").dimension
         columns = [k for k, u in enumerate(self.units) if getattr(u, "dimension", None) == second]
         times = [k for k, name in enumerate(self.names) if name.lower() in _TIMES]
-        named = [k for k in columns if k in times]
-        if columns and not named:  # `time` without a unit beside `delay [s]`
+        matches = [k for k in columns if k in times]
+        if columns and not matches:  # `time` without a unit beside `delay [s]`
             columns += [k for k in times if self.units[k] == _NO_UNIT]
-        columns = named if len(named) == 1 else columns
+        columns = matches if len(matches) == 1 else columns
         if len(columns) > 1:
             text = f"the time could be {' or '.join(self.names[k] for k in columns)}"
             remedy = "one column with a unit of time, or one of them called t"

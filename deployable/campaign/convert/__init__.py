@@ -20,7 +20,6 @@ URDF = (
 """Elements of URDF that MuJoCo reads, or that only say how things look."""
 
 OBJECTS = "flex", "plugin", "sensor", "camera", "light", "skin", "numeric", "text", "tuple"
-"""Objects of a model that are not taken."""
 
 FIELDS = {
     "joint": "jnt_stiffnesspoly jnt_springyield jnt_margin dof_armature dof_dampingpoly",
@@ -30,7 +29,7 @@ FIELDS = {
     "actuator": "actuator_armature actuator_damping actuator_delay",
     "body": "body_gravcomp",
 }
-"""Fields of objects that are not taken where they are not 0."""
+"""`OBJECTS` are not taken, nor are these fields of others where they are not 0."""
 
 
 def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
@@ -71,8 +70,7 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
             draft.add("record", name, **draft.site(site))
     _note_rest(draft, path)
     table = draft.structure.table
-    for group in [group for group in GROUPS if not table[group]]:
-        del table[group]
+    draft.structure.table = {key: x for key, x in table.items() if x or key not in GROUPS}
     draft.structure.build()
     lines = [f"Made from {path.name} by MuJoCo {mujoco.__version__}.", *draft.notes]
     write_text(target, "".join(f"# {line}\n" for line in lines) + draft.structure.text())
@@ -113,12 +111,10 @@ def _note_rest(draft: Draft, path: Path) -> None:
     bodies = sorted({draft.name_of("body", body) for body in m.geom_bodyid[geoms]})
     if len(bodies) > 1 and not draft.is_disabled("CONTACT"):
         draft.leave_out(f"contact of {', '.join(bodies)}", "bodies pass through each other")
-    for key in ("wind", "density", "viscosity"):
-        if np.any(getattr(m.opt, key)):
-            draft.leave_out(f"option {key}")
-    for flag in FLAGS.split():
-        if draft.is_disabled(flag):
-            draft.leave_out(f"flag {flag.lower()}=disable")
+    options = [key for key in ("wind", "density", "viscosity") if np.any(getattr(m.opt, key))]
+    flags = [flag.lower() for flag in FLAGS.split() if draft.is_disabled(flag)]
+    for text in (*(f"option {key}" for key in options), *(f"flag {x}=disable" for x in flags)):
+        draft.leave_out(text)
     is_urdf = b"<robot" in path.read_bytes()
     for element in ElementTree.parse(path).getroot().iter() if is_urdf else ():
         tags, name = [child.tag for child in element], element.get("name", "")

@@ -1,11 +1,13 @@
 """What acts in a MuJoCo model: springs, dampers, friction and limits, tendons, actuators."""
 
+from typing import Any
+
 import numpy as np
 
 from deployable.campaign.convert.draft import Draft, digits, with_unit
 
 
-def _limit(solref: np.ndarray, solimp: np.ndarray, inverse: float) -> dict[str, float]:
+def _limit(solref: np.ndarray, solimp: np.ndarray, inverse: float) -> dict[str, Any]:
     """Stiffness and damping of MuJoCo's soft limit: with the impedance d its force is d/A (-b v - k
     r); A, `inverse`, is the acceleration by a unit force (its documentation, Computation)."""
     a, b = map(float, solref)

@@ -17,8 +17,8 @@ def add_parts(draft: Draft) -> None:
     m, d, members = draft.model, draft.data, defaultdict(list)
     for body in range(1, m.nbody):
         members[draft.part(body)].append(body)
-    for body in members.pop(0, ()):
-        draft.notes.append(f"body {draft.name_of('body', body)} is fixed to the ground")
+    fixed = [draft.name_of("body", body) for body in members.pop(0, ())]
+    draft.notes += [f"body {name} is fixed to the ground" for name in fixed]
     for part, bodies in members.items():
         names = [draft.name_of("body", body) for body in bodies]
         draft.notes += [f"body {name} is held rigidly on {names[0]}" for name in names[1:]]
@@ -67,8 +67,8 @@ def add_joints(draft: Draft) -> None:
         for joint, kind, (suffix, sign) in zip(joints, kinds, signs.items(), strict=False):
             draft.openings[joint] = name + suffix, sign, UNITS[kind]
             if suffix:
-                text = draft.name_of("joint", joint)
-                draft.notes.append(f"joint {text} is the opening {name + suffix}")
+                text = f"joint {draft.name_of('joint', joint)} is the opening {name + suffix}"
+                draft.notes.append(text)
     if problems:
         raise CampaignError(
             f"{'; '.join(problems)}; allowed for several joints of one body: two hinges that meet "
@@ -84,7 +84,8 @@ def _equivalent(kinds: str, axes: np.ndarray, q: np.ndarray) -> tuple[dict, dict
     is_normal, is_parallel = abs(cosines) < NORMAL, abs(cosines) > 1 - NORMAL**2
     pattern = kinds, "".join(np.select([is_normal, is_parallel], ["n", "p"], "-"))
     type_ = next((type_ for type_, row in JOINTS.items() if row[:2] == pattern), "")
-    keys, signs = {"type": type_}, dict.fromkeys(JOINTS.get(type_, pattern)[-1], 1.0)
+    keys: dict = {"type": type_}
+    signs = dict.fromkeys(JOINTS.get(type_, pattern)[-1], 1.0)
     if not type_ or type_ == "spherical":
         return (keys, {}) if type_ else None
     if type_ == "cylindrical":

@@ -57,7 +57,7 @@ def write_mjcf(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
         raise CampaignError(text) from None
     scene = consistent_scene(run.scene)
     pairs = [(kind, element) for kind, members in scene.kinds.items() for element in members]
-    names = [_title(scene, x) for kind, x in pairs if not CONDITIONS.get(kind, lambda _: False)(x)]
+    names = [_title(scene, x) for k, x in pairs if k not in CONDITIONS or not CONDITIONS[k](x)]
     is_held = np.any(scene.fixed, axis=1) & ~np.all(scene.fixed, axis=1)
     names += [f"the support of {name}" for name, p in scene.bodies.items() if is_held[p]]
     if names:
@@ -145,7 +145,7 @@ class Tree:
             ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in pair}
             k, c = values.pop()
             mobility = model.dof_invweight0[model.joint(name).dofadr[0]]
-            keys = {"solreflimit": -mobility * np.array([IMPEDANCE * k, c])}
+            keys = {"solreflimit": [-mobility * IMPEDANCE * k, -mobility * c]}
             keys |= {"solimplimit": [IMPEDANCE, IMPEDANCE, 1e-3], "range": [*ends.values()]}
             _put(self.world.find(f".//joint[@name='{name}']"), **keys)
 
@@ -171,21 +171,20 @@ class Tree:
             else:
                 p = next(p for p in range(len(scene.mass)) if p not in self.bodies)
                 self._add_body(p, self.world, np.zeros(3))
-                name = f"{self.names[p]}_free"
-                _add(self.bodies[p], "freejoint", name=name)
+                name = _add(self.bodies[p], "freejoint", name=f"{self.names[p]}_free").get("name")
                 self.rates[name] = [*self.motion.velocity[p], *self.motion.spin[p]]
         for name, beam in scene.points.items():
             self._add_site(name, beam)
         group = _add(self.root, "equality")
         for joint in loops:
-            bodies = zip(("body1", "body2"), joint.particles, strict=True)
-            keys = {key: self.names.get(p, "world") for key, p in bodies}
+            first, second = (self.names.get(p, "world") for p in joint.particles)
             for i, tag in enumerate(CLOSING[joint.type]):
                 point: Any = [] if tag == "weld" else self._end(joint.beams[0])
                 if i:
                     axis = scene.frame[joint.particles[0]] @ joint.axes[0]
                     point = point + 0.2 * np.ptp(scene.position) * axis
-                _add(group, tag, name=joint.name + i * "_axis", anchor=point, **keys)
+                name = joint.name + i * "_axis"
+                _add(group, tag, name=name, body1=first, body2=second, anchor=point)
 
     def _branches(self) -> tuple[list, list]:
         """Joints of a tree of the bodies, with all that something acts on, and joints of loops."""
@@ -233,9 +232,9 @@ class Tree:
                 keys["axis"] = turn * s.frame[hinge.particles[0]] @ hinge.axes[0]
                 keys["ref"], moment = hinge.opening, 0.0
                 for word, (kind, value, *_) in list(ACTIONS.items())[:3]:
-                    found = [x for x in kind.find(s) if x.hinge == number]
-                    keys[word] = sum(getattr(x, value) for x in found)
-                    moment += sum(x.stiffness * x.rest for x in found if word == "stiffness")
+                    actions = [x for x in kind.find(s) if x.hinge == number]
+                    keys[word] = sum(getattr(x, value) for x in actions)
+                    moment += sum(x.stiffness * x.rest for x in actions if word == "stiffness")
                 keys["springref"] = moment / (keys["stiffness"] or 1.0)
             _add(self.bodies[child], "joint", **keys)
 

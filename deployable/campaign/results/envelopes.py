@@ -13,11 +13,10 @@ class Envelopes(xr.Dataset):
 
     __slots__ = ()
 
-    def plot(self, *names: str) -> Any:
+    def plot(self, *names: str) -> Any:  # type: ignore[override]
         """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
         responses, none: all."""
-        names = names or tuple(self["response"].values)
-        return envelope([self._read(str(name)) for name in names], 0.1)
+        return envelope([self._read(str(x)) for x in names or self["response"].values], 0.1)
 
     def _read(self, name: str) -> ResponseBounds:
         data = self.sel(response=name)

@@ -8,7 +8,7 @@ runs of both kinds. Further runs are sought about the border (Basudhar and Misso
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -33,7 +33,7 @@ REACH = 0.25
 the function that separates them is at least in proportion to it."""
 
 # By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
-_CONFIDENCE = 1.4
+_CONFIDENCE = 1.6
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
@@ -86,7 +86,7 @@ class Occurrence:
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
         there are as many as runs that hold it (support vectors) and are apart from each other, but
         fewer where runs stand beside others: times the square of the share that does not.
-        1.4 over the root of their number times as much."""
+        1.6 over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
         return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self._stretch_count))
@@ -107,8 +107,16 @@ class Occurrence:
     @cached_property
     def open_fraction(self) -> float:
         """Volume fraction of the box (8192 points) where runs do not decide if the event occurs."""
+        return self._fraction_within(self.band)
+
+    @cached_property
+    def usual_open_fraction(self) -> float:
+        """Volume fraction of the box as `open_fraction`, by the band of `usual_band`."""
+        return self._fraction_within(self.usual_band)
+
+    def _fraction_within(self, band: Callable[[np.ndarray], np.ndarray]) -> float:
         spread = self._spread()
-        return float((np.abs(self.decision(spread)) < self.band(spread)).mean())
+        return float((np.abs(self.decision(spread)) < band(spread)).mean())
 
     @cached_property
     def cells(self) -> np.ndarray:

@@ -15,6 +15,7 @@ from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
 _GROUPS = 8  # of lines, whose means tell the error of all lines
+_STUDENT = 2.36  # deviations of a mean that 8 groups tell: 95 % of Student's t
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
 _NEXT, _TINY = 16, 1e-300  # runs next to a border; a distance from it that is none
@@ -218,8 +219,8 @@ def shares_of_box(
     how much these change by the errors of `Limit.conditions`, calibrated on boxes of known
     fractions (about twice the deviation), or, if that is more, by the other kind of fits. Measured
     on one line in one dimension, on many lines spread over the box in several, whose parts differ
-    by so much that twice the deviation of their mean counts, too; borders of where limits are
-    satisfied are found on each by linear interpolation.
+    by so much that the deviation of their mean counts, too; borders of where limits are satisfied
+    are found on each by linear interpolation, whose error every other point tells.
 
     sets: sets of limits, which evaluate surrogates that they share once; free: mask (k) of the
     directions with a width; lower, upper: corners (k each), in [-1, 1]^k, of the part of the box
@@ -250,9 +251,9 @@ def shares_of_box(
         means, deviations = all_parts.mean(axis=2).tolist(), _deviations(all_parts[:, 0]).tolist()
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
         for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
-            fraction, least, most = row
-            open_ = max(most - fraction, fraction - least, change)
-            shares[i] = fraction, float(np.hypot(open_, 2 * deviation))
+            fraction, least, most, coarse = row
+            open_ = max(most - fraction, fraction - least, change) + abs(coarse - fraction)
+            shares[i] = fraction, float(np.hypot(open_, _STUDENT * deviation))
     return shares
 
 
@@ -269,7 +270,7 @@ class Halving(NamedTuple):
 def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray, j: int) -> Halving:
     """Find what halving the interval of index `j` gains, on lines along it through the whole box,
     so that much of the error of a share cancels in the gain. Uncertainties are those of the fits
-    (`shares_of_box`) and twice the deviation by sets of lines, each scrambled by itself, which are
+    (`shares_of_box`) and the deviation by sets of lines, each scrambled by itself, which are
     added while it exceeds a quarter of the gain and a twentieth of what fails. All is certain only
     if the worst case of the halved box satisfies all limits; else three lines may be missed. free,
     nominal (k each): as elsewhere, normalized."""
@@ -306,7 +307,7 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
         fit_errors = _halving_errors(np.mean(changes, axis=0))
         share, gain = _with_gains(shares.mean(axis=0))
         means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
-        errors = np.zeros(2) if count == 1 else 2 * means.std(axis=0, ddof=1) / len(means) ** 0.5
+        errors = np.zeros(2) if count == 1 else _STUDENT * means.std(axis=0, ddof=1) / _BATCHES**0.5
         target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
         if 2 * count > most or count == 1 or errors.max() <= target:
             break
@@ -345,10 +346,15 @@ def _compare(
     pairs: Sequence[tuple[Sequence[Limit], tuple[list[Limit], float]]], points: np.ndarray,
     count: int, is_tested: bool,
 ) -> tuple[list, list]:  # fmt: skip
-    """Parts of lines on which each set of limits is satisfied, plus 0, -1 and 1 errors, and, where
-    that `is_tested`, by how much the rivals of a set change the first."""
+    """Parts of lines on which each set of limits is satisfied, plus 0, -1 and 1 errors, by every
+    other point, and, where that `is_tested`, by how much the rivals of a set change the first."""
     cache: dict = {}
-    parts = [_met(limits, points, cache, count, (0, -1, 1)) for limits, _ in pairs]
+    parts = []
+    for limits, _ in pairs:
+        conditions = _conditions(limits, points, cache, count)
+        coarse = [(values[:, ::2], error[:, ::2]) for values, error in conditions]
+        rows = [_parts_met(conditions, sign) for sign in (0, -1, 1)] + [_parts_met(coarse, 0)]
+        parts.append([row.mean(axis=1) for row in rows])
     differences = [
         rivalry * (_met(rivals, points, cache, count, (0,))[0] - part[0])
         if rivals else 0.0 * part[0]
@@ -375,12 +381,19 @@ def _met(
     `sign` errors are satisfied, for each of the `signs`; with `weights` (count - 1, m) of the
     stretches, which else count alike, sums (L, m)."""
     weights = np.full(count - 1, 1.0 / (count - 1)) if weights is None else weights
-    conditions = [
+    conditions = _conditions(limits, points, cache, count, any(signs))
+    return [_parts_met(conditions, sign) @ weights for sign in signs]
+
+
+def _conditions(
+    limits: Sequence[Limit], points: np.ndarray, cache: dict, count: int, with_errors: bool = True
+) -> list[tuple[np.ndarray, ...]]:
+    """Values and errors (L, S) of all limits on lines of `count` points each."""
+    return [
         tuple(array.reshape(-1, count) for array in row)
         for limit in limits
-        for row in limit.conditions(points, cache, any(signs))
+        for row in limit.conditions(points, cache, with_errors)
     ]
-    return [_parts_met(conditions, sign) @ weights for sign in signs]
 
 
 def _parts_met(conditions: Sequence[tuple[np.ndarray, ...]], sign: int) -> np.ndarray:

@@ -294,10 +294,13 @@ def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate
 
     def best(border: Occurrence) -> Occurrence:
         rival = borders.get(border.happens.tobytes(), border)
-        is_better = type(border) is Occurrence and rival.open_fraction < border.open_fraction
-        return rival if is_better else border
+        return min(border, rival, key=_openness) if type(border) is Occurrence else border
 
     return [replace(surrogate, occurrence=best(surrogate.occurrence)) for surrogate in surrogates]
+
+
+def _openness(border: Occurrence) -> float:
+    return border.usual_open_fraction
 
 
 def _occurrence(
@@ -318,7 +321,7 @@ def _occurrence(
     if latest is not None and np.isfinite(fit.error):
         by_time = FittedOccurrence(points, happens, fit, fit.error, latest)
         borders += [by_time] if by_time.agrees() else []
-    return min(reversed(borders), key=lambda border: border.open_fraction)
+    return min(reversed(borders), key=_openness)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from .alignment import (
     has_groups,
     name_events,
     split_runs,
+    unseen_difference,
 )
 from .box import find_other_runs, match_points
 from .designs import Design, complete_runs, fit
@@ -296,7 +297,7 @@ class AlignedModel(Model):
     each place, and with what is near the borders of parts; and their change within the left-out
     error of event times, of the runs near the place of the bound. Where an
     event of part of the box does not split the runs, it is at least the difference across its
-    border."""
+    border. Where margins tell that no run is behind a border, it is all that runs move."""
 
     kind = "attained range of splines through all runs, aligned at their events"
 
@@ -315,8 +316,18 @@ class AlignedModel(Model):
         groups = [runs, *([runs[row] for row in part.rows] for part in self.parts)]
         self.has_groups = any(has_groups(group, samples.time) for group in groups)
         self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
+        self.doubts: dict[str, float] = {}  # times (s) from which bounds are in doubt
         if len(self.parts) == 1:
             self.part_error = difference_across(self.points, samples.values, samples.time, runs)
+            if self.part_error.any():
+                self.doubts["undivided_from"] = self.differ
+        if "event_margin" in samples.source:
+            margins = samples.source["event_margin"].values
+            start = unseen_difference(self.points, margins, samples.time, runs)
+            if start < np.inf:  # a run there may be wherever runs are at any time
+                self.doubts["unseen_from"] = start
+                reach = np.ptp(samples.values, axis=(0, 2))[:, None] * (samples.time >= start)
+                self.part_error = np.maximum(self.part_error, reach)
         self.end_time = min(part.curves.end_time for part in self.parts)
         count = max(part.curves.times.shape[1] for part in self.parts)
         self.attributes = {
@@ -417,8 +428,7 @@ class AutoModel(Model):
         self.test_rows = self.fits[0].test_rows
         names = [next(n for n, kind in MODELS.items() if type(fit) is kind) for fit in self.fits]
         self.attributes = {**self.fits[-1].attributes, "models": names}
-        if alignment is not None and self.part_error.any():
-            self.attributes["undivided_from"] = alignment.differ
+        self.attributes |= alignment.doubts if alignment else {}
 
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
         """The index of the model (n, T)."""

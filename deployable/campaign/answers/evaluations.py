@@ -47,6 +47,11 @@ class FurtherRuns:
         self.records: list[RunRecord] = []
 
     @property
+    def event_margins(self) -> np.ndarray:
+        """Margins (R, c) of the first event at each contact, stop or latch, NaN if not known."""
+        return np.array([record.event_margins for record in self.records])
+
+    @property
     def events(self) -> np.ndarray:
         """Events (R, e, 3) of the runs: time (s), what, and which way, padded with NaN."""
         return pad_events([record.events for record in self.records])

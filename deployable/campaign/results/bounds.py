@@ -58,7 +58,8 @@ def include_runs(folder: Folder, runs: Any) -> None:
         wider = bounds
         if "models" in bounds.attrs:
             points = runs.experiment.box.to_unit(values)
-            samples = intervals.add_runs(samples, points, values, curves, runs.events)
+            events = runs.events, runs.event_margins
+            samples = intervals.add_runs(samples, points, values, curves, *events)
             design = _design(samples, runs.experiment)
             wider = intervals.bounds_dataset(samples, design, model="auto")
             parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]

@@ -100,6 +100,8 @@ def facts_of(
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
+    if "unseen_from" in bounds.attributes:
+        facts["unseen_from"] = float(bounds.attributes["unseen_from"])
     if facts["overlap"] > SOFT:
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = {**runs, "all": sum(runs.values())}

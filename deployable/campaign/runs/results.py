@@ -46,9 +46,9 @@ class Result:
 class RunRecord:
     """What `samples.nc` holds of one run. time (T): s; values (n, T): responses; events (e, 3):
     time (s), index into `contacts`, 1 if it closes and 0 if it opens; numbers (q): quantities, NaN
-    if absent; margins (q): above 0 if it exists, NaN if not known; overlap: largest one of the
-    faces of a contact (rad), 0 without contacts; step (s): below that of the plan where the run
-    failed with it."""
+    if absent; margins (q): above 0 if it exists, NaN if not known; event_margins (c): of the first
+    event at each of `contacts`, likewise; overlap: largest one of the faces of a contact (rad), 0
+    without contacts; step (s): below that of the plan where the run failed with it."""
 
     time: np.ndarray
     values: np.ndarray
@@ -56,6 +56,7 @@ class RunRecord:
     contacts: Sequence[str]
     numbers: np.ndarray
     margins: np.ndarray
+    event_margins: np.ndarray
     overlap: float
     step: float
 

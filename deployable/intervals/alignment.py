@@ -324,15 +324,16 @@ class AlignedCurves:
         return np.zeros((len(points), 0)) if spline is None else spline.evaluate(points)
 
     def time_ranges(self) -> np.ndarray:
-        """Return the first and the last times (2, E), s, of events in the runs and over the box."""
+        """Return the earliest and the latest times (2, E), s, of each event, over the runs and the
+        box."""
         free = self.spline.scales > 0
         trial = np.where(free, spread_points(free, _CANDIDATES), self.points[0])
         times = np.concatenate([self.times, self.times_at(trial)])
         return np.array([times.min(axis=0), times.max(axis=0)])
 
     def place(self, times: np.ndarray, instants: np.ndarray) -> np.ndarray:
-        """Return where instants (P, T) or (T), s, are along mapped time, as fractions (P, T) of its
-        columns, with event times (P, E)."""
+        """Return the position of instants (P, T) or (T), s, on the mapped time axis, as fractions
+        (P, T) of its columns, given event times (P, E)."""
         times = np.maximum.accumulate(times, axis=1)
         starts = np.concatenate([np.full((len(times), 1), self.time[0]), times], axis=1)
         reach = np.full((len(times), 1), self.reach)
@@ -589,7 +590,8 @@ def _labels(events: list[dict], time: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def _loss(parts: list[Part], values: np.ndarray, time: np.ndarray) -> float:
-    """The root mean square left-out error of runs, of responses by the spread of their values."""
+    """Return the root mean square left-out error of runs, relative to the spread of each
+    response."""
     is_known = time <= min(part.curves.end_time for part in parts)
     spread = np.maximum(np.ptp(values, axis=(0, 2)), 1e-300)[:, None]
     errors = np.concatenate([part.curves.left_out[..., is_known] for part in parts]) / spread

@@ -554,8 +554,9 @@ class _Waves:
 
 
 def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
-    """Coordinates (N, p), -1 to 1, of runs of wave `number`: corners, or of many directions the
-    axes' ends, then `count` of a sequence. free (p): directions with a width."""
+    """Return coordinates (N, p), -1 to 1, of the runs of wave `number`: corners, or with many
+    directions the ends of the axes, then `count` points of a sequence. free (p): directions with a
+    width."""
     axes = np.eye(len(free))[free]
     ends = corner_points(free) if free.sum() <= _CORNERS else np.concatenate([-axes, axes])
     spread = scan_points(free, (number + 1) * count, corners=False)

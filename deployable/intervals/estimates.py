@@ -83,9 +83,10 @@ class ErrorEstimate:
 def estimate_error(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
-    runs that were not fitted, and `decay`, by coefficients. The result's `total` is the larger one,
-    at each instant its largest within `window` (half width, s; None: 0.5 % of the duration)."""
+    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`,
+    from runs that were not fitted, and `decay`, from coefficients. The result's `total` is the
+    larger of both, widened at each instant to the largest within `window` (half width, s; None: 0.5
+    % of the duration)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 

@@ -62,8 +62,9 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Fit T natural cubic splines on a line to values (N, T) at knots (N, any order): returns their
-    second derivatives (N, T), and leave-one-out errors (N, T), infinite below 3 knots."""
+    """Fit T natural cubic splines with one parameter to values (N, T) at knots (N, in any order).
+    Returns their second derivatives (N, T), and leave-one-out errors (N, T), infinite below 3
+    knots."""
     order = np.argsort(knots)
     h = np.diff(knots[order])
     second, left_out = np.zeros_like(values), np.full_like(values, np.inf)
@@ -73,7 +74,7 @@ def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
     bend = np.zeros_like(values)
     slopes = np.diff(values[order], axis=0) / h[:, None]
     bend[1:-1] = _tridiagonal(band, np.diff(slopes, axis=0))
-    # leaving out run i: the value there that makes the spline's energy f' Q R^-1 Q' f least
+    # The spline without run i predicts the value that minimises its bending energy f' Q R^-1 Q' f.
     slope = np.diff(bend, axis=0) / h[:, None]
     force = np.concatenate([slope[:1], np.diff(slope, axis=0), -slope[-1:]])
     factors = [1 / h[:-1], -1 / h[:-1] - 1 / h[1:], 1 / h[1:]]

@@ -233,8 +233,9 @@ def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 def _best(
     model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
 ) -> tuple[Any, Any, list, list]:
-    """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
-    that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
+    """Find the best and the safest choice (`intervals.scalars.Choice`), the safe range of each
+    chosen value, and the choices that were tried. Without a safe choice the safest is None and the
+    ranges are empty."""
     problem = _problem(model, experiment, choose, specs)
     best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):

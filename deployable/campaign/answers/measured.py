@@ -48,11 +48,11 @@ def answer(
     threads: int,
     further_runs: FurtherRuns,
 ) -> None:
-    """Find what of a campaign's box explains its measured curves, with the runs that this takes,
-    and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
+    """Find the part of a campaign's box that explains its measured curves, with further runs, and
+    write `measured.json` into `folder`, which has the campaign's `samples.nc`. measured,
     requirements, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate; further_runs: takes note of the runs. Raises `CampaignError`, also if a file
-    of measured curves has changed."""
+    how many simulate; further_runs: counts the runs. Raises `CampaignError`, also if a file of
+    measured curves has changed."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     model.further_runs = further_runs
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
@@ -221,7 +221,8 @@ def _misfits(result: Calibration) -> dict:
 
 
 def _disjoint_pairs(tests: Sequence[_Test], singles: Sequence[Calibration]) -> list[list[str]]:
-    """Names of pairs of tests, each explained by itself, whose hulls have nothing in common."""
+    """Return the names of pairs of tests whose hulls do not overlap, though each is explained by
+    itself."""
     pairs = itertools.combinations(
         [(test.name, single.hull) for test, single in zip(tests, singles, strict=True)
          if not single.is_refuted], 2,

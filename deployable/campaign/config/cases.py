@@ -17,9 +17,9 @@ def folder_name(case: str) -> str:
 
 
 def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
-    """Separate from a raw config the lists `cases` of its requirements (names of those to which one
-    applies): returns the config without them, and the lists by requirement. A mapping called
-    `cases` stays: it is the limits of a quantity of that name."""
+    """Separate the lists `cases` of requirements (the cases to which each applies) from a raw
+    config. Returns the config without them, and the lists by requirement. A mapping called `cases`
+    stays, because it states the limits of a quantity of that name."""
     requirements, case_lists = {}, {}
     sections = raw.get("requirements")
     for name, limits in sections.items() if isinstance(sections, Mapping) else ():

@@ -83,7 +83,7 @@ def _keys(data: Any, path: str = "") -> Iterator[str]:
 
 
 def _place(problem: str, lines: Mapping[str, str]) -> str:
-    """Where the key stands of which a sentence tells, or the nearest one above it."""
+    """Return the line of the key that a problem names, or of the nearest key above it."""
     key = problem.partition(":")[0]
     while key and key not in lines:
         key = key.rpartition(".")[0]
@@ -109,7 +109,7 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
     config, user_config, problems = read(raw)
     campaign: Any = None
     if config is not None:
-        cases = raw.get("cases")  # also those in which something is wrong
+        cases = raw.get("cases")  # sections with a mistake count as present
         names = dict.fromkeys(cases) if isinstance(cases, Mapping) else {}
         problems += naming_problems({**names, **config.cases}, case_lists)
         if config.responses or config.margins:

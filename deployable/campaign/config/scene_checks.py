@@ -241,7 +241,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
 
 
 def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
-    """Whether the runs of a plan are enough, and not too many, for a spline."""
+    """Describe the problem if a plan has too few or too many runs for a spline."""
     experiment, model, box = campaign.experiment, campaign.bounds.model, campaign.experiment.box
     if box.free.sum() > MOST_FULL:
         text = f"{model!r} is not allowed with {box.free.sum()} intervals; allowed: polynomial"

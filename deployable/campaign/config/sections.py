@@ -88,8 +88,9 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
-    """Yield parameter values by name to build the structure at: at the nominal point, then at all
-    corners of the box of up to four `intervals`; of more at each interval's two ends."""
+    """Yield parameter values by name at which to check the structure: the nominal point, then
+    all corners of the box of up to four `intervals`, or both ends of each interval if there are
+    more."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if len(intervals) <= 4:

@@ -44,10 +44,11 @@ _CANDIDATES = 4096  # points at which the spline is asked for more
 
 
 def start_plan(experiment: Experiment) -> Plan:
-    """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
-    width (fewer where `max_runs` allows no more and a check): the nominal one, the corners of the
-    box, if they are at most half of them, and points of a Sobol sequence. It has errors estimated
-    by mesh, or by step if no parameter sets the mesh, by both if there is no other check."""
+    """Make the plan of round 0 of an `accuracy` (config). It has eight runs for each interval that
+    has a width, fewer if `max_runs` leaves no room for them and a check: the nominal run, the
+    corners of the box if they are at most half of the runs, and points of a Sobol sequence. The
+    plan estimates errors of the mesh, or of the step if no parameter sets the mesh, or of both if
+    there is no other check."""
     box, count = experiment.box, count_first_runs(experiment)
     points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
     check: tuple[str, ...] = ("mesh",) if _has_mesh(experiment) else ("step",)
@@ -116,8 +117,9 @@ def _has_mesh(experiment: Experiment) -> bool:
 
 
 def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, dict[str, float]]:
-    """Errors by component, as fractions of widths: of responses by surrogate, step and mesh, of
-    quantities by step and mesh; these two as last checked. numbers (R, q): quantities in runs."""
+    """Return errors by component as fractions of widths: of responses by surrogate, step and mesh,
+    of quantities by step and mesh. Errors of step and mesh come from the last check. numbers (R,
+    q): quantities in runs."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
@@ -132,13 +134,13 @@ def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, 
         all_shares = {**previous.get(name, {}), **shares}
         errors[name] = {"surrogate": shares["surrogate"]} if "surrogate" in shares else {}
         for component in (component for component in COMPONENTS if component in all_shares):
-            is_known = all_shares[component] < UNKNOWN  # not so NaN
+            is_known = all_shares[component] < UNKNOWN  # False for NaN
             errors[name][component] = all_shares[component] if is_known else UNKNOWN
     return errors
 
 
 def _count_new_runs(plan: Plan) -> int:
-    """Runs of a plan that are not those of the round before it."""
+    """Count the runs of a plan that the round before it did not have."""
     nodes, last = len(plan.unique_runs), plan.adaptive.rounds[-1:]
     return nodes if not last or last[0].action in ("mesh", "step") else nodes - last[0].nodes
 

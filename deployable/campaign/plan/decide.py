@@ -103,7 +103,8 @@ class Errors:
 
     @property
     def surrogate(self) -> float:
-        """Error by the surrogate; 0 of quantities, whose bounds are sought after the rounds."""
+        """Return the error of the surrogate; 0 for quantities, which are bounded after the
+        rounds."""
         return self.parts.get("surrogate", 0.0)
 
     @property

@@ -76,8 +76,9 @@ class Runs(Sequence[PlannedRun]):
         cls, experiment: Experiment, role: np.ndarray, points: np.ndarray, step: float,
         mechanics: str,
     ) -> "Runs":  # fmt: skip
-        """Make the sequence of an experiment's runs at normalized points (N, k); nominal runs get
-        the config's exact values. role (N): as of the class; step, mechanics: as of `namer`."""
+        """Make the sequence of an experiment's runs at normalized points (N, k). Nominal runs
+        get the exact values of the config. role (N): as in the class; step, mechanics: as in
+        `namer`."""
         values = experiment.box.from_unit(points)
         values[role == ROLES.index("nominal")] = experiment.nominal
         return cls(role, points, values, namer(experiment, step, mechanics))

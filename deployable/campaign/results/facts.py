@@ -388,7 +388,7 @@ def fitted_width(row: Mapping) -> float:
 
 
 def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
-    """Return whether a parameter that is known exactly (`key` "fixed"), or half as wide ("halved"),
+    """Return whether fixing a parameter (`key` "fixed"), or halving its interval ("halved"),
     narrows a quantity's interval by more than the error of these widths."""
     numbers = influence[key], influence["width_error"], row["surrogate_upper"]
     if "constant" in row or None in numbers:
@@ -432,15 +432,16 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
 
 
 def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:
-    """Return a limit with the margin that summary and page tell, its error, its place and the run
-    there: where its quantity happens (`is_partial`), if its requirement `row` fails only where that
-    does not happen, else the limit as it is. quantities: dicts of all quantities."""
+    """Return a limit with the margin that summary and page show, its error, its place and the run
+    there. If the requirement `row` fails only where its quantity does not happen, these are the
+    values where it happens (`is_partial`); otherwise the limit is returned as it is. quantities:
+    dicts of all quantities."""
     name = happens_only(row, quantities)
     if limit["margin"] is not None or limit["quantity"] != name:
         return limit
     quantity = next(quantity for quantity in quantities if quantity["name"] == name)
     end, place = ("upper", "argmax") if limit["kind"] == "at_most" else ("lower", "argmin")
-    margin = abs(limit["level"] - quantity[end])  # is kept by the error
+    margin = abs(limit["level"] - quantity[end])  # the limit is kept where it happens
     worst = {"margin": margin, "error": whole_error(quantity), "at": quantity[place], "ran": True}
     return {**limit, **worst, "simulated": quantity[f"simulated_{end}"], "is_partial": True}
 

@@ -89,8 +89,8 @@ def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float
 
 
 def whole_error(row: Mapping[str, Any]) -> float | None:
-    """Return the error of a quantity's interval, with those of mesh and step where these are known.
-    row: its dict (`QuantityResults`)."""
+    """Return the error of a quantity's interval, including mesh and step if these are known. row:
+    its dict (`QuantityResults`)."""
     return row.get("errors", {}).get("whole", row["error"])
 
 

@@ -628,7 +628,7 @@ def _describe_limit(limit: Mapping[str, Any], units: str) -> str:
 
 
 def _is_there(limit: Mapping[str, Any]) -> bool:
-    """Whether only what happens keeps a limit."""
+    """Return whether a limit requires its quantity to happen."""
     return limit["kind"] != "happens" or bool(limit["level"])
 
 

@@ -65,7 +65,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template over the facts, whose texts are escaped, but for backticks in a `doubt`."""
+    """Render a template with the facts. Texts are escaped, except for backticks in a `doubt`."""
     text = environment().get_template(template).render(facts=_escape(facts))
     return text.rstrip() + "\n"
 
@@ -84,7 +84,7 @@ def _escape(facts: Any, code: str = "") -> Any:
 
 def met_text(row: Mapping[str, Any]) -> str:
     """Write in which part of the box a requirement, or one of its limits (`row`), is met: `All`,
-    `None`, a percentage, or, where no share is known, that no run or every run fails."""
+    `None` or a percentage. If the share is not known, write that no run or every run fails."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     if row["met"] == "some" and not row["share"] and row["share_uncertainty"] >= 1:

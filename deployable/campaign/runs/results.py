@@ -179,8 +179,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 
 def complete_numbers(experiment: Experiment, numbers: np.ndarray) -> np.ndarray:
-    """Return all q quantities and event margins of an experiment (..., 2, q), in order, from those
-    that stores keep (..., 2, s): the others are expressions of these."""
+    """Return all q quantities and event margins of an experiment (..., 2, q) from those that stores
+    keep (..., 2, s), by evaluating the expressions of these."""
     quantities = experiment.quantity_list
     names = [quantity.name for quantity in quantities if quantity.kind != "expression"]
     if len(names) == len(quantities):
@@ -224,8 +224,8 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """Return the names of the responses and quantities of a store or chunk (`holder`), by
-    "response" and "quantity", the names of dimensions in its file."""
+    """Return the names of the responses and quantities of a store or chunk (`holder`), under the
+    keys "response" and "quantity", the dimensions in its file."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

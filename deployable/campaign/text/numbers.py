@@ -121,7 +121,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
 
 
 def _power(value: float) -> int:
-    """The power of ten of a number's first digit."""
+    """Return the power of ten of a number's first digit."""
     return int(np.floor(np.log10(value)))
 
 

@@ -164,8 +164,9 @@ class Climb:
     def _poll(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int, width: float
     ) -> np.ndarray | None:
-        """The extreme run's point (k) with one parameter moved half way or all the way to its
-        middle, where the model loses least; None where that is much, or a run is near."""
+        """Return the extreme run's point (k) with one parameter moved half way or all the way to
+        the centre of the box, where the model loses least. None if it loses much, or a run is
+        near."""
         free = np.flatnonzero(np.ptp(points, axis=0) > 0)
         trial = np.repeat(points[row][None], 2 * len(free), axis=0)
         for i, j in enumerate(free):

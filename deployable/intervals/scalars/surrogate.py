@@ -135,8 +135,8 @@ class ScalarSurrogate:
 
     @property
     def bound_error(self) -> float:
-        """Error that bounds of adaptively sampled runs have at least: half of `usual_error`,
-        which is of values all over the box, most of them far from bounds; NaN without a fit."""
+        """Return the least error of bounds of adaptively sampled runs: half of `usual_error`, which
+        covers the whole box, mostly far from bounds. NaN without a fit."""
         return 0.5 * self.usual_error
 
     @property
@@ -203,9 +203,9 @@ class ScalarSurrogate:
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
-        """Upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the box from
-        `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; both NaN
-        without values. climbs: number of best points from which a search goes on."""
+        """Return the upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the
+        box from `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained;
+        both NaN without values. climbs: number of best points from which a local search starts."""
         part = self._part(lower, upper)
         return self._find_once(self.evaluate, sign, *part, self._trial_points, climbs)
 

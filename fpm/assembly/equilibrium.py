@@ -60,8 +60,9 @@ def balance(scene, hold: Mapping[str, float]) -> None:
 
 
 def _forces_at_start(scene) -> BalanceForces:
-    """What enters the static equilibrium at the start of a scene: bars, and all elements that store
-    energy or load it, but friction and latches; pins with play neither rub nor damp."""
+    """Collect the forces of the static equilibrium at a scene's start: bars, and all elements that
+    store energy or load it, except friction and latches. Pins with play have no friction or
+    damping."""
     elements: dict[type[Any], Any] = {
         kind: kind.sweep_elements(scene)
         for kind in kinds_of([scene])

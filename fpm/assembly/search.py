@@ -152,8 +152,8 @@ class RestSearch:
         raise MisfitError(self._words.key, f"{energy:.4g} J in an unstable position", requirement)
 
     def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
-        """Return the largest force or moment (N, N m) that is left at `poses` and that acts there,
-        and the strain energy (J) of bars."""
+        """Return the largest residual force or moment (N, N m) at `poses`, the largest that acts
+        there, and the strain energy (J) of bars."""
         impulses, sizes = self._no_gaps, self._balance.sizes(poses, self._scales)
         for _ in range(3):
             solve, gradient = self._linearise(poses, impulses, max(*sizes[:2], *sizes[2], TINY))
@@ -174,7 +174,8 @@ class RestSearch:
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
     def _differ(self, sides: Sequence[tuple]) -> bool:
-        """Whether both sides, lower first, end in different poses and fall by the same energy."""
+        """Return whether both sides, lower first, end in different poses with the same loss of
+        energy."""
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
@@ -253,9 +254,9 @@ class RestSearch:
         return step / np.abs(step).max() if step.any() else None
 
     def _negative(self, solve, share: float = 0.0) -> np.ndarray:
-        """Directions (6n, k) in which the inverse of a round's matrix, `solve`, seems to be
-        negative, by a share of its largest eigenvalue. Lanczos' method from a fixed start, each
-        vector made normal to all before."""
+        """Return directions (6n, k) in which `solve`, the inverse of a round's matrix, seems to be
+        negative by a share of its largest eigenvalue. Lanczos' method from a fixed start finds
+        them, each vector made normal to all before."""
         count = len(self._scales)
         basis = [np.random.default_rng(1).standard_normal(count)]
         basis[0] /= np.linalg.norm(basis[0])
@@ -276,7 +277,8 @@ class RestSearch:
         return np.array(images).T @ vectors[:, values < -share * np.abs(values).max()]
 
     def _descend(self, poses, impulses, is_led: bool = False):
-        """Poses downhill in balance, impulses, count; is_led: one step, whatever its energy."""
+        """Descend in energy from `poses` to a balance; return its poses, impulses and the count of
+        steps. is_led: make one step, whatever its energy."""
         bars, elements, forces = self._balance.sizes(poses, self._scales)
         force = float(forces[self._free].max(initial=0.0))
         stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
@@ -370,7 +372,7 @@ class RestSearch:
             self._check_strains(poses)
 
     def _check_strains(self, poses) -> None:
-        """Check strains against the limits of a run; raises MisfitError where they are larger."""
+        """Check strains against the limits of a run; raises MisfitError if they are larger."""
         name, gap, tilt = self.open_before
         pairs = zip((BEND, STRAIN), self._balance.bars.largest(poses), strict=True)
         for (watch, value), word in zip(pairs, ("bent or twisted", "strained"), strict=True):

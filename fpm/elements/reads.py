@@ -38,7 +38,7 @@ class SceneList(list):
             yield from map(function, self[count:])
 
     def count_same(self, keys: Iterable) -> int:
-        """Return how many scenes, from the first on, have the same in all `keys`: attributes, or
+        """Return how many scenes, counted from the first, agree in all `keys`: attributes, or
         element types."""
         return min(map(self._count, keys), default=len(self))
 

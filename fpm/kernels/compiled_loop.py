@@ -49,8 +49,8 @@ def source_digest() -> str:
 
 @functools.cache
 def processor() -> str:
-    """Return a digest (8 hex digits) of what numba compiles for: the processor's name and features,
-    in which machines that share a file system may differ."""
+    """Return a digest (8 hex digits) of numba's target: the processor's name and features, which
+    may differ between machines that share a file system."""
     features = llvm.get_host_cpu_features().flatten()
     target = repr([llvm.get_process_triple(), llvm.get_host_cpu_name(), features])
     return hashlib.sha256(target.encode()).hexdigest()[:8]
@@ -272,7 +272,7 @@ def _in_memory(value: tuple) -> np.ndarray:
 
 
 def _kernels(part: tuple, world: Any, world_form: str) -> dict[str, int]:
-    """Addresses, by hook, of the kernels of an element type for these arrays."""
+    """Return the addresses, by hook, of an element type's kernels compiled for these arrays."""
     arrays, form = type(part), f"{form_of(part)} {world_form}"
     if (arrays, form) not in READY:
 
@@ -398,7 +398,7 @@ def _write(path: Path, code: Code) -> None:
 
 
 def _load(symbol: str, code: bytes) -> int:
-    """The address of a function in machine code, which stays in memory."""
+    """Load machine code, which stays in memory, and return the address of its function `symbol`."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine()

@@ -87,7 +87,7 @@ def _register_sum(op):
 
 
 def _register_product():
-    """A number or lanes on the left, a vector on the right."""
+    """Define the product of a number or lanes with a vector."""
     cases = []
     for vector in VECTORS:
         for factor in (vector.lane, *_FACTORS):

@@ -155,7 +155,7 @@ def read_margin(spec: Any) -> Any:
 
 
 def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
-    """The way of the openings that are moved, and what the margin is a function of."""
+    """Return the prescribed path of the openings, and the abscissa of the margin."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     for pin in Journal.find(spec.scene):
         allowed = f"a structure without {pin.title(spec.scene)}: within its clearance it has no "

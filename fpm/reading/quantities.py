@@ -48,8 +48,9 @@ class Quantity:
 
     @property
     def is_time(self) -> bool:
-        """Whether the quantity is the time (s) of a crossing, event or settling, which lies between
-        0 and the run's end, and can be another's `instant`; not that of a smallest value."""
+        """Return whether the quantity is the time (s) of a crossing, event or settling. Such a time
+        lies within the run and can be another quantity's `instant`; that of a smallest value
+        cannot."""
         return KINDS[self.kind].unit == "s"
 
     @property

@@ -182,8 +182,8 @@ def _section(spec: Definition) -> Response:
 
 
 def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
-    """The tension of a stretch of a cable, left out: its first, or the length that ran over a point
-    between its ends; both by their numbers from 1."""
+    """Make a response of a cable: the tension of a stretch, or the length that ran over a point
+    between its ends, both numbered from 1. Without a number it is the first stretch."""
     name = spec.one_of(_cables(spec.scene))
     count = next(len(cable.beams) - 1 for cable in spec.scene.cables if cable.name == name)
     number, least = spec.data.get(key, 1), 1 if key == "stretch" else 2
@@ -200,7 +200,7 @@ def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
 
 
 def _opening(spec: Definition, unit: str, words: str) -> Response:
-    """An opening of a hinge or slide, or its rate."""
+    """Make the response of an opening of a hinge or slide, or of its rate."""
     name, slides, place = spec.hinge()
     variable, unit = (SLIDES[spec.kind], SLIDE_UNITS[unit]) if slides else (spec.kind, unit)
     response = spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
@@ -277,7 +277,7 @@ LOSSES = {"damping": "damping_work", "cables": "cable_friction"}
 
 
 def _loss(spec: Definition) -> Response:
-    """Energy lost so far by one kind of element, or by all."""
+    """Make the response of the energy lost so far by one kind of element, or by all."""
     by_hinge = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
     losses = [part for part in STORES if any(part in parts for parts in by_hinge.values())]
     kind = spec.one_of(["all", *losses, *LOSSES])

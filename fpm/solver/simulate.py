@@ -176,8 +176,8 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def list_kinds_to_compile(scene: Scene, record: Sequence[Column] = ()) -> list[type | None]:
-    """Return what a run of a scene (float64) needs and is not on disk, compiled: element types, and
-    None for the time loop. record: columns (variable, label) of the run, which may take
+    """Return the element types, and None for the time loop, that a run of a scene (float64) needs
+    and that are not compiled on disk. record: columns (variable, label) of the run, which may need
     a type of their own."""
     from fpm.kernels import compiled_loop
     from fpm.kernels.lanes import width as lanes_of

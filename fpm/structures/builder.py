@@ -97,8 +97,9 @@ class Builder:
         return self.find("points", name).position
 
     def store(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for an entry (a bar, a joint, ...) of the file, for `find`. group:
-        the section in which it stands, as "bars"; name: its full name; value: what was built."""
+        """Store the object that was built for an entry (a bar, a joint, ...) of the file, for
+        `find`. group: its section in the file, such as "bars"; name: its full name; value: the
+        object."""
         self._values[group, name] = value
 
     def find(self, group: str, name: str) -> Any:

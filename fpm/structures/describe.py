@@ -140,8 +140,8 @@ ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damp
 
 
 def list_actions(scene: Scene) -> list[str]:
-    """Return texts on the elements that act on a scene's joints (springs, latches, ...), one each,
-    in the order of their (first) joints: its name, joints and nonzero numbers with units."""
+    """Return a text for each element that acts on a scene's joints (springs, latches, ...), in the
+    order of their (first) joints: its name, joints and nonzero numbers with units."""
     texts = []
     for kind in kinds_of([scene]):
         pairs = zip(kind.names(scene), kind.find(scene), strict=True) if kind.acts_as else ()

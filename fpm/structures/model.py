@@ -90,7 +90,7 @@ class FileStatements:
         file = Sheet(Context(ends), table, "", 0)
         sheets = [file, *self._units(table, counts, ends)]
         if "repeat" in table.entries:
-            self.problems.stop()  # without its units, every name in them would be unknown
+            self.problems.stop()  # without its units, all names in them would be unknown, too
         for sheet in sheets:
             self._register(sheet)
         for sheet in sheets:
@@ -100,7 +100,7 @@ class FileStatements:
         self.overall = replace(start, uses=uses)
         self.entries = list(self._entries(sheets))
         for name, p in inputs.items() if not self.problems else ():
-            if not self.names.uses[name]:  # a slip of the pen
+            if not self.names.uses[name]:  # probably a typing error
                 allowed = "nothing uses it; allowed: parameters in use"
                 self.problems.say(p.line, f"parameters.{name}: {allowed}")
 
@@ -131,7 +131,7 @@ class FileStatements:
                 yield Sheet(Context(ends, f"{name}{i + 1}.", adjacent), node, place.key, i + 1)
 
     def _count(self, node: Node, place: Place, line: int, counts: Mapping[str, float]) -> int:
-        """How many units there are, by parameters that are whole numbers."""
+        """Return the number of units, from parameters that are whole numbers."""
         if "count" not in node.entries:
             self.problems.say(line, f"{place.key}: missing; allowed: {COUNT.allowed}")
             raise SkippedError(place.key)

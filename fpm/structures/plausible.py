@@ -79,7 +79,7 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
 
 
 def _start(scene: Scene) -> Iterator[str]:
-    """What joints, motors and drives do not allow of the velocities stated for the start."""
+    """Warn of stated start velocities that joints, motors and drives do not allow."""
     energy = report.kinetic_energy(scene, scene.velocity, scene.spin)
     if energy:
         start = consistent_scene(scene)
@@ -107,7 +107,7 @@ def _sizes(scene: Scene) -> Iterator[str]:
         yield from _usual("Young's modulus", group.material.E, f"bar {bar.name}")
         wide = max(group.section.width, group.section.height)
         thin = min(group.section.width, group.section.height)
-        if group.section.outline == "round":  # the wall's thickness, of its area
+        if group.section.outline == "round":  # the wall's thickness, computed from the area
             thin = wide / 2 - np.sqrt(max(wide**2 / 4 - group.section.A / np.pi, 0.0))
         if wide > 3 * length:
             yield f"bar {bar.name} is {length:.4g} m long and {wide:.4g} m wide: both in metres?"
@@ -416,15 +416,15 @@ def run_duration(scene: Scene) -> float:
 
 
 def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
-    """Moment (N m), or force (N), of a spring at an opening."""
+    """Return the moment (N m), or force (N), of a spring at an opening."""
     if isinstance(spring, TableSpring):
         return float(np.interp(opening, spring.angles, spring.moments))
     return spring.stiffness * (spring.rest - opening)
 
 
 def _acceleration(scene: Scene, hinge: Hinge, moment: float) -> float:
-    """Largest acceleration (rad/s2, m/s2) of a hinge's opening at the start by a moment (N m; N)
-    between its parts and their weight."""
+    """Return the largest acceleration (rad/s2, m/s2) of a hinge's opening at the start, by a moment
+    (N m; N) between its parts and by their weight."""
     numbers, (axis, point) = report.bodies(scene), _line(scene, hinge)
     gravity, result = float(np.linalg.norm(scene.gravity)), 0.0
     for beam in hinge.beams:

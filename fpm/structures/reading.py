@@ -105,7 +105,7 @@ class Node:
 
     @property
     def plain(self) -> object:
-        """The node as plain dicts, lists and values, without lines."""
+        """Return the node as plain dicts, lists and values, without lines."""
         if self.is_table:
             return {name: entry.plain for name, entry in self.entries.items()}
         return [item.plain for item in self.items] if isinstance(self.value, list) else self.value

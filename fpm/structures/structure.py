@@ -107,8 +107,8 @@ class Structure(StatementTable):
 
     @property
     def scene_type(self) -> SceneType:
-        """The structure as loading its text gives it (SceneType), checked; StructureError, which
-        lists all that is wrong."""
+        """Return the structure (SceneType), checked, as if loaded from its text. Raises
+        StructureError with a list of all problems."""
         content = json.dumps([self.table, self.source])
         if self._type is None or self._type[0] != content:
             self._type = content, build_type(_node(self.table), Problems(self.source))

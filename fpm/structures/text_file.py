@@ -133,7 +133,7 @@ class _File:
         return model
 
     def __getstate__(self) -> dict:
-        """What crosses processes: the file, from which models are made again."""
+        """Return the file, from which another process makes the models again."""
         return {**self.__dict__, "_models": {}}
 
 
@@ -152,7 +152,7 @@ def loads(text: str, source: str = "structure") -> SceneType:
 
 def build_type(node: Node, problems: Problems) -> SceneType:
     """Return the structure (SceneType) that the top table `node` of a file states. problems: of the
-    file; with what is wrong they are raised as StructureError."""
+    file; if there are any, they are raised as StructureError."""
     source = problems.source
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
         remedy = "use `check` or `run` with it; allowed: a structure's, such as the one its `scene`"
@@ -170,7 +170,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
     if mesh:
         _check_mesh(table.entries["mesh"], values, parameters.entries, problems)
     if len(values) < len(parameters.entries):
-        problems.stop()  # every use of a parameter left out would be a problem of its own
+        problems.stop()  # Each use of a skipped parameter would be reported as a further problem.
     file = _File(table, values, source)
     scene = file.builder({n: p.parameter.default for n, p in values.items()}, problems).scene
     problems.stop()
@@ -212,7 +212,7 @@ def _text(table: Node, key: str, problems: Problems) -> str:
 
 
 def _parameters(table: Node, problems: Problems) -> dict[str, GivenParameter]:
-    """The parameters of a table by name; one that is wrong is left out, and noted."""
+    """Return the parameters of a table by name, except wrong ones, which are noted as problems."""
     result = {}
     for name, node in table.entries.items():
         key, line = f"parameters.{name}", table.lines[name]

@@ -147,7 +147,7 @@ class Path:
         return sign >= 0
 
     def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
-        """Derivatives (c, f) of the conditions, scaled."""
+        """Return the scaled derivatives (c, f) of the conditions."""
         rows = self._conditions.jacobian(poses, full)
         return scale_matrix(rows, self._weight, self._scales)[:, self._free]
 

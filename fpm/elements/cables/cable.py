@@ -152,8 +152,8 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """Unstrained length (m) outside the winch at a `time` (s), outside the drum at the start.
-        scene: has the winch's curve, and the drum's hinge."""
+        """Return the unstrained length (m) outside the winch at a `time` (s), or outside the drum
+        at the start. scene: has the winch's curve and the drum's hinge."""
         factor = scene.curve(self.curve).value(time)
         turn = scene.hinges[self.drum].opening - self.start if self.drum >= 0 else 0.0
         return float(self.rest - self.reel * factor - self.radius * turn)

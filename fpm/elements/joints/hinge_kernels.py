@@ -192,9 +192,9 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges also one step before the start, in the first step only: changes the momenta
-    in world.start_state, those half a step before the start (why: joint_kernels.look_back). part:
-    arrays of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
+    """In the first step, close the hinges also one step before the start. This changes the momenta
+    half a step before the start, in world.start_state (why: joint_kernels.look_back). part: arrays
+    of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for r in range(ends.shape[0]):

@@ -94,8 +94,8 @@ def store_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Return the velocity (m/s, 3) that a `point` (m, 3, global) moving with body s has after the
-    impulses, which are not yet applied. part: all joints (Joints); state: World.state."""
+    """Return the velocity (m/s, 3) of a `point` (m, 3, global) fixed to body s after the impulses,
+    which are not applied yet. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -370,7 +370,7 @@ def work_after(part, world, timing):
             v, spin = get3(state, i, V), get3(state, i, P)
             force, moment = get3(b, s, joint.ALL_FORCE), get3(b, s, joint.ALL_MOMENT)
             # An impulse acts over the half steps before and after an instant, the first one only
-            # after: what it did before is due at the instant, which is recorded already.
+            # after: its earlier part would belong to an instant that is recorded already.
             work = -1.0 * (dot(force, v) + dot(moment, spin))
             work_due = 0.0 * work
             if timing.kick == timing.step:

@@ -252,10 +252,11 @@ register_losses(Frictions, WORKS)
 
 @kernel
 def stop_of(part, i, timing):
-    """Return, for each lane where the rate of element i would reverse in this kick, the fraction of
-    the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then: by
-    the parabola of its motion if its rate fell before, else as braked from the middle of the kick
-    on. part: all friction elements (Frictions); timing (StepTime): times of the step (s)."""
+    """Find when the rate of element i reverses within this kick. Return for each lane the fraction
+    of the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then. A
+    rate that fell before is extrapolated by the parabola of its motion; otherwise braking is
+    assumed to start in the middle of the kick. part: all friction elements (Frictions); timing
+    (StepTime): times of the step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -345,8 +346,8 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(Frictions)
 def work_after(part, world, timing):
-    """Add half of the friction loss (J) of the moments found in this step, over the step that ends
-    now, to part.account in world.accounts (`work_before` adds the rest). part: all friction
+    """Add half of the friction loss (J) over the step that ends now, by the moments found in this
+    step, to part.account in world.accounts (`work_before` adds the rest). part: all friction
     elements (Frictions); world (World): solver state; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:

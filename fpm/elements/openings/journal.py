@@ -112,7 +112,7 @@ class Journal(Connector):
 
     @property
     def hysteresis(self) -> float:
-        """The factor c of the damping that gives the restitution."""
+        """Return the damping factor c that gives the restitution."""
         from scipy.optimize import brentq
 
         r = self.restitution
@@ -155,7 +155,8 @@ class Journal(Connector):
 
     @classmethod
     def _springs(cls, scene, values) -> Deformations:
-        """What stands for values (N/m) of the press and of the slip of each pin."""
+        """Make springs (or dampers) on x, y and turn of each pin, for the stable step, from
+        `values`: one for the pressing and one for the slipping direction."""
         hinges = [h for pin in cls.find(scene) for h in pin.acts_on()]
         factors = [
             x

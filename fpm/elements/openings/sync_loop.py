@@ -85,11 +85,13 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def deformations(cls, scene):
-        """Return the springs (Deformations) that stand for a scene's loops in the stable time step,
-        with how particles' motions strain them: one on each hinge of a loop, both together at least
-        as stiff as the loop; None without any that can move. By Cauchy and Schwarz (r1 psi1 - r2
-        psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with s1 : s2 as r² w, w being each
-        hinge's `mobility`, nothing is lost where they share no body."""
+        """Return springs (Deformations) that represent a scene's loops in the stable time step: one
+        on each hinge of a loop, both together at least as stiff as the loop. None if no loop can
+        move.
+
+        By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1.
+        With s1 : s2 as r² w, where w is each hinge's `mobility`, the bound is exact if they share
+        no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
             soft = [mobility(scene, hinge) for hinge in loop.hinges]

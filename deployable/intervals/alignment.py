@@ -93,7 +93,8 @@ def shared_events(
 
 
 def has_groups(runs: list[dict[tuple, float]], time: np.ndarray) -> bool:
-    """Whether first and last events of a group both count, as arguments of `shared_events`."""
+    """Return whether first and last events of a group both count, as arguments of
+    `shared_events`."""
     return shared_events(runs, time).shape != shared_events(runs, time, False).shape
 
 
@@ -395,8 +396,9 @@ class AlignedCurves:
         return self._at_least_usual(self.times_spline.left_out)
 
     def _at_least_usual(self, errors: np.ndarray) -> np.ndarray:
-        """The size of errors (R, ...) of runs, where they are at least a mean, in which large ones
-        count most; in a part of the box, at whose border curves bend, they are the largest."""
+        """Return the size of errors (R, ...) of runs, where they are at least a mean, in which
+        large ones count most; in a part of the box, at whose border curves bend, they are the
+        largest."""
         size = np.abs(errors)
         usual = size.max(axis=0) if self.is_part else (size**4).mean(axis=0) ** 0.25
         return np.maximum(size, usual)

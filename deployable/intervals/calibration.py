@@ -188,8 +188,9 @@ def _interpolation_errors(times: np.ndarray, curves: np.ndarray, delay: float) -
 
 
 def _lobes(change: np.ndarray) -> np.ndarray:
-    """The largest size (n, R) of a signed change (n, R) between its zeros beside each instant, and
-    between the next ones: two oscillations that differ in phase agree wherever they cross."""
+    """Return the largest size (n, R) of a signed change (n, R) between its zeros beside each
+    instant, and between the next ones: two oscillations that differ in phase agree wherever they
+    cross."""
     result = np.empty_like(change)
     for row, values in enumerate(change):
         starts = np.concatenate([[0], np.flatnonzero(np.diff(values > 0)) + 1])
@@ -289,8 +290,8 @@ class _Problem:
         self, residuals: np.ndarray, jacobian: np.ndarray, sides: np.ndarray, half: np.ndarray,
         sign: float, cost: np.ndarray, level: float,
     ) -> tuple[np.ndarray, float]:  # fmt: skip
-        """The best step (size) of the linearised problem within `sides` (2, size), and by how much
-        it changes the merit from that of a misfit within `level`."""
+        """Return the best step (size) of the linearised problem within `sides` (2, size), and by
+        how much it changes the merit from that of a misfit within `level`."""
         penalty = _PENALTY if cost.any() else 1.0
         excess, reach = self.excess(residuals, sign), np.abs(jacobian) @ np.abs(sides).max(axis=0)
         rows = np.flatnonzero(excess + reach >= max(level, (excess - reach).max()))
@@ -434,8 +435,8 @@ class _Waves:
         return bool(rows)
 
     def is_contradicted(self, number: int) -> bool:
-        """Whether further runs, spread over all of the box and the starts, come nearer than the
-        errors of the first wave allow there: behaviour that few runs show, such as a latch that
+        """Return whether further runs, spread over all of the box and the starts, come nearer than
+        the errors of the first wave allow there: behaviour that few runs show, such as a latch that
         hardly ever catches. number: of the attempt, each with runs of its own."""
         problem = self.problems[0][1]
         free = np.zeros(problem.size, bool)

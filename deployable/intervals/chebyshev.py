@@ -31,8 +31,8 @@ def roots(order: int) -> np.ndarray:
 
 
 def lobatto(order: int) -> np.ndarray:
-    """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending;
-    order: n; 0 gives the point 0, others contain -1 and 1 and are among those of 2n."""
+    """Return the n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1],
+    ascending; order: n; 0 gives the point 0, others contain -1 and 1 and are among those of 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 

@@ -106,7 +106,7 @@ def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndar
 
 
 def _best_of(spline, flat, trial, count) -> np.ndarray:
-    """The trial points (count, T, k) with the largest values, the largest first."""
+    """Return the trial points (count, T, k) with the largest values, the largest first."""
     value, best_rows = np.zeros((0, flat.shape[1])), np.zeros((0, flat.shape[1]), dtype=int)
     step = max(CHUNK // max(flat.shape), 1)
     for start in range(0, len(trial), step):

@@ -271,7 +271,7 @@ def _joints_of(scene) -> list[Joint]:
 
 
 def _rows_of(scene, joint: Joint) -> list[tuple]:
-    """The conditions of a joint, as rows of Conditions."""
+    """Return the conditions of a joint, as rows of Conditions."""
     zero = np.zeros(3)
     arms = np.array([beam.arm for beam in joint.beams])
     if joint.type == "held":

@@ -122,7 +122,8 @@ class RestSearch:
         self.hinges, self.open_before = list(scene.hinges), self._worst(self._start)
 
     def relax(self) -> tuple[ParticlePoses, int]:
-        """The stable poses, and number of positions; raises MisfitError where none are found."""
+        """Return the stable poses, and number of positions; raises MisfitError where none are
+        found."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
             return self._start, 0
         start, rounds = self._close(self._start, relaxes=True)
@@ -236,8 +237,9 @@ class RestSearch:
         return poses, impulses, count
 
     def _find_descent(self, poses, impulses):
-        """The motion (6n,) along which the energy falls to both sides at the second order, or None:
-        image of a vector on which the inverse of a round's matrix is negative beyond rounding."""
+        """Return the motion (6n,) along which the energy falls to both sides at the second order,
+        or None: image of a vector on which the inverse of a round's matrix is negative beyond
+        rounding."""
         scales, (bars, elements, forces) = self._scales, self._balance.sizes(poses, self._scales)
         if not max(bars, elements, *forces):
             return None
@@ -334,7 +336,8 @@ class RestSearch:
         return None, EASE_INCREASE
 
     def _falls(self, first, trial, ease: float) -> bool:
-        """Whether the energy falls from first to last poses, and by as much as the drag takes."""
+        """Return whether the energy falls from first to last poses, and by as much as the drag
+        takes."""
         last, _, motion = trial
         if np.abs(motion).max(initial=0.0) <= SMALL:
             return True

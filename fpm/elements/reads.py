@@ -43,7 +43,7 @@ class SceneList(list):
         return min(map(self._count, keys), default=len(self))
 
     def _count(self, key: Any) -> int:
-        """How many scenes, from the first on, have the same under a key of what is read."""
+        """Return how many scenes, from the first on, have the same under a key of what is read."""
         if key not in self._counts:
             first = _read(self[0], key)
             rest = enumerate(self[1:], start=1)
@@ -97,7 +97,8 @@ def _read(scene: Any, key: Any) -> Any:
 
 
 def _is_same(first: Any, second: Any) -> bool:
-    """Whether what was read of two scenes is the same, elements as objects and arrays in bits."""
+    """Return whether what was read of two scenes is the same, elements as objects and arrays in
+    bits."""
     if first is second or type(first) is not type(second):
         return first is second
     if isinstance(first, np.ndarray):

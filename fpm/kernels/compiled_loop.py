@@ -240,7 +240,7 @@ def compile_from_start(name: str, parts: Sequence[tuple], world: tuple, rest: tu
 
 
 def _is_kept(part: tuple) -> bool:
-    """Whether compiled kernels of an element type are kept on disk."""
+    """Return whether compiled kernels of an element type are kept on disk."""
     kernels = [KERNELS[type(part), hook] for hook in _hooks(type(part))]
     return all(_constants_of(kernel) is not None for kernel in kernels)
 

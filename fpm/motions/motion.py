@@ -152,7 +152,7 @@ def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]
 
 
 def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
-    """The scene with named points at particles and at arms along their axes."""
+    """Return the scene with named points at particles and at arms along their axes."""
     result = copy(scene)
     points = {
         f"{name} of particle {p}": VirtualBeam(int(p), np.array(arm))

@@ -244,13 +244,13 @@ class _WeightedTravel:
         return moments, np.maximum(moments, 0.0) @ drives, requirement
 
     def margin(self, points: np.ndarray) -> np.ndarray:
-        """The margin (m,) at positions (m,); 0 where its size is below ROUNDING."""
+        """Return the margin (m,) at positions (m,); 0 where its size is below ROUNDING."""
         _, drives, requirement = self.weighted_sums(points)
         margin = drives / np.maximum(requirement, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
         return np.where(np.abs(margin) < ROUNDING, 0.0, margin)
 
     def least(self) -> tuple[float, float]:
-        """The position of the least margin, the first of several, and the margin there."""
+        """Return the position of the least margin, the first of several, and the margin there."""
         steps = np.linspace(0.0, 1.0, FINER, endpoint=False)
         inner = self.positions[:-1, None] + np.diff(self.positions)[:, None] * steps
         points = np.unique(np.append(inner, 1.0))

@@ -174,7 +174,8 @@ def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
 
 
 def _smallest(quantity: Quantity, curves: Curves) -> float:
-    """The smallest value: of what lies along a way, of all of it, and not of its curve alone."""
+    """Return the smallest value: of what lies along a way, of all of it, and not of its curve
+    alone."""
     if quantity.response.along:
         return margins.least(quantity.response, curves)[0]
     return extreme_value(curves, quantity.response, -1.0)

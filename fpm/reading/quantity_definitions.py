@@ -131,7 +131,7 @@ def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Qua
 
 
 def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
-    """The unit of a quantity's event margin; "": it has none that is always known."""
+    """Return the unit of a quantity's event margin; "": it has none that is always known."""
     if quantity.kind != "event":
         return quantity.response.unit if quantity.has_margin else ""
     gates: list[Any] = [e.gate for e in elements if e.name in quantity.places]

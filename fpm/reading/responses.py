@@ -109,8 +109,8 @@ class Definition(NamedTuple):
         return check_choice(f"responses.{self.name}.{key}", value, names, addition)
 
     def hinge(self) -> tuple[str, bool, str]:
-        """The hinge or slide that the definition names: its name, whether it is a slide, and words
-        for messages ("hinge A"); raises SceneError if the scene has none of this name."""
+        """Return the hinge or slide that the definition names: its name, whether it is a slide, and
+        words for messages ("hinge A"); raises SceneError if the scene has none of this name."""
         slides = {hinge.name: hinge.slides for hinge in self.scene.hinges}
         name = self.one_of(slides)
         kind = "slide" if slides[name] else "hinge"
@@ -208,7 +208,8 @@ def _opening(spec: Definition, unit: str, words: str) -> Response:
 
 
 def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
-    """The openings of a hinge or slide at which the first stop or latch holds it, down and up."""
+    """Return the openings of a hinge or slide at which the first stop or latch holds it, down and
+    up."""
     index = [hinge.name for hinge in scene.hinges].index(name)
     start = scene.hinges[index].opening
     floors: list[float] = []
@@ -250,7 +251,7 @@ def parts_on(scene: Scene, hinge: str) -> list[str]:
 
 
 def _moment(spec: Definition) -> Response:
-    """The moment on a hinge, or force on a slide, by one part, or by all, or its power."""
+    """Return the moment on a hinge, or force on a slide, by one part, or by all, or its power."""
     name, slides, place = spec.hinge()
     variable, rate = "joint_moment", "opening_rate"
     if slides:
@@ -290,7 +291,7 @@ def _loss(spec: Definition) -> Response:
 
 
 def _of_columns(response: Response, run: Curves) -> np.ndarray:
-    """The column that it is, or the size of the vector of its columns."""
+    """Return the column that it is, or the size of the vector of its columns."""
     columns = [run.columns[column] for column in response.columns]
     if response.component == "norm":
         return np.sqrt(np.sum(np.square(columns), axis=0))
@@ -361,7 +362,7 @@ FORMS: dict[str, tuple[Callable, tuple[str, ...]]] = {
 
 
 def _read_record(variable: Variable) -> ResponseType:
-    """The response type of a variable by itself."""
+    """Return the response type of a variable by itself."""
     read, mandatory = FORMS[variable.response_form]
     return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
 

@@ -64,6 +64,6 @@ def _is_damped(scene: Scene) -> bool:
 
 
 def _is_sudden(scene: Scene, load: Load) -> bool:
-    """Whether a load is there from the start on."""
+    """Return whether a load is there from the start on."""
     first = scene.curve(load.curve).value(0.0)
     return bool(first * (np.abs(load.force).max() + np.abs(load.moment).max()))

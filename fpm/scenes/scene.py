@@ -62,7 +62,7 @@ def _fractions(elements: int) -> np.ndarray:
 
 
 def _elements(kind: type[ElementType]) -> property:
-    """The scene's list of elements of a kind."""
+    """Return the scene's list of elements of a kind."""
 
     def get(scene: "Scene") -> list:
         return scene.kinds.setdefault(kind, [])

@@ -137,7 +137,8 @@ def simulate(
 
 
 def _is_repeated(failure, halvings: int, count: int) -> bool:
-    """Whether a run is repeated with half the step, after `count` times, halvings being allowed."""
+    """Return whether a run is repeated with half the step, after `count` times, halvings being
+    allowed."""
     if not isinstance(failure, InstabilityError) or not failure.is_of_step:
         return False
     return count < halvings or (halvings > 0 and failure.time <= IN_STEPS * failure.step)

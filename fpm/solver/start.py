@@ -98,7 +98,8 @@ def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
 
 
 def _with_motion(scene: Scene, rates: list[tuple], count: int, rows: Any) -> Scene:
-    """The scene with a motion that its conditions allow; count: how many of the rows are these."""
+    """Return the scene with a motion that its conditions allow; count: how many of the rows are
+    these."""
     motion = moving_at_start(scene)
     velocities = np.hstack([motion.velocity, motion.spin]).ravel()
     target = np.zeros(rows.shape[0])

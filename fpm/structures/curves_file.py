@@ -84,7 +84,7 @@ class CurvesFile:
 
 
 def _decode(content: bytes) -> str:
-    """The text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
+    """Return the text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = content.decode("utf-16" if is_wide else "utf-8-sig")
@@ -158,7 +158,7 @@ class CsvTable:
         return next((sign for sign in "\t;," if sign in bare), " ")
 
     def _cells(self, line: str) -> list[str]:
-        """The cells of one line; a unit in brackets belongs to the word before it."""
+        """Return the cells of one line; a unit in brackets belongs to the word before it."""
         if self.separator == " ":
             cells = re.findall(r'"[^"]*"|[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?|\S+', line)
             return [cell.strip('"') for cell in cells]
@@ -271,7 +271,7 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
 
 
 def _unit(text: str) -> Unit | str:
-    """The unit that a text names, also as other programs write it, or why there is none."""
+    """Return the unit that a text names, also as other programs write it, or why there is none."""
     plain = text.translate(_SIGNS).strip()
     word = plain.lower() if plain.lower() in _WORDS else plain
     factor, name = FOREIGN_UNITS.get(word, (1, word))

@@ -97,7 +97,8 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
 
 
 def _opening(hinge: Hinge, specified_opening: float) -> str:
-    """The opening of a hinge at the start, and the stated one if parts were forced to another."""
+    """Return the opening of a hinge at the start, and the stated one if parts were forced to
+    another."""
     kind = {"revolute": "", "prismatic": "slide, "}
     text, specified_text = (opening_text(hinge, x) for x in (hinge.opening, specified_opening))
     suffix = f", stated as {specified_text}" if text != specified_text else ""
@@ -109,7 +110,7 @@ def _count_text(count: int, noun: str) -> str:
 
 
 def _step(cost: report.RunCost) -> str:
-    """The stable step, and what sets it."""
+    """Return the stable step, and what sets it."""
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"

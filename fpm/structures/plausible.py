@@ -193,7 +193,7 @@ def _loose(scene: Scene) -> Iterator[str]:
 
 
 def _is_moved(scene: Scene) -> bool:
-    """Whether a scene moves at the start, or something but what acts on joints moves it."""
+    """Return whether a scene moves at the start, or something but what acts on joints moves it."""
     is_moved = np.any(scene.gravity) or scene.velocity.any() or scene.spin.any()
     forces = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
     return bool(is_moved or any(forces) or scene.opening_rates)

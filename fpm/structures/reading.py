@@ -203,7 +203,7 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
-    """The line (from 1; 0: unknown) where a text is not YAML, and why, by PyYAML's error."""
+    """Return the line (from 1; 0: unknown) where a text is not YAML, and why, by PyYAML's error."""
     if isinstance(error, yaml.reader.ReaderError):
         line = text.count("\n", 0, error.position) + 1
         return line, f"the character {chr(error.character)!r} is not text"
@@ -247,7 +247,7 @@ class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
         yaml.resolver.Resolver.__init__(self)
 
     def value(self, event: yaml.ScalarEvent) -> Any:
-        """The value of a text, by its tag, if it has one."""
+        """Return the value of a text, by its tag, if it has one."""
         tag = {"!": None}.get(event.tag, event.tag)
         tag = tag or self.resolve(yaml.ScalarNode, event.value, event.implicit)
         node = yaml.ScalarNode(tag, event.value, event.start_mark)
@@ -272,7 +272,7 @@ class _Reader:
         self.count = 0
 
     def document(self) -> Node:
-        """The only document of the text."""
+        """Return the only document of the text."""
         root = Node("")
         for event in self.events:
             if isinstance(event, yaml.DocumentStartEvent):

@@ -152,7 +152,7 @@ def _method(group: str, name: str) -> Callable[..., None]:
 
 
 def _singular(group: str) -> str:
-    """The name of one entry of a group: body of bodies, mass of masses, joint of joints."""
+    """Return the name of one entry of a group: body of bodies, mass of masses, joint of joints."""
     return re.sub(r"(?<=ss|ch|sh)es$|s$", "", re.sub("ies$", "y", group))
 
 

@@ -74,7 +74,7 @@ class _File:
         self._models: dict[tuple, FileStatements] = {}
 
     def build(self, **parameters) -> Scene:
-        """The scene at the values given, each in its parameter's unit."""
+        """Return the scene at the values given, each in its parameter's unit."""
         problems = Problems(self.source)
         builder = self.builder(parameters, problems)
         problems.stop()
@@ -117,12 +117,12 @@ class _File:
         return {name: p.si(parameters[name]) for name, p in self.parameters.items()}
 
     def builder(self, parameters: Mapping, problems: Problems) -> Builder:
-        """The sample at the values given; `problems` has what is wrong."""
+        """Return the sample at the values given; `problems` has what is wrong."""
         values = self._values(parameters)
         return build_sample(self._model(values, problems), values, problems)
 
     def _model(self, values: Mapping[str, float], problems: Problems) -> FileStatements:
-        """The statements at values of the whole-number parameters."""
+        """Return the statements at values of the whole-number parameters."""
         counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
         key = tuple(counts.values())
         model = self._models.get(key) or FileStatements(

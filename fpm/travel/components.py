@@ -149,8 +149,8 @@ def components_of(scene) -> list[Component]:
 
 
 def _load_cases_of(scene, element: Any) -> tuple[ElementType, ...]:
-    """The element at its least and largest load from the start on, if a curve of time scales it,
-    the stronger one last; else the element alone."""
+    """Return the element at its least and largest load from the start on, if a curve of time scales
+    it, the stronger one last; else the element alone."""
     names = _SCALED_BY_CURVES.get(type(element), ())
     if not names or element.curve < 0:
         return (element,)

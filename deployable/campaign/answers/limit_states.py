@@ -97,7 +97,8 @@ def _bisect_segments(
     outer: np.ndarray,
     inner: np.ndarray,
 ) -> float:
-    """The largest size of the decision value at which finer runs differ, between points (P, k)."""
+    """Return the largest size of the decision value at which finer runs differ, between points (P,
+    k)."""
     if not len(outer):
         return 0.0
     happens = occurrence.evaluate(outer)

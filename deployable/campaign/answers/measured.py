@@ -163,7 +163,7 @@ class _Test:
         return runs.curves[is_inside & (not result.is_refuted)]
 
     def describe(self, result: Calibration, index: int | None) -> dict:
-        """The test and its curves as plain data; index: of its fit, None if only checked."""
+        """Return the test and its curves as plain data; index: of its fit, None if only checked."""
         times, settings = self.curves.times, self.settings
         rows = {
             "name": self.name, "file": settings.file, "digest": settings.digest,
@@ -212,7 +212,7 @@ def _calibrate(
 
 
 def _misfits(result: Calibration) -> dict:
-    """Whether tests are refuted, and their least misfits."""
+    """Return whether tests are refuted, and their least misfits."""
     return {
         "refuted": bool(result.is_refuted),
         "least": float(result.least),

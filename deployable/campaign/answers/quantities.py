@@ -108,8 +108,9 @@ def _describe_ends(
 def _columns(
     model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
 ) -> dict[str, Any]:
-    """The columns of `quantities.nc` by name: bounds and errors of all quantities. bounds: of each;
-    finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not estimated."""
+    """Return the columns of `quantities.nc` by name: bounds and errors of all quantities. bounds:
+    of each; finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not
+    estimated."""
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
     quantities = zip(model.experiment.quantity_list, bounds, shifts.tolist(), strict=True)
     rows = [_row(model, *quantity) for quantity in quantities]
@@ -157,7 +158,7 @@ def _row(
 
 
 def _refinement_columns(model: ModelEvaluator) -> dict[str, Any]:
-    """The columns of `refinement.nc` by name: the runs that were added beyond the plan."""
+    """Return the columns of `refinement.nc` by name: the runs that were added beyond the plan."""
     runs, k = model.refinements, model.points.shape[1]
     numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
     return {

@@ -180,7 +180,7 @@ def _grow(model: ModelEvaluator, points: Sequence[np.ndarray] | np.ndarray) -> b
 
 
 def _is_rough(surrogate: Any) -> bool:
-    """Whether a quantity does not exist in all runs, or its fit is not close."""
+    """Return whether a quantity does not exist in all runs, or its fit is not close."""
     if surrogate.fit is None or surrogate.occurrence.is_mixed:
         return True
     return bool(surrogate.usual_error > _ROUGH * np.ptp(surrogate.fit.values))

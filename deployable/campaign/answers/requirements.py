@@ -74,8 +74,8 @@ def _indices(result: LimitAssessment, name: str) -> tuple[int, ...]:
 def _judge_limits(
     model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """Whether all, some or none of the box keeps chosen limits, which share, and what is open. What
-    is nearest to a failed run counts as failing, and is open."""
+    """Return whether all, some or none of the box keeps chosen limits, which share, and what is
+    open. What is nearest to a failed run counts as failing, and is open."""
     row, share = _judge_sound(model, result, limits, shares), model.lost_share
     if len(model.failed_points):
         row["met"] = "none" if row["met"] == "none" else "some"
@@ -124,7 +124,7 @@ def _requirement(
 
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
-    """The limit with its worst place: that of the surrogate, or a run that is worse."""
+    """Return the limit with its worst place: that of the surrogate, or a run that is worse."""
     (margin, point), runs, spec = result.worst[i], result.margins[i], result.specs[i]
     if runs.min() < margin:
         margin, point = float(runs.min()), model.points[runs.argmin()]
@@ -161,9 +161,9 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
 def _halve_intervals(
     model: ModelEvaluator, result: LimitAssessment, is_unknown: bool
 ) -> dict[str, dict[str, float]]:
-    """The share that meets all if one interval were half as wide, by the parameter's name. It is
-    unknown where that of the whole box is (`is_unknown`), and open by what failed runs hide, which
-    may all be in the half."""
+    """Return the share that meets all if one interval were half as wide, by the parameter's name.
+    It is unknown where that of the whole box is (`is_unknown`), and open by what failed runs hide,
+    which may all be in the half."""
     box, rows = model.experiment.box, {}
     open_ = 1.0 if is_unknown else 2.0 * model.lost_share
     for j in np.flatnonzero(box.free):

@@ -133,8 +133,8 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
 def _resolve_cases(
     campaign: Campaign, raw: Mapping, original: Mapping, case_lists: Mapping, source: str
 ) -> Campaign:
-    """The campaign with its cases, each checked as a campaign of its own; original: the raw config
-    with its units, which in a case are of the case's structure."""
+    """Return the campaign with its cases, each checked as a campaign of its own; original: the raw
+    config with its units, which in a case are of the case's structure."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
         fixed = fixed_interval_problems(cases[name], name, raw["intervals"])

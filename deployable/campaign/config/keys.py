@@ -133,14 +133,14 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
 
 
 def _parts(hint: Any) -> tuple[Rule, Any]:
-    """The Rule beside a type, and the type itself."""
+    """Return the Rule beside a type, and the type itself."""
     rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     return rule, get_args(hint)[0] if get_origin(hint) is Annotated else hint
 
 
 def _take(hint: Any, value: Any) -> Any:
-    """The value as a type has it, NO_VALUE if it is none of it: no text for a number, no 2.0 for a
-    whole number."""
+    """Return the value as a type has it, NO_VALUE if it is none of it: no text for a number, no 2.0
+    for a whole number."""
     rule, hint = _parts(hint)
     kind, kinds = get_origin(hint), get_args(hint)
     if kind is tuple and isinstance(value, list):
@@ -204,7 +204,7 @@ def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, 
 
 
 def _default_text(key: ConfigKey) -> str:
-    """The default in the table: nothing for what is absent, empty, or a section."""
+    """Return the default in the table: nothing for what is absent, empty, or a section."""
     if key.default is MISSING:
         return "required"
     if key.default in (None, (), "") or key.children or key.entry:

@@ -407,8 +407,8 @@ class MeasuredTest:
 
 
 def _definition(noun: str, example: str, **units: str) -> Rule:
-    """The rule of a response's or quantity's definition, which the mechanics read; units: of its
-    numbers, by key."""
+    """Return the rule of a response's or quantity's definition, which the mechanics read; units: of
+    its numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
     return Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
 

@@ -68,7 +68,7 @@ def schema() -> dict[str, Any]:
 
 
 def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool) -> Any:
-    """The value of a key as its section has it. What is wrong goes to `faults`, as path and
+    """Return the value of a key as its section has it. What is wrong goes to `faults`, as path and
     sentence, and is taken out of `value`, of an entry of any name (is_entry: within one) the whole
     entry; RefusedError where the rest cannot be used."""
     if not isinstance(value, dict) or not (key.section or key.entry):
@@ -125,7 +125,8 @@ def _refusal(key: ConfigKey, path: tuple, value: Any) -> str:
 
 
 def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
-    """The config with sections under the names likely meant, and a sentence for each renamed."""
+    """Return the config with sections under the names likely meant, and a sentence for each
+    renamed."""
     names: Any = Config.__dataclass_fields__
     fixes: dict[str, str] = {}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:

@@ -117,7 +117,8 @@ _LONG = 60.0  # s
 
 
 def _time_problems(experiment: Experiment) -> list[str]:
-    """Whether step and instants allow a run, judged at nominal values; the plan checks corners."""
+    """Return whether step and instants allow a run, judged at nominal values; the plan checks
+    corners."""
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
@@ -133,7 +134,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
 
 
 def _memory_problems(experiment: Experiment) -> list[str]:
-    """Whether the runs that are integrated side by side find room in memory."""
+    """Return whether the runs that are integrated side by side find room in memory."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
     count = count_values(scene, experiment.record) if experiment.record else 0
     most = MOST_NUMBERS // (8 * (6 * len(scene.points) + len(scene.hinges) + 10 + count))
@@ -182,7 +183,8 @@ def _travel_problems(experiment: Experiment) -> list[str]:
 
 
 def _barrier_problems(scene: Any, curve: Any, path: Any) -> list[str]:
-    """Whether a latch or a stop keeps a joint well before the end of the travel of a margin."""
+    """Return whether a latch or a stop keeps a joint well before the end of the travel of a
+    margin."""
     from fpm.structures.plausible import GIVES, find_barrier, opening_text
 
     (number,) = (n for n, hinge in enumerate(scene.hinges) if hinge.name == path.openings[0])
@@ -194,7 +196,7 @@ def _barrier_problems(scene: Any, curve: Any, path: Any) -> list[str]:
 
 
 def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:
-    """Whether a margin by the factors of a spring that is out is without one, of several."""
+    """Return whether a margin by the factors of a spring that is out is without one, of several."""
     if "spring out" not in curve.subjects:
         return []
     drive = find_drives(work)
@@ -219,7 +221,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 
 
 def _design_problems(campaign: Campaign) -> list[str]:
-    """Whether what is kept goes with the design, and whether it can be made."""
+    """Return whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
     has_none = is_plain and campaign.bounds.model in ("auto", "polynomial")
@@ -293,7 +295,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
-    """The campaign, whose `accuracy` keeps the runs of its choice; what `max_runs` lacks."""
+    """Return the campaign, whose `accuracy` keeps the runs of its choice; what `max_runs` lacks."""
     experiment, reserve = campaign.experiment, 0
     if campaign.choose.parameters:
         reserve = len(design_points(widen_intervals(experiment, campaign.choose), campaign.choose))

@@ -118,7 +118,7 @@ class StatedUnits:
     # -- units that depend on the structure ---------------------------------------------------
 
     def _symbol_of(self, symbol: str, path: tuple, owner: str, parent: Any) -> str:
-        """The unit of a key, by name."""
+        """Return the unit of a key, by name."""
         if symbol == "parameter":
             return self._structure(path).parameters[owner].unit
         if symbol == "quantity":
@@ -172,8 +172,8 @@ def _unit(text: str) -> Unit:
 
 
 def _fits(source: Unit, target: Unit) -> bool:
-    """Whether a number in one unit may stand for another: of the same dimension, no angle for a
-    plain number, no frequency for an angular one."""
+    """Return whether a number in one unit may stand for another: of the same dimension, no angle
+    for a plain number, no frequency for an angular one."""
     first, second = (bool(re.search("rad|degree|rpm", x.udunits)) for x in (source, target))
     is_same = source.dimension.powers == target.dimension.powers
     is_free = any(target.dimension.powers) and "Hz" not in source.udunits + target.udunits

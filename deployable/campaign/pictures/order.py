@@ -67,7 +67,8 @@ def _planes(flat: np.ndarray, depth: np.ndarray) -> np.ndarray:
 
 
 def _places(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The middle (p, 2) of what pairs of faces (p, 4, 2) share, and whether both have it (p,)."""
+    """Return the middle (p, 2) of what pairs of faces (p, 4, 2) share, and whether both have it
+    (p,)."""
     crossings, cuts = _crossings(first, second)
     points = np.concatenate([first, second, crossings], axis=1)
     counts = np.concatenate([_is_inside(first, second), _is_inside(second, first), cuts], axis=1)
@@ -78,7 +79,7 @@ def _places(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _is_inside(points: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Whether points (p, k, 2) lie inside of faces (p, 4, 2), their edges left out."""
+    """Return whether points (p, k, 2) lie inside of faces (p, 4, 2), their edges left out."""
     edge = np.roll(face, -1, axis=1) - face
     offset = points[:, :, None] - face[:, None]
     side = edge[:, None, :, 0] * offset[..., 1] - edge[:, None, :, 1] * offset[..., 0]

@@ -98,7 +98,8 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
 def _plan(
     experiment: Experiment, points: list, rounds: tuple, check: tuple, time: TimeStep | None = None
 ) -> Plan:
-    """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
+    """Return the plan of runs at unit points (n, k), with the last step if mesh and safety are
+    kept."""
     places = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, points=places)
     plan = make_plan(replace(experiment, design=design), time=time)
@@ -112,7 +113,7 @@ def _halve(solver: Solver, time: TimeStep) -> float:
 
 
 def _has_mesh(experiment: Experiment) -> bool:
-    """Whether a parameter sets the mesh, be it free or given."""
+    """Return whether a parameter sets the mesh, be it free or given."""
     return experiment.scene_type.mesh is not None
 
 

@@ -271,7 +271,8 @@ class RefinementState:
         return min(max(rate, _RATES[0]), _RATES[1])
 
     def _is_last(self) -> bool:
-        """Whether the next runs should suffice, and a check is cheaper than a round of its own."""
+        """Return whether the next runs should suffice, and a check is cheaper than a round of its
+        own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
         return self.cost.need_of("check")[1] <= ROUND and all(
             error.surrogate * fall ** self._rate(error) <= error.allowance
@@ -308,7 +309,8 @@ class RefinementState:
         return f"{error.name} would take {need}, about {time} of a core"
 
     def _is_not_converging(self, error: Errors) -> bool:
-        """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""
+        """Return whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly
+        fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))

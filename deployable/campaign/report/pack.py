@@ -180,8 +180,9 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
 
 
 def _choice_parameters(data: PageData) -> list[dict[str, Any]]:
-    """The parameters of the sliders with a choice: those of the box, then others that are chosen,
-    each with what the choice's runs span and, of those that are chosen, the best `value`."""
+    """Return the parameters of the sliders with a choice: those of the box, then others that are
+    chosen, each with what the choice's runs span and, of those that are chosen, the best
+    `value`."""
     values = {p["name"]: p["value"] for p in data.facts["choice"]["parameters"]}
     rows = {p["name"]: p for p in (*data.facts["fixed"], *data.parameters)}
     return [
@@ -216,7 +217,7 @@ def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[s
 
 
 def _motion(movers: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
-    """The moving runs as glTF files, and what their colours have in common."""
+    """Return the moving runs as glTF files, and what their colours have in common."""
     clips = [m.motion for m in movers]
     if frames:
         indices = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in clips)

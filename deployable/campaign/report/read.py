@@ -111,7 +111,7 @@ def _moving(
 
 
 def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdicts | None:
-    """The distinct runs and which meet the requirements, further ones too."""
+    """Return the distinct runs and which meet the requirements, further ones too."""
     if not summary["quantities"]:
         return None
     table = RunTable.join([samples.table, read_refinement(folder)[0]])

@@ -73,7 +73,8 @@ def facts_of_cases(
 
 
 def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """The clearest next test of each case, where runs that measured curves leave differ most."""
+    """Return the clearest next test of each case, where runs that measured curves leave differ
+    most."""
     tests = {name: facts.get("measured", {}).get("next") for name, facts in summaries.items()}
     return [{**rows[0], "case": name} for name, rows in tests.items() if rows]
 
@@ -140,7 +141,7 @@ def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
 
 
 def _margin(limit: Mapping) -> float:
-    """The margin of a limit; infinite where there is none, as it is kept or not."""
+    """Return the margin of a limit; infinite where there is none, as it is kept or not."""
     if limit["margin"] is not None:
         return limit["margin"]
     return math.inf if limit["kept"] else -math.inf
@@ -153,7 +154,8 @@ def _severity(limit: Mapping) -> tuple:
 
 
 def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float]) -> bool:
-    """Whether the numbers of two rows differ by no more than both errors, or are infinite alike."""
+    """Return whether the numbers of two rows differ by no more than both errors, or are infinite
+    alike."""
     first, last = read(row), read(reference)
     if math.inf in (abs(first), abs(last)):
         return first == last
@@ -163,7 +165,7 @@ def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float])
 
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """The interval of each quantity in each case, and over all."""
+    """Return the interval of each quantity in each case, and over all."""
     keys = (
         "lower upper error units happens happens_uncertainty runs_without predicted_ends "
         "may_be_endless"

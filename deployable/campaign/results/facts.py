@@ -107,8 +107,8 @@ def facts_of(
 
 
 def _late_parts(quantity: Any, rows: Mapping[str, Mapping]) -> list[str]:
-    """The times in an expression of quantities that go on beyond the end of the runs, or may have
-    no upper end. rows: of all quantities by name."""
+    """Return the times in an expression of quantities that go on beyond the end of the runs, or may
+    have no upper end. rows: of all quantities by name."""
     names = [part.name for part in getattr(quantity, "parts", ())]
     return [name for name in names if rows[name]["censored_at"] or rows[name]["may_be_endless"]]
 
@@ -156,8 +156,8 @@ def mark_constant(facts: dict) -> None:
 
 
 def varies(row: Mapping) -> bool:
-    """Whether a response or quantity depends on the parameters: its value does, or a quantity
-    occurs in some runs only. row: its dict in the results (`facts_of`)."""
+    """Return whether a response or quantity depends on the parameters: its value does, or a
+    quantity occurs in some runs only. row: its dict in the results (`facts_of`)."""
     if "constant" in row:
         return bool(row.get("runs_with") and row.get("runs_without"))
     return row.get("lower") is not None
@@ -283,13 +283,13 @@ def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict
 
 
 def _mean(curve: np.ndarray, time: np.ndarray) -> float:
-    """The mean of a curve (T) over time (T)."""
+    """Return the mean of a curve (T) over time (T)."""
     return float(np.trapezoid(curve, time) / (time[-1] - time[0]))
 
 
 def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
-    """The largest difference between the bounds of a response where these are drawn, with the
-    error of either and the time; None where there are no errors, or none is small enough."""
+    """Return the largest difference between the bounds of a response where these are drawn, with
+    the error of either and the time; None where there are no errors, or none is small enough."""
     width, error = bounds.width, bounds.error
     if error is None or not (is_sure := error < LARGE * width.max()).any():
         return None
@@ -308,8 +308,8 @@ def grade(error: float | None, width: float) -> str:
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
-    """Whether an accuracy is `met`, by the last errors of responses and quantities (rows), which
-    are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
+    """Return whether an accuracy is `met`, by the last errors of responses and quantities (rows),
+    which are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [

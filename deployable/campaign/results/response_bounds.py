@@ -70,7 +70,8 @@ class ResponseBounds:
         return None if self.error is None or self.is_unknown(self.error.max()) else self.error
 
     def is_unknown(self, error: float) -> bool:
-        """Whether an error of these bounds is not known: 0 by the growth of a scan's bounds."""
+        """Return whether an error of these bounds is not known: 0 by the growth of a scan's
+        bounds."""
         return self.kind.startswith("least") and not error
 
 

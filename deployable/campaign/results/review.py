@@ -158,8 +158,8 @@ class _Sheet:
         self._row_names: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
-        """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
-        analysed` where nothing answers it. clause: one of `CLAUSES`."""
+        """Return the sheet's rows that answer a clause, as dicts of texts; a single one that says
+        `not analysed` where nothing answers it. clause: one of `CLAUSES`."""
         if clause.topic in ANALYSES:
             rows: list = [ANALYSES[clause.topic](self)]
         else:
@@ -173,7 +173,7 @@ class _Sheet:
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
     def list_other_rows(self) -> list[dict[str, str]]:
-        """The rows that answer no clause: margins by other standards, and the campaign's own
+        """Return the rows that answer no clause: margins by other standards, and the campaign's own
         requirements; call it after `rows` of all clauses."""
         rows = []
         for name, row in self._quantities.items():
@@ -280,7 +280,7 @@ class _Sheet:
     # -- verdicts ----------------------------------------------------------------------------------
 
     def _judge(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
-        """Whether a requirement's limit is kept, as assessed and by the printed interval."""
+        """Return whether a requirement's limit is kept, as assessed and by the printed interval."""
         if limit["met"] == "none":
             return ALL_FAIL
         if limit["met"] == "some":
@@ -298,7 +298,7 @@ class _Sheet:
         return self._met
 
     def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
-        """Whether a limit is kept that is an allowable; nothing where it is none."""
+        """Return whether a limit is kept that is an allowable; nothing where it is none."""
         if topic not in ALLOWABLES:
             return self._judge(row, limit)
         sides = {self._side(q, bound) for q in self._numbers for _, bound in self._limits.get(q, ())
@@ -326,12 +326,12 @@ class _Sheet:
         return -1 if lower and is_signed else 0
 
     def _limit_at_zero(self, name: str) -> Mapping[str, Any] | None:
-        """The limit of a requirement that is that of the standards."""
+        """Return the limit of a requirement that is that of the standards."""
         limits = (limit for _, limit in self._limits.get(name, ()))
         return next((x for x in limits if x["kind"] == "at_least" and x["level"] == 0), None)
 
     def _above_zero(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a margin is at least 0, by the requirement of that or by its interval."""
+        """Return whether a margin is at least 0, by the requirement of that or by its interval."""
         if limit := self._limit_at_zero(row["name"]):
             return self._judge(row, limit)
         if row["upper"] is not None and row["upper"] < 0:
@@ -343,7 +343,8 @@ class _Sheet:
         return _because(OPEN, "the least margin is within its error")
 
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a margin meets its standard; of one by factors of its own, what both say."""
+        """Return whether a margin meets its standard; of one by factors of its own, what both
+        say."""
         margin, verdict = self._margins[row["name"]], self._above_zero(row)
         if margin["own"]:
             name, standard_verdict = f"{margin['name']}{BY_STANDARD}_least", NO_VERDICT
@@ -415,7 +416,7 @@ class _Sheet:
         return self._margin(row)
 
     def _catches(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a latch catches."""
+        """Return whether a latch catches."""
         places = self._numbers[row["name"]].places
         limits = [limit for _, limit in self._limits.get(row["name"], ())]
         event_limits = [limit for limit in limits if _is_there(limit)]
@@ -428,7 +429,7 @@ class _Sheet:
         return verdict
 
     def _catches_later(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a latch that misses catches later."""
+        """Return whether a latch that misses catches later."""
         if not row["runs_with"]:
             return _because(NOT_ANALYSED, "no run misses")
         places = self._numbers[row["name"]].places
@@ -439,7 +440,8 @@ class _Sheet:
         return _because(NOT_ANALYSED, "whether it latches later is no quantity")
 
     def _clearance(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether the least clearance is three times its tolerance, the width of its interval."""
+        """Return whether the least clearance is three times its tolerance, the width of its
+        interval."""
         if self._numbers[row["name"]].kind != "smallest":
             return _because(NOT_ANALYSED, "of a clearance the `smallest` is asked")
         error = whole_error(row)
@@ -633,7 +635,7 @@ def _is_there(limit: Mapping[str, Any]) -> bool:
 
 
 def _covers(margin: Mapping[str, Any]) -> bool:
-    """Whether the positions of a margin are all of its travel."""
+    """Return whether the positions of a margin are all of its travel."""
     c, d = sorted(margin["travel"])
     a, b = sorted((margin["first"], margin["last"]))
     room = 1e-6 * (d - c)

@@ -118,5 +118,5 @@ def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
 
 @cache
 def _sentences() -> Any:
-    """The macros, compiled once."""
+    """Return the macros, compiled once."""
     return environment().get_template("sentences.jinja").module

@@ -132,7 +132,7 @@ class Workflow:
         return names
 
     def is_whole(self, stage: Stage, stale: Mapping[str, str]) -> bool:
-        """Whether all files that a stage writes are there, and none is `stale`."""
+        """Return whether all files that a stage writes are there, and none is `stale`."""
         return all(path.exists() and str(path) not in stale for path in self.files_of(stage))
 
     def files_of(self, stage: Stage) -> list[Path]:
@@ -173,7 +173,7 @@ class Workflow:
 
 
 def _relative(path: str | Path) -> Path:
-    """The path as the user would write it, for messages."""
+    """Return the path as the user would write it, for messages."""
     path = Path(path)
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 

@@ -182,8 +182,8 @@ class Climb:
     def _model(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
     ) -> tuple[_Model, _Border | None, float]:
-        """The model of the runs near a run, the border beside it, if any, and by how much the model
-        is below that run."""
+        """Return the model of the runs near a run, the border beside it, if any, and by how much
+        the model is below that run."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
         count = _MODEL_RUNS + _PARAMETER_RUNS * int(free.sum())
         order = np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable")
@@ -206,8 +206,8 @@ class Climb:
     def _best(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
     ) -> tuple[np.ndarray, float]:
-        """The best point (k) within the radius of a run, and what the model promises there; next to
-        a run just beyond the border, once there is one (a second-order correction)."""
+        """Return the best point (k) within the radius of a run, and what the model promises there;
+        next to a run just beyond the border, once there is one (a second-order correction)."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
         model, border, offset = self._model(points, heights, is_valid, row)
         cloud = spread_points(free, _CLOUD, seed=3) * free

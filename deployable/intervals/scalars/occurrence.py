@@ -250,8 +250,8 @@ class FittedOccurrence(Occurrence):
     latest: float | None = None
 
     def agrees(self, tolerance: float = 0.0) -> bool:
-        """Whether the decision function agrees with every run: it is at least minus `error` in runs
-        with the event, and below `tolerance` (in its unit) in those without."""
+        """Return whether the decision function agrees with every run: it is at least minus `error`
+        in runs with the event, and below `tolerance` (in its unit) in those without."""
         decision = self.decision(self.points)
         agreement = decision[self.happens] >= -self.error
         return bool(agreement.all() and (decision[~self.happens] < tolerance).all())

@@ -358,8 +358,8 @@ def _compare(
 
 
 def _rivals(limits: Sequence[Limit]) -> tuple[list[Limit], float]:
-    """The limits with the other kind of fits, none where no limit has such, and the most that one
-    of these has to say (`Limit.rivalry`)."""
+    """Return the limits with the other kind of fits, none where no limit has such, and the most
+    that one of these has to say (`Limit.rivalry`)."""
     rivals = [limit.rival for limit in limits]
     rivalry = max((limit.rivalry for limit in limits if limit.rival), default=0.0)
     if not rivalry:
@@ -401,7 +401,7 @@ def _parts_met(conditions: Sequence[tuple[np.ndarray, ...]], sign: int) -> np.nd
 
 
 def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
-    """The direction along which what decides changes most, as shares of all its change."""
+    """Return the direction along which what decides changes most, as shares of all its change."""
     rows, total = np.flatnonzero(free), np.zeros(len(free))
     ends = np.zeros((2 * len(rows), len(free)))
     ends[np.arange(len(rows)), rows], ends[len(rows) + np.arange(len(rows)), rows] = -1.0, 1.0
@@ -615,7 +615,8 @@ class ChoiceProblem:
         return ends[:, 0] + points * (ends[:, 1] - ends[:, 0])
 
     def _refine(self, trials: Sequence[Choice], rank: Callable[[Choice], tuple]) -> Choice:
-        """The choice of the lowest rank: the best of `trials`, then of finer and finer grids."""
+        """Return the choice of the lowest rank: the best of `trials`, then of finer and finer
+        grids."""
         ends = np.array(self.ranges, dtype=float)
         wide = ends[:, 1] > ends[:, 0]
         best = min(trials, key=rank)

@@ -231,7 +231,7 @@ class ScalarSurrogate:
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The part of the box, without extent along parameters that do not vary."""
+        """Return the part of the box, without extent along parameters that do not vary."""
         side = np.ones(self.occurrence.points.shape[1])
         free = np.ptp(self.occurrence.points, axis=0) > 0
         lower = np.where(free, -side if lower is None else lower, 0.0)

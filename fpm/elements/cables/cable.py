@@ -319,7 +319,8 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
 
 
 def _with_friction(part, batch):
-    """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
+    """Return the arrays of cables of which some rub: unstrained lengths of all stretches as
+    well."""
     from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE

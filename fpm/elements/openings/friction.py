@@ -75,9 +75,9 @@ def _describe_lock(values: dict[str, float]) -> tuple[str, str]:
 
 
 def _describe_imbalance(element: str) -> str:
-    """The remedy of a bearing whose friction goes with a force that changes much in a step. Beyond
-    self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve, Lecons
-    sur le frottement, 1895); a start there may come upon the wrong one."""
+    """Return the remedy of a bearing whose friction goes with a force that changes much in a step.
+    Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
+    Lecons sur le frottement, 1895); a start there may come upon the wrong one."""
     if not element.startswith("bearing"):
         return ""
     return (
@@ -225,7 +225,7 @@ class Friction(ExactConnector):
 
 
 def _bearing_force(batch, kind):
-    """The forces of the joints of a kind's elements; None where none goes with them."""
+    """Return the forces of the joints of a kind's elements; None where none goes with them."""
     from fpm.elements.openings.losses_kernels import JointForce
 
     scene, elements = batch.scene, kind.find(batch.scene)

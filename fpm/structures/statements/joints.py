@@ -32,7 +32,7 @@ OPENING_TOL = 1e-6
 
 
 def _per_part(build, args, key: str, noun: str) -> list:
-    """The values of a key for each of a joint's parts, stated for each or one for all."""
+    """Return the values of a key for each of a joint's parts, stated for each or one for all."""
     value, names = getattr(args, key), [part.name for part in args.parts]
     if not isinstance(value, dict):
         return [value] * len(names)
@@ -42,7 +42,7 @@ def _per_part(build, args, key: str, noun: str) -> list:
 
 
 def _meet(build, args) -> tuple[list[int], np.ndarray]:
-    """The particles of a joint's parts, and their points there (k, 3); for every joint."""
+    """Return the particles of a joint's parts, and their points there (k, 3); for every joint."""
     points = _per_part(build, args, "at", "a point")
     particles = [part.particle(p.name) for part, p in zip(args.parts, points, strict=True)]
     for (part1, p), (part2, q) in pairwise(zip(args.parts, points, strict=True)):

@@ -95,8 +95,8 @@ def _curve_by_expression(build, args) -> Any:
 
 @lru_cache(maxsize=64)
 def _fit(expression: Expression, numbers: tuple, start: float, end: float) -> Curve:
-    """The curve that an expression is from a time `start` to another, `end` (s). numbers: names
-    and values, numbers or vectors, as bytes, which can be hashed."""
+    """Return the curve that an expression is from a time `start` to another, `end` (s). numbers:
+    names and values, numbers or vectors, as bytes, which can be hashed."""
     arrays = {name: np.frombuffer(data) for name, data in numbers}
     numbers_by_name = {name: a if a.size > 1 else float(a[0]) for name, a in arrays.items()}
 

@@ -185,7 +185,7 @@ class Index(Key):
 
 
 def _text(limit: float) -> str:
-    """A limit as people write it: 1e-9, 0.0001, 1000000."""
+    """Write a limit as people do: 1e-9, 0.0001, 1000000."""
     return str(limit) if isinstance(limit, int) else re.sub(r"e\+?(-?)0*", r"e\1", f"{limit:g}")
 
 

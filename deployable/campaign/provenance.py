@@ -31,8 +31,8 @@ def program_digest() -> str:
 
 @cache
 def program() -> dict[str, str]:
-    """What computes results, texts by name, found once in a process. `commit` ends with `, changed`
-    where files differ from it, and is `unknown` without git."""
+    """Return what computes the results, as texts by name, found once in a process. `commit` ends
+    with `, changed` if files differ from it, and is `unknown` without git."""
     versions = {
         "program": f"deployable-intervals {deployable.__version__}",
         "commit": _commit(),

@@ -202,7 +202,8 @@ class AlignedCurves:
         self._fill(mapped_curves, scales)
 
     def _stretches(self, starts: np.ndarray) -> Iterator[tuple[slice, slice, np.ndarray]]:
-        """Of each stretch of a run: the instants within it, its columns, their times (s)."""
+        """Return for each stretch of a run the instants within it, its columns, and their times
+        (s)."""
         ends = np.append(starts[1:], starts[-1] + self.reach)
         edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
         first = np.searchsorted(self.time, starts + edge)

@@ -247,7 +247,8 @@ class _Problem:
         return (np.concatenate(residuals) / self.bands, np.concatenate(rows) / self.bands[:, None])
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
-        """By how many bands each residual (M) deviates, less or more the surrogate's error."""
+        """Return by how many bands each residual (M) deviates, minus or plus the surrogate's
+        error."""
         return np.abs(residuals) - sign * self.errors / self.bands
 
     def search(

@@ -192,8 +192,8 @@ def _ratio(last: np.ndarray, previous: np.ndarray) -> np.ndarray:
 
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
-    """For each instant of `time` (T, s), the largest value of an error (..., T) within a time
-    window about it, returned as (..., T); window: half width in s, None: 0.5 % of the duration."""
+    """Return for each instant of `time` (T, s) the largest value of an error (..., T) within a time
+    window about it. window: half width in s, None: 0.5 % of the duration."""
     time = np.asarray(time, dtype=float)
     if len(time) < 2:
         return error.copy()

@@ -180,7 +180,7 @@ class ScanModel(Model):
 
 
 def _growth(previous: RunBounds | None, current: RunBounds) -> np.ndarray:
-    """By how much bounds grew, on the side where they grew more."""
+    """Return by how much bounds grew, on the side where they grew more."""
     if previous is None:
         return np.zeros_like(current.low)
     return np.maximum(previous.low - current.low, current.high - previous.high)
@@ -461,7 +461,8 @@ class AutoModel(Model):
         return replace(error, total=np.maximum(error.total, self.part_error))
 
     def _join(self, results: list) -> Any:
-        """One Range or ErrorEstimate, of which each instant has the chosen model's."""
+        """Join the models' Ranges or ErrorEstimates into one, with the chosen model's values at
+        each instant."""
         arrays_by_name = {}
         for name in results[0].__dataclass_fields__:
             arrays = np.array([getattr(result, name) for result in results])

@@ -72,7 +72,7 @@ def _unit(vector: np.ndarray) -> np.ndarray:
 
 
 def _rotate(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
-    """A vector turned about an axis by the right-hand rule (Rodrigues' formula)."""
+    """Rotate a vector about an axis by the right-hand rule (Rodrigues' formula)."""
     axis, cosine, sine = _unit(axis), math.cos(angle), math.sin(angle)
     rest = (1.0 - cosine) * _dot(axis, vector)
     return cosine * vector + sine * _cross(axis, vector) + rest * axis

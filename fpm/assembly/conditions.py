@@ -161,7 +161,8 @@ class Conditions(NamedTuple):
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """In global axes: both particles' directions and arms, offset of the points (..., c, 3)."""
+        """Return, in global axes, both particles' directions and arms, and the offset of the points
+        (..., c, 3)."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)

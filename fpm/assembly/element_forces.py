@@ -137,7 +137,7 @@ class ElementForces:
         self.world.state[:, POSE] = fields[:, :, None]
 
     def _act_there(self) -> np.ndarray:
-        """What the elements do where they have come to, not what they did on the way there."""
+        """Evaluate the elements at the present positions, without the forces of the way there."""
         state = self.world.state
         for _ in range(1 + self._has_memory):
             state[:, layout.F : layout.M + 3] = 0.0

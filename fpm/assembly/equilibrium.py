@@ -81,8 +81,8 @@ def _forces_at_start(scene) -> BalanceForces:
 
 
 def _springs_at_start(scene) -> dict[type[Any], list]:
-    """By type, springs for motors and releases that give, which are nothing else at the start; with
-    backlash two stops."""
+    """Return, by type, the springs that replace elastic motors and releases at the start; those
+    with backlash become two stops."""
     springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
     stops = []
     for motor in Motor.find(scene):

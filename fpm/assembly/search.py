@@ -409,6 +409,6 @@ class RestSearch:
 
 
 def _gap_text(gap: float, tilt: float) -> str:
-    """By how much a joint is open, in words."""
+    """Describe the gap of a joint."""
     sizes = [f"{gap:.3g} m"] * (gap > 0) + [f"{tilt:.3g} rad"] * (tilt > 0)
     return f"{' and '.join(sizes) or '0 m'} apart"

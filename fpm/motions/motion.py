@@ -142,7 +142,8 @@ def section_corners(scene: Scene) -> np.ndarray:
 
 
 def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]]]:
-    """By particle: a point and the normal of each contact's face, in the particle's frame."""
+    """Return by particle the point and the normal of each contact's face, in the particle's
+    frame."""
     faces: dict[int, list] = {}
     for contact in scene.contacts:
         hinge = scene.hinges[contact.hinge]

@@ -119,7 +119,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
 
 
 def _changes(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
-    """What changes in time: name -> dimensions, values, units, long name."""
+    """Return what changes in time: name -> dimensions, values, units, long name."""
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
     if beams := motion.scene.beams:

@@ -337,7 +337,7 @@ def _number(spec, key: str, value: object) -> float:
 
 
 def _opening(spec, key: str, hinge, unit: str) -> float | None:
-    """An opening (rad, m): a number, or one with its unit; None for that at the start."""
+    """Read an opening (rad, m): a number, or one with its unit; None for that at the start."""
     value = spec.data.get(key, STOW)
     if value == STOW:
         return None

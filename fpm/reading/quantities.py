@@ -167,7 +167,8 @@ def settling(
 
 
 def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
-    """What reads a number off times (t,) and the values (t,) of the quantity's response."""
+    """Make a reader that applies `number` to times (t,) and the values (t,) of the quantity's
+    response."""
     return lambda quantity, curves: number(
         quantity, curves.time, quantity.response.evaluate(curves)
     )
@@ -182,7 +183,7 @@ def _smallest(quantity: Quantity, curves: Curves) -> float:
 
 
 def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
-    """Where values are smallest: a time (s), or what the response lies along."""
+    """Return where values are smallest: a time (s), or a value of the response's abscissa."""
     if quantity.response.along:
         return margins.least(quantity.response, curves)[1]
     time, values = curves.time, quantity.response.evaluate(curves)

@@ -115,7 +115,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
 
 
 def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Quantity:
-    """A quantity that is arithmetic of others."""
+    """Make a quantity that is arithmetic of others."""
     key = f"quantities.{name}"
     try:
         names = sorted(expressions.parse(text).names)

@@ -132,7 +132,8 @@ _SIZES = {"velocity": "speed", "angular velocity": "angular speed"}
 
 
 def _vector(spec: Definition, names: Lister | None = None, unit: str = "") -> Response:
-    """A vector along or about global axes, or its size: of a variable, or of some names."""
+    """Make a response of a vector's component in global axes, or of its size, from a variable or
+    from named points."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
     axes = AXES if component == "norm" else (component,)
@@ -154,7 +155,8 @@ def _pair(spec: Definition, noun: str, names_of: Lister, column: bool = True) ->
 
 
 def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: str = "") -> Response:
-    """A column of a variable by its label, or what has no column: an energy."""
+    """Make a response from a column of a variable by its label, or from an energy, which has no
+    column."""
     name = spec.one_of(names(spec.scene))
     columns = ((variable, name),) if variable else ()
     return spec.response((name,), "", unit, text.format(ALL.get(name, name)), columns)
@@ -166,7 +168,8 @@ def _bar(spec: Definition) -> Response:
 
 
 def _section(spec: Definition) -> Response:
-    """A component of what a section of a bar bears, or the size of both of two axes."""
+    """Make a response of a component of a bar's section force or moment, or of the size of both
+    axes."""
     parts, name = spec.variable.parts, spec.one_of(spec.variable.names(spec.scene))
     key, share = f"responses.{spec.name}.at", "a share of the bar's length,"
     fraction = NumberLimits(least=0, most=1).check(key, spec.data["at"], share)
@@ -225,7 +228,8 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
 
 
 def _latch(spec: Definition) -> Response:
-    """What every run records of a latch; impacts are those of latches that hold exactly."""
+    """Make a response of what every run records of a latch; only latches that hold exactly have
+    impacts."""
     is_impact = spec.kind == "latch_impact"
     elements = [e for e in Latch.find(spec.scene) if e.is_exact or not is_impact]
     latches = {latch.label(spec.scene): latch for latch in elements}

@@ -57,7 +57,7 @@ def _rows(values, *shape: int) -> np.ndarray:
 
 @cache
 def _fractions(elements: int) -> np.ndarray:
-    """Where particles of a bar lie, as fractions of it."""
+    """Return the positions of a bar's particles as fractions of its length."""
     return np.linspace(0.0, 1.0, elements + 1)
 
 

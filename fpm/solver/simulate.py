@@ -145,8 +145,9 @@ def _is_repeated(failure, halvings: int, count: int) -> bool:
 
 
 def _note_dead_end(previous_failure, failure, division: Division) -> None:
-    """Say that a shorter step does not help where joints open, and a run fails with the longer step
-    before at the same time, to that between checks; not where it does so from the start on."""
+    """Note in a failure that a shorter step does not help. That is so where joints open, and the
+    run with the longer step before failed at the same time, to within one check, but not from the
+    start on."""
     if isinstance(failure, InstabilityError):
         failure.final_words = failure.final_words or previous_failure.final_words
         reach = 3 * division.check_steps * division.step

@@ -78,7 +78,7 @@ class CurvesFile:
         return cls(times, columns, dimensions, table.digest, faults)
 
     def allowed(self, name: str) -> str:
-        """Say which names of columns are allowed instead of `name`, and why that one is not."""
+        """Say which names of columns are allowed instead of `name`, and why `name` is not."""
         fault = f"; {self.faults[name]}" if name in self.faults else ""
         return f"a column of the file, {', '.join(self.columns) or '(there is none)'}{fault}"
 

@@ -117,14 +117,14 @@ def _step(cost: report.RunCost) -> str:
 
 
 def _damped_step(scene: Scene) -> str:
-    """What damping in proportion to stiffness does to the stable step."""
+    """Describe the effect of damping in proportion to stiffness on the stable step."""
     if not any(beams.material.stiffness_damping for beams in scene.beams):
         return ""
     return f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
 
 
 def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:
-    """What would make the stable step longer."""
+    """Describe what would make the stable step longer."""
     if cost.step == np.inf:
         return ""
     changes = [
@@ -180,7 +180,7 @@ def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
 
 
 def _describe_misfit(scene: Scene) -> str:
-    """What forced the parts together."""
+    """Describe how the parts were forced together."""
     joint, gap, tilt = scene.assembly[1:4]
     parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
     text = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
@@ -188,7 +188,7 @@ def _describe_misfit(scene: Scene) -> str:
 
 
 def _describe_balance(scene: Scene) -> str:
-    """What the equilibrium at the start took, and how exact it is."""
+    """Describe the equilibrium at the start, and how exact it is."""
     _, imbalance, largest, energy, motion, _ = scene.equilibrium
     text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
     return f"{text}; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
@@ -230,7 +230,7 @@ def _strut(scene: Scene, strut: Strut) -> str:
 
 
 def _place(scene: Scene, beam: VirtualBeam) -> str:
-    """Where a named point is at the start."""
+    """Return the position of a named point at the start."""
     particle = beam.particle
     return _vector(scene.position[particle] + scene.frame[particle] @ beam.arm)
 

@@ -107,7 +107,8 @@ class FileStatements:
     # -- repeats ------------------------------------------------------------------------------
 
     def _units(self, table: Node, counts: Mapping, ends: dict[str, str]) -> Iterator[Sheet]:
-        """All units of a file's repeats; `ends` is told the prefixes of the first and last ones."""
+        """Return all units of a file's repeats; add the prefixes of their first and last ones to
+        `ends`."""
         repeats = table_at(table, "repeat", "", self.problems)
         for name, line in repeats.lines.items():
             place = Place(f"repeat.{name}", Context({}), self.names)

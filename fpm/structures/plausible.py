@@ -200,7 +200,8 @@ def _is_moved(scene: Scene) -> bool:
 
 
 def _rigid(scene: Scene) -> Iterator[str]:
-    """What holds parts that joints and supports leave no way to move, where nothing gives."""
+    """Warn if nothing is elastic and nothing can move, and name the supports and joints that hold
+    it."""
     if scene.beams or scene.drives or not (scene.hinges or scene.kinds.get(Joint)):
         return
     rows, names = report.jacobian(scene)
@@ -277,7 +278,8 @@ def _tables(scene: Scene) -> Iterator[str]:
 
 
 def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
-    """What keeps a latch from catching: a stop, springs that push away or rest before it, time."""
+    """Describe what keeps a latch from catching: a stop, springs that push away or rest before it,
+    time."""
     hinge = scene.hinges[latch.hinge]
     start, travel = hinge.opening, latch.angle - hinge.opening
     head = f"latch {latch.label(scene)} at {opening_text(hinge, latch.angle)}"
@@ -296,7 +298,7 @@ def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
 
 
 def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Iterator[str]:
-    """What keeps the springs on a hinge from moving it by `travel` (rad, m), where `head` is."""
+    """Describe what keeps the springs on a hinge from moving it by `travel` (rad, m) to `head`."""
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
     actions = [e for kind in kinds for e in kind.find(scene) if number in e.acts_on()]
     springs = [e for e in actions if e.acts_as == "spring"]
@@ -306,7 +308,8 @@ def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Ite
 
 
 def _release(scene: Scene, release: Release, duration: float | None) -> Iterator[str]:
-    """What keeps a release from letting go: what stops the opening that it watches, or time."""
+    """Warn of what keeps a release from letting go: the end of the run, watching its own joint or
+    latch, or an opening that is not reached."""
     head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
     is_timed = release.time < np.inf
     if is_timed and (release.watch < 0 if duration is None else release.time <= duration):
@@ -363,7 +366,8 @@ def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> 
 
 
 def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:
-    """What keeps springs alone from moving a hinge on by `travel` (rad, m) to a latch, `head`."""
+    """Describe what keeps springs alone from moving a hinge by `travel` (rad, m) to a latch,
+    `head`."""
     start, end = hinge.opening, hinge.opening + travel
     push, end_push = (sum(_moment(spring, x) for spring in springs) for x in (start, end))
     unit = "N" if hinge.slides else "N m"

@@ -226,7 +226,7 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
 
 
 def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Where a text is not YAML, and why, by what PyYAML says."""
+    """Describe where and why a text is not YAML, from PyYAML's error."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -320,7 +320,7 @@ class _Reader:
         return node
 
     def _rest(self) -> Iterator[yaml.Event]:
-        """What comes up to the end of a list or mapping."""
+        """Return the nodes up to the end of a list or mapping."""
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:

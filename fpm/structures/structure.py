@@ -161,7 +161,7 @@ for _group in GROUPS:
 
 
 def _plain(value: Any, key: str) -> Any:
-    """A value with texts for numbers, as the nodes of a file have it; copied."""
+    """Return a copy of a value with texts for numbers, like the nodes of a file."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -177,7 +177,7 @@ def _plain(value: Any, key: str) -> Any:
 
 
 def _node(value: Any) -> Node:
-    """A plain value as nodes without lines."""
+    """Turn a plain value into nodes without lines."""
     if isinstance(value, dict):
         nodes = {name: _node(entry) for name, entry in value.items()}
         return Node(nodes, lines=dict.fromkeys(nodes, 0))

@@ -81,8 +81,8 @@ class _File:
         return builder.scene
 
     def prepare(self, samples: Sequence[Mapping]) -> Callable[[Mapping], Scene | None]:
-        """What builds samples at values of all parameters, with what they have in common built
-        once; it returns None for a sample that is to be built on its own."""
+        """Return a function that builds samples at values of all parameters, with their common
+        parts built once. It returns None for a sample that must be built on its own."""
         first, *rest = map(self._values, samples)
         names = {name for values in rest for name in first if values[name] != first[name]}
         model = self._model(first, problems := Problems(self.source))

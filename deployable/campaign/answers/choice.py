@@ -117,8 +117,8 @@ def answer(
 def _search(
     model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
-    """What `_best` finds once the places that decide are simulated, or after so many iterations;
-    the best choice as judged with runs at its worst places."""
+    """Return the results of `_best` after the deciding places are simulated, or after `iterations`.
+    The best choice is judged with runs at its worst places."""
     start = time.monotonic()
     for iteration in range(iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base, choose, specs)

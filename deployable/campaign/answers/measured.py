@@ -193,8 +193,8 @@ def _calibrate(
     tests: Sequence[_Test], hull: np.ndarray, verify: Verify, notify: Notify,
     data: Sequence[TestRuns] | None = None,
 ) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
-    """What of a part of the box explains the tests, and each of them alone; only all of them with
-    `data`, the runs of the first ones that were made before."""
+    """Find the part of `hull` that explains the tests together and each of them alone. With `data`,
+    the runs of the first tests made before, only all of them together."""
     times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
 
     def notify_of(indices: Sequence[int], text: str) -> None:
@@ -243,7 +243,7 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
 
 
 def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
-    """What the last of the tests says of what the others leave."""
+    """Compare the last of the tests, a check, with the part of the box that the others leave."""
     t = len(tests) - 1
     bands = np.abs(result.residuals[t]) / tests[t].curves.bands
     i, instant = np.unravel_index(bands.argmax(), bands.shape)
@@ -277,8 +277,8 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
 
 
 def _find_trade_off(first: tuple[str, np.ndarray], second: tuple[str, np.ndarray]) -> dict:
-    """How two parameters, each a name and values (S) that are left, are tied to each other; nothing
-    where they hardly are."""
+    """Describe how two parameters, each a name and remaining values (S), depend on each other;
+    nothing if they hardly do."""
     (name, values), (rival, rivals) = first, second
     if not len(values) or not np.ptp(values) or not np.ptp(rivals):
         return {}
@@ -336,7 +336,7 @@ def _describe_left(
 
 
 def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: np.ndarray) -> str:
-    """In which part of what is left a limit is met: all, some, none, or undecided."""
+    """Return in which part of the remaining box a limit is met: all, some, none, or undecided."""
     if spec.kind == "happens":
         share = np.mean(happens == bool(spec.level))
         return "all" if share == 1 else "some" if share else "none"
@@ -354,7 +354,8 @@ def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: n
 def _next_tests(
     model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test], folder: Folder
 ) -> list[dict]:
-    """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
+    """Find where the remaining runs (R, n, T) differ most: one row for each response, the largest
+    difference first."""
     bounds = read_bounds(folder, of_design=True)
     bands: dict = {}
     for test in tests:

@@ -88,8 +88,9 @@ def _write(model: ModelEvaluator, result: str, columns: dict, path: Path, title:
 def _describe_ends(
     model: ModelEvaluator, bounds: list[QuantityBounds], tolerances: list[float]
 ) -> list[str]:
-    """Why the search for the bounds of each quantity ended while an error was too large, and where
-    in the box the runs are predicted worst; empty texts for the others."""
+    """Describe why the search for the bounds of each quantity ended although an error was too
+    large, and where in the box the runs are predicted worst; empty texts for the other
+    quantities."""
     box, types = model.experiment.box, model.experiment.scene_type.parameters
     units = [{"name": name, "units": types[name].unit} for name in box.names]
     is_spent = min(model.max_refinements - len(model.refinements), model.account.allowance) < 1
@@ -129,7 +130,7 @@ def _columns(
 def _row(
     model: ModelEvaluator, quantity: Quantity, bounds: QuantityBounds, shift: float
 ) -> dict[str, Any]:
-    """What `quantities.nc` has of a quantity, by the names of its columns; shift: error of the
+    """Return a quantity's row of `quantities.nc`, by the names of its columns. shift: error of the
     decision function by mesh and step."""
     box, surrogate, extremes = model.experiment.box, bounds.surrogate, bounds.surrogate_range
     (lower, upper), unconverged = bounds.outer, map(int, bounds.unconverged)

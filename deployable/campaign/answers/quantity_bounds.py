@@ -244,8 +244,8 @@ class _Climbs:
                 break
 
     def remainders(self, q: int) -> tuple[float, float]:
-        """By how much the lower and the upper bound of quantity `q` may be exceeded, as searches
-        were ended by the limit on runs."""
+        """Return by how much the lower and the upper bound of quantity `q` may be exceeded because
+        the limit on runs ended its searches."""
         if not self.climbs or not self.climbs[q][0]:
             return 0.0, 0.0
         lower, upper = self.climbs[q]
@@ -288,8 +288,8 @@ def _bounds(
 
 
 def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
-    """An estimate whose value is that of the extreme run, where the surrogate goes farther after
-    searches by runs: its error has what lies between. The end of the runs stays."""
+    """Return an estimate with the value of the extreme run; its error covers at least the
+    difference. An estimate that is the end of the runs is returned unchanged."""
     if estimate.value == surrogate.latest:
         return estimate
     error = max(estimate.error, abs(estimate.value - value))

@@ -40,8 +40,9 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
 def judge(
     model: ModelEvaluator, requirements: Mapping[str, Mapping], errors: np.ndarray | None = None
 ) -> dict[str, Any]:
-    """Where in the box requirements are met by the runs of `model`, as in `requirements.json`.
-    errors (2, q): by mesh and step, of values and of decision functions, or None."""
+    """Find where in the box the requirements are met, from the runs of `model`; the result has the
+    form of `requirements.json`. errors (2, q): by mesh and step, of values and of decision
+    functions, or None."""
     specs = list_limits(requirements, list(model.experiment.quantities))
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)
@@ -87,9 +88,9 @@ def _judge_limits(
 def _judge_sound(
     model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """As `_judge_limits`, by the runs that did not fail. These decide where they agree with the
-    surrogates up to the error. That no run keeps a limit proves nothing: the share is unknown
-    then."""
+    """Judge limits as `_judge_limits` does, but from the runs that did not fail. These decide where
+    they agree with the surrogates up to the error. If no run keeps a limit, that proves nothing,
+    and the share is unknown."""
     (fraction, open_), rows = shares[indices], list(indices)
     is_met = result.margins[rows].min(axis=0) >= 0
     runs = len(model.distinct_rows) + model.rest_count + len(model.failed_points)

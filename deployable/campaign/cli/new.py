@@ -118,5 +118,5 @@ def _round_up(seconds: float) -> float:
 
 
 def _name(text: str) -> str:
-    """What a response or quantity can be called after something."""
+    """Turn a text into a name that a response or quantity can have."""
     return re.sub("[^A-Za-z0-9_]+", "_", text)

@@ -86,7 +86,7 @@ def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> lis
 
 
 def _shift(spec: Mapping, nominal: Any) -> str:
-    """An interval as wide as that of `spec`, about another value, as text."""
+    """Return, as text, an interval as wide as that of `spec` about another nominal value."""
     width = {key: spec[key] for key in ("relative", "absolute") if key in spec}
     if "lower" in spec:
         width = {"absolute": float(f"{0.5 * (spec['upper'] - spec['lower']):.6g}")}
@@ -124,7 +124,8 @@ def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
 
 
 def _physics(experiment: Experiment) -> Experiment:
-    """What is simulated, whatever it is called and however it is written, but for rounding."""
+    """Return the simulated physics of an experiment, independent of names and notation, up to
+    rounding."""
     free = dict.fromkeys(experiment.intervals)
     scene = replace(experiment.scene, parameters={**experiment.parameters({}), **free})
     intervals = {

@@ -76,7 +76,7 @@ def _add(config: dict, update: Mapping) -> None:
 
 
 def _keys(data: Any, path: str = "") -> Iterator[str]:
-    """All keys of nested mappings, their names joined by dots."""
+    """List all keys of nested mappings, with their names joined by dots."""
     for name, child in data.items() if isinstance(data, Mapping) else ():
         yield (key := f"{path}{name}")
         yield from _keys(child, f"{key}.")
@@ -176,7 +176,7 @@ def anchor_paths(raw: Mapping, folder: str | Path) -> Mapping:
 
 
 def _anchored_file(section: Any, folder: str | Path) -> Any:
-    """A section of a config with its key `file` as seen from the working folder."""
+    """Return a section of a config with its key `file` relative to the working folder."""
     if not isinstance(section, Mapping) or not isinstance(section.get("file"), str):
         return section
     if "\0" in section["file"]:  # no path, which the models refuse

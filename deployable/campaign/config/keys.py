@@ -46,8 +46,8 @@ class Rule(NumberLimits):
         return is_fit and (not isinstance(number, int | float) or self.allows(number))
 
     def words(self, hint: Any) -> str:
-        """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
-        limits and the type `hint` of the key imply, such as "a whole number above 0"."""
+        """Describe the allowed values for messages and docs: the text `allowed`, or what the limits
+        and the type `hint` of the key imply, such as "a whole number above 0"."""
         if self.allowed or is_dataclass(hint):
             return self.allowed or "a mapping"
         if get_origin(hint) is Literal:
@@ -155,7 +155,7 @@ def _take(hint: Any, value: Any) -> Any:
 
 
 def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
-    """What JSON Schema says of a type within the limits of a rule; {} for mappings."""
+    """Return the JSON Schema of a type within the limits of a rule; {} for mappings."""
     type_rule, hint = _parts(hint)
     rule = rule if type_rule == Rule() else type_rule
     kind, kinds = get_origin(hint), get_args(hint)
@@ -174,7 +174,7 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
 
 
 def _docstrings(hint: type) -> dict[str, str]:
-    """What stands below the fields of a class, on one line each."""
+    """Return the texts below the fields of a class, each on one line."""
     definition: Any = ast.parse(dedent(inspect.getsource(hint))).body[0]
     pairs: Any = pairwise(definition.body)
     return {

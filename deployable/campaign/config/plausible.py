@@ -75,7 +75,8 @@ def requirement_warnings(campaign: Any) -> list[str]:
 
 
 def _speed_texts(key: str, limit: float, experiment: Any, response: Any) -> Iterator[str]:
-    """A speed beyond what all energy at the start gives a point, where nothing else drives."""
+    """Warn of a speed limit beyond what all energy at the start can give a point, if nothing else
+    drives it."""
     from fpm.solver.start import consistent_scene
     from fpm.structures import report
 
@@ -179,7 +180,8 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
 
 
 def _step_texts(experiment: Any) -> Iterator[str]:
-    """A stated step, longer than a feature of a curve of time; curves far beyond the runs' end."""
+    """Warn of a stated step longer than a feature of a curve of time, and of curves far beyond the
+    end of the runs."""
     solver, scene = experiment.solver, experiment.nominal_scene
     feature = find_curve_step(scene, solver.duration)
     for curve in scene.curves:
@@ -216,7 +218,8 @@ def _level_texts(experiment: Any) -> Iterator[str]:
 
 
 def _turn_texts(key: str, angle: float, experiment: Any) -> Iterator[str]:
-    """An angle of more than a turn where nothing drives it on."""
+    """Warn of an angle of more than a turn, probably in degrees, unless the structure is driven or
+    spins."""
     scene = experiment.nominal_scene
     is_motor = any(kind.acts_as == "motor" for kind in kinds_of([scene]))
     if abs(angle) > 2 * np.pi and not (is_motor or scene.spin.any() or scene.drives):

@@ -163,7 +163,8 @@ def sentence(key: str, error: Any) -> str:
 
 
 def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
-    """A copy fit for arrays and JSON; `endless` gets keys and values of numbers not finite."""
+    """Return a copy fit for arrays and JSON. Keys and values of numbers that are not finite are
+    added to `endless`."""
     if isinstance(value, Mapping):
         return {
             _plain(name, "", {}): _plain(item, f"{key}.{name}".lstrip("."), endless)

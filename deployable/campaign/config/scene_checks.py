@@ -91,7 +91,8 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
 
 
 def _build_problems(experiment: Experiment) -> list[str]:
-    """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
+    """Describe inconsistencies that the scene finds at the nominal values or at the first bad
+    corner."""
     first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
@@ -165,7 +166,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
-    """Which travels the structure cannot make, at the nominal values and a few positions."""
+    """Describe travels that the structure cannot make, at the nominal values and a few
+    positions."""
     problems = []
     for curve in experiment.response_list:
         if curve.kind == "margin":
@@ -212,7 +214,7 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
 
 
 def _quantity_problems(experiment: Experiment) -> list[str]:
-    """What of the quantities cannot be read off a run of the scene."""
+    """Describe quantities that cannot be evaluated in a run of the scene."""
     if not experiment.quantities:
         return []
     elements = eventful(experiment.nominal_scene)
@@ -263,7 +265,7 @@ def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
 
 
 def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
-    """A scene's error as sentences: all that is wrong with a file, or the one of a known scene."""
+    """Turn a scene's error into sentences: all problems of a file, or the one of a known scene."""
     if problems := getattr(error, "problems", None):
         allowed = ""
         if not Path(error.source).exists():
@@ -347,7 +349,7 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
 
 
 def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
-    """What is wrong with the range of a parameter's choices; nothing where it is right."""
+    """Describe the problem with the range of a parameter's choices, if there is one."""
     scene, (low, high) = experiment.scene_type, choose.parameters[name]
     if name not in (real := real_names(scene)):
         return unknown(name, "real parameter", real)

@@ -70,7 +70,7 @@ def scene_type(name: str, file: str = "") -> Any:
 
 @lru_cache(maxsize=8)
 def _structure_from_text(text: str, source: str) -> Any:
-    """A structure's text is read once, however many stages and rounds want it."""
+    """Load a structure from its text, once for all stages and rounds that use it."""
     return structures.loads(text, source)
 
 

@@ -87,7 +87,8 @@ def _is_inside(points: np.ndarray, face: np.ndarray) -> np.ndarray:
 
 
 def _crossings(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the edges of faces (p, 4, 2) cross: places (p, 16, 2), and whether they do (p, 16)."""
+    """Return where the edges of faces (p, 4, 2) cross: points (p, 16, 2), and whether they cross
+    (p, 16)."""
     first_edge, second_edge = (np.roll(face, -1, axis=1) - face for face in (first, second))
     first_edge, second_edge = first_edge[:, :, None], second_edge[:, None]
     offset = second[:, None] - first[:, :, None]

@@ -107,7 +107,8 @@ def _plan(
 
 
 def _halve(solver: Solver, time: TimeStep) -> float:
-    """A safety that takes half the step, which instants may keep far below the stable one."""
+    """Return the safety factor that halves the step, which recorded instants may keep far below the
+    stable one."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
 
@@ -176,8 +177,8 @@ def left_tolerances(plan: Plan) -> list[float]:
 def _refinement_state(
     plan: Plan, shares: Mapping, is_step_free: bool = True, check_count: int | None = None
 ) -> RefinementState:
-    """How things stand, with what the rounds up to this plan's took and the next one would; in the
-    check of this round that was `check_count` runs, if known."""
+    """Return the state of the rounds: errors, the cost of the rounds so far, and the cost of the
+    next one. check_count: number of check runs in this round, if known."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs)
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")

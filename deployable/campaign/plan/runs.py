@@ -87,7 +87,7 @@ class Runs(Sequence[PlannedRun]):
         return len(self.role)
 
     def __getitem__(self, index: Any) -> Any:
-        """A `PlannedRun` for a number; for a slice, or a list of numbers, the `Runs` there."""
+        """Return the `PlannedRun` at a number, or the `Runs` at a slice or a list of numbers."""
         if isinstance(index, list):
             index = np.array(index, int)
         role, points, values = self.role[index], self.normalized[index], self.values[index]

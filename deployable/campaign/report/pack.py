@@ -144,7 +144,8 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
 
 
 def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any] | None:
-    """What was fitted; a polynomial's constant, which is most of it, in double precision."""
+    """Pack the fits for the page; a polynomial's constant, which is most of its value, in double
+    precision."""
     if (model := data.what_if) is None:
         return None
     rows = [row for row in data.facts["quantities"] if row["name"] in model.quantities]

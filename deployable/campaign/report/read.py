@@ -123,7 +123,7 @@ def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdi
 
 
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
-    """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
+    """Return the fits to quantities and, where bounds come from a polynomial, to responses."""
     limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:

@@ -103,7 +103,7 @@ def _group(summaries: Mapping[str, Mapping], section: str) -> dict[str, dict[str
 
 
 def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """Of each requirement of any case, what it is in all of them."""
+    """Combine each requirement of any case over all of its cases."""
     rows = []
     for name, by_case in _group(summaries, "requirements").items():
         limits: dict[tuple, dict[str, Mapping]] = {}
@@ -126,7 +126,7 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 
 def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
-    """One limit in the cases that it is of, and the case that is worst."""
+    """Compare one limit over its cases, and find the worst of these."""
     worst = min(limits.values(), key=_severity)
     peers = {
         case: row for case, row in limits.items() if GROUPS[row["met"]] == GROUPS[worst["met"]]
@@ -148,7 +148,8 @@ def _margin(limit: Mapping) -> float:
 
 
 def _severity(limit: Mapping) -> tuple:
-    """What decides first, the smallest: verdict, margin as a share of the level, share, name."""
+    """Return a sort key, the smallest for what decides: verdict, margin as a share of the level,
+    share, name."""
     size = abs(limit["level"]) or 1.0
     return GROUPS[limit["met"]], _margin(limit) / size, limit["share"], limit["case"]
 
@@ -196,7 +197,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 
 def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:
-    """What a case changes, with units, as text."""
+    """Describe the changes of a case, with units."""
     units = {row["name"]: row["units"] for row in facts["fixed"]}
     spreads = {row["name"]: f"{quantity(row['nominal'], row['units'], 6)}, {spread(row)}"
                for row in facts["parameters"]}  # fmt: skip
@@ -211,7 +212,7 @@ def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:
 
 
 def _notes(facts: Mapping) -> list[str]:
-    """What makes the numbers of a case doubtful."""
+    """List what makes the numbers of a case doubtful."""
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))

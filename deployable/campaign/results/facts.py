@@ -198,7 +198,8 @@ def bounds_facts(
 
 
 def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
-    """What the structure is, its parameters that are no intervals, and what the others mean."""
+    """Describe the structure, its parameters that are not intervals, and the meaning of those that
+    are."""
     definitions = experiment.scene_type.parameters
     for parameter in parameters:
         parameter["description"] = definitions[parameter["name"]].text
@@ -213,7 +214,7 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
 
 
 def _contact_names(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
-    """Which parameters the stiffness of contacts is proportional to."""
+    """Return the parameters to which the stiffness of contacts is proportional."""
 
     def stiffness(**values: float) -> np.ndarray:
         return np.array([contact.stiffness for contact in Contact.find(experiment.build(values))])
@@ -275,7 +276,7 @@ def _response(
 
 
 def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict[str, float]:
-    """By how much the fit misses `runs` runs, and how many, if its error is far beyond."""
+    """Return by how much the fit misses `runs` runs, and how many, if its error is far larger."""
     if "polynomial" not in bounds.kind:
         return {}
     decay, residual = (float(bounds.errors[name][instant]) for name in ("decay", "held_out"))
@@ -340,13 +341,14 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
 
 
 def _is_met(share: float | None, target: float, **_: Any) -> bool:
-    """As it is printed: with three digits."""
+    """Return whether a share meets its target, as printed with three digits."""
     return share is not None and float(f"{share:.3g}") <= target
 
 
 def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:
-    """How far the response of a crossing, or of a latch's joint, comes to its level over the box,
-    when (s), and whether it `moves` then, at the end of the run; nothing where there is none."""
+    """Return how close the response of a crossing, or of a latch's joint, comes to its level over
+    the box, when (s), and whether it still `moves` then, at the end of the run. Empty if there is
+    no such response."""
     response, level = quantity.response, quantity.level
     if quantity.event == "latches":
         scene = experiment.nominal_scene

@@ -139,7 +139,7 @@ def read_parameters(file: Any) -> list[dict[str, Any]]:
 
 
 def _column(file: Any, name: str, default: Any = None) -> Any:
-    """A variable of an open file; the default where it is absent."""
+    """Return a variable of an open file, or the default if it is absent."""
     return file[name][:] if name in file.variables else default
 
 

@@ -204,7 +204,7 @@ class _Sheet:
     # -- rows of quantities ------------------------------------------------------------------------
 
     def _quantity_rows(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
-        """What a quantity says of a topic, and of each own requirement of it."""
+        """Return the row of a quantity for a topic, and one for each own requirement of it."""
         name = row["name"]
         self._row_names.add(name)
         limits = self._limits.get(name, [])
@@ -227,7 +227,7 @@ class _Sheet:
         return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
 
     def _list_requirements(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
-        """A row for each requirement of a quantity that is the campaign's own."""
+        """Return a row for each of the campaign's own requirements of a quantity."""
         self._row_names.add(row["name"])
         rows = []
         for requirement, limit in limits:
@@ -314,7 +314,8 @@ class _Sheet:
         return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
 
     def _side(self, name: str, limit: Mapping[str, Any]) -> int:
-        """On which side (1 above, -1 below) a limit of a quantity bounds a response; 0: neither."""
+        """Return whether a limit of a quantity bounds its response from above (1), from below (-1),
+        or not (0)."""
         number = self._numbers[name]
         if number.response is None:
             return 0
@@ -368,7 +369,7 @@ class _Sheet:
         return verdict
 
     def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
-        """What of the travel a margin leaves open, in words."""
+        """Describe the part of the travel that a margin does not cover."""
         reasons, unit = [], margin["unit"]
         if margin["travel"] is None:
             names = " or ".join(margin["openings"])
@@ -389,7 +390,7 @@ class _Sheet:
         return reasons
 
     def _margin_words(self, margin: Mapping[str, Any]) -> str:
-        """By what a margin is, and over which positions."""
+        """Describe how a margin was computed, and over which positions."""
         unit, travel = margin["unit"], margin["travel"]
         words = [f"positions {_stretch((margin['first'], margin['last']), unit)}"]
         words[0] += (f" of {_stretch(travel, unit)} analysed" if travel is not None else
@@ -408,7 +409,8 @@ class _Sheet:
         return "; ".join(words)
 
     def _failure(self, row: Mapping[str, Any]) -> Verdict:
-        """A margin with parts that are out, which is a failure where these drive."""
+        """Return the row of a margin without some parts, which counts as a failure case if these
+        drive."""
         margin = self._margins[row["name"]]
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:
             text = f"{', '.join(idle)} drives nowhere: to leave it out is no failure"

@@ -107,8 +107,8 @@ class Workflow:
         return reasons
 
     def describe_foreign_results(self) -> list[str]:
-        """Say that results of other configs, which are still there, will be replaced: sentences
-        about what `stale` found."""
+        """Warn, in sentences about what `stale` found, that results of other configs will be
+        replaced."""
         place, texts = self.folder.path.parent, []
         for config in sorted(self.foreign_configs) if self.config else ():
             paths = [Path(os.path.relpath(place / name)) for name in config.split(", ")]

@@ -58,8 +58,9 @@ class Climb:
 
     @property
     def remainder(self) -> float:
-        """By how much the bound may still be exceeded where the search did not come to its end:
-        what its last proposal promised, or the later half of its steps gained, if more; 0 else."""
+        """Return by how much the bound may still be exceeded if the search did not finish: the
+        promise of its last proposal, or the gain of the later half of its steps if that is more.
+        Otherwise 0."""
         if self.end is not None or not self.record:
             return 0.0
         gain = self.record[-1] - self.record[len(self.record) // 2]
@@ -239,8 +240,8 @@ class Climb:
 
 
 def _clip_to_border(trial: np.ndarray, border: _Border, level: float) -> np.ndarray:
-    """Of points (P, k) those inside a level of a border, and points just inside it, each between
-    one of the others and the next one inside."""
+    """Return the trial points (P, k) inside a level of a border. Each point outside is replaced by
+    one just inside, by bisection towards the nearest point inside."""
     is_inside = border.decision(trial) >= level
     inner, low = trial[is_inside], trial[~is_inside]
     if not len(inner) or not len(low):

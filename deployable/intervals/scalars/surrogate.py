@@ -210,8 +210,8 @@ class ScalarSurrogate:
         return self._find_once(self.evaluate, sign, *part, self._trial_points, climbs)
 
     def _find_once(self, function: Function, sign, lower, upper, points, climbs):
-        """What `extreme` finds of a function of this surrogate; limits of the same quantity ask for
-        the same."""
+        """Return the result of `extreme` for a function of this surrogate, computed once, since
+        limits of the same quantity ask for the same."""
         key = (function.__name__, sign, lower.tobytes(), upper.tobytes(), climbs)
         if key not in self._extremes:
             self._extremes[key] = extreme(function, sign, lower, upper, points, climbs)
@@ -366,8 +366,9 @@ def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence
 def _width_error(
     surrogate: ScalarSurrogate, rival: ScalarSurrogate | None, lower: np.ndarray, upper: np.ndarray
 ) -> float:
-    """By how much the width over a part of the box changes with the other kind of fits, and as the
-    border of where the quantity exists moves through its undecided band; NaN if it has none."""
+    """Return the largest change of the width over a part of the box, with the other kind of fits
+    and with the border of the quantity's existence moved through its undecided band; NaN if the
+    quantity has no such border."""
     if not surrogate.occurrence.is_mixed:
         return np.nan
     part, width = surrogate._part(lower, upper), surrogate.range(lower, upper).width

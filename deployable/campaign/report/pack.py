@@ -40,7 +40,7 @@ class _Arrays:
         self.data = bytearray()
 
     def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
-        """Append an array's bytes and return where it is, a dict for the page's script: kind, at
+        """Append an array's bytes and return their place as a dict for the page's script: kind, at
         (first byte), count (of numbers). kind: numpy's little-endian type, such as `f4`."""
         raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
         entry = {"kind": kind, "at": len(self.data), "count": raw.size}

@@ -276,7 +276,8 @@ def _response(
 
 
 def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict[str, float]:
-    """Return by how much the fit misses `runs` runs, and how many, if its error is far larger."""
+    """Return how far the fit misses `runs` runs, and `runs`, if the decay of the coefficients
+    predicts a far larger error; else nothing."""
     if "polynomial" not in bounds.kind:
         return {}
     decay, residual = (float(bounds.errors[name][instant]) for name in ("decay", "held_out"))

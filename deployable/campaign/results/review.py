@@ -369,7 +369,7 @@ class _Sheet:
         return verdict
 
     def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
-        """Describe the part of the travel that a margin does not cover."""
+        """List the reasons why a margin does not cover the whole travel."""
         reasons, unit = [], margin["unit"]
         if margin["travel"] is None:
             names = " or ".join(margin["openings"])
@@ -409,7 +409,7 @@ class _Sheet:
         return "; ".join(words)
 
     def _failure(self, row: Mapping[str, Any]) -> Verdict:
-        """Return the row of a margin without some parts, which counts as a failure case if these
+        """Return the verdict on a margin without some parts, which is a failure case only if these
         drive."""
         margin = self._margins[row["name"]]
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:

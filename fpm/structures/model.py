@@ -35,16 +35,16 @@ MOST_STATEMENTS = 20_000
     ),
     damping=Number(0.0, "mass-proportional damping", unit="1/s", least=0),
     viscosity=Number(
-        0.0, "bulk viscosity of bars, a share of critical damping of an element: 0.2 against waves "
-        "that ring in the mesh", least=0,
+        0.0, "bulk viscosity of bars, a share of critical damping of an element; 0.2 damps "
+        "waves that ring in the mesh", least=0,
     ),
     assemble=AssemblyKey(
-        None, "whether parts are forced together whose points do not meet at their joints; `hold`: "
-        "joints that keep their opening"
+        None, "whether to force parts together whose points do not meet at their joints; "
+        "`hold`: joints that keep their opening"
     ),
     start=Word(
-        "as stated", "where the run begins; `equilibrium`: where all that acts at t = 0 is in "
-        "balance",
+        "as stated", "where the run begins; `equilibrium`: where everything that acts at t = 0 "
+        "is in balance",
         values=("as stated", "equilibrium"),
     ),
 )  # fmt: skip

@@ -86,7 +86,7 @@ def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Cal
 JOINT = OpeningKey(text="on which joint it acts")
 """The key of a field `hinge`."""
 
-CLASS = {"class": Word(None, "in margins; left out: by what it is", values=tuple(CLASSES))}
+CLASS = {"class": Word(None, "in margins; default: that of its kind", values=tuple(CLASSES))}
 """The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 

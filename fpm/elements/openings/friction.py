@@ -96,14 +96,14 @@ class Friction(ExactConnector):
     None: constant."""
 
     hinge: int = on_hinge()
-    moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
+    moment: float = number("N m", 0.0, text="moment at which it slips; below this it sticks")
     bristle_deflection: float | None = number(
         "rad", above=0.0, default=DEFLECTION, is_shown=False, optional=True,
-        text="by how much it gives before it slips",
+        text="how far it yields before it slips",
     )  # fmt: skip
     damping: float | None = damping(
         default=None,
-        text="while it sticks; left out: 0.3 of critical for the joint's own two particles",
+        text="damping while it sticks; default: 0.3 of critical for the joint's two particles",
     )
     angles: tuple[float, ...] = ()  # increasing (rad), with the shares of `moment` there, straight
     shares: tuple[float, ...] = ()  # between; without them all of it everywhere

@@ -56,9 +56,10 @@ class Journal(Connector):
     load: float = number(
         "N",
         above=0.0,
-        text="at which the pin goes in by `depth`; about the largest, as the stable step is for it",
+        text="force at which the pin sinks in by `depth`; state about the largest, since the "
+        "stable step is for it",
     )
-    depth: float = number("m", above=0.0, text="how far it goes into the bearing at `load`")
+    depth: float = number("m", above=0.0, text="how far the pin sinks into the bearing at `load`")
     law: str = word(
         {"hertz": 1.0, "linear": 0.0},
         default="hertz",
@@ -74,7 +75,7 @@ class Journal(Connector):
         above=0.0,
         default=1e-5,
         is_shown=False,
-        text="how far its surfaces give along each other before they slip, at `load`",
+        text="how far its surfaces yield before they slip, at `load`",
     )
 
     stores = Energy("pin", "pin_energy", "energy of the pins with play")

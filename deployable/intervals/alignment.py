@@ -100,7 +100,7 @@ def has_groups(runs: list[dict[tuple, float]], time: np.ndarray) -> bool:
 
 def first_difference(runs: list[dict[tuple, float]]) -> float:
     """Return the earliest time (s) of an event that not all runs have, infinite if there is none.
-    runs: times of events by what they are (`name_events`)."""
+    runs: times of each run's events by their names (`name_events`)."""
     common = set(runs[0]).intersection(*runs[1:])
     return min(
         (t for event_times in runs for key, t in event_times.items() if key not in common),
@@ -259,8 +259,9 @@ class AlignedCurves:
         starts: np.ndarray,
         passages: np.ndarray,
     ) -> None:
-        """Map the values (n, T) of a run again, into mapped_curves (n, S), where they pass events
-        with the values `passages` (n, E): instants say little of the ends of a stretch."""
+        """Map the values (n, T) of a run again into mapped_curves (n, S), with the values
+        `passages` (n, E) at events, because recorded instants say little about the ends of a
+        stretch."""
         step = self.time[1] - self.time[0]
         ends = np.pad(passages, ((0, 0), (1, 1)), constant_values=np.nan)
         for i, (span, columns, times) in enumerate(self._stretches(starts)):

@@ -401,8 +401,9 @@ class _Waves:
         return fits
 
     def run(self, values: np.ndarray) -> tuple[np.ndarray, float]:
-        """Run all tests at the variables `values`, keep that if no run came nearer; return the
-        values with those of the sensors that fit best, and the misfit, infinite if a run fails."""
+        """Run all tests at the variables `values`, and keep the run if it is the nearest so far.
+        Return the values with the best-fitting ones of the sensors, and the misfit, infinite if a
+        run fails."""
         run_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, self.places, strict=True)):
             points.append(values[places[: test.dimension]])
@@ -664,7 +665,8 @@ def _common_misfits(find: Callable, singles: Sequence[Callable]) -> np.ndarray:
 
 
 def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
-    """Make empty data of tests: no runs at the recorded instants `times` (s), all of the starts."""
+    """Make empty data of tests, without runs, at the recorded instants `times` (s), for all
+    starts."""
     return [
         TestRuns(
             np.zeros((0, test.dimension)),
@@ -676,7 +678,8 @@ def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
 
 
 def _misfits(state: _Waves) -> np.ndarray:
-    """Points (N, k) over the box and their least misfit by surrogates of the last wave there."""
+    """Return points (N, k) over the box and their least misfit, from the surrogates of the last
+    wave."""
     k, rows = state.k, []
     spread = scan_points(np.ptp(state.widest[:, :k], axis=0) > 0, _SPOTS)
     for low, high in (state.widest, state.hull):

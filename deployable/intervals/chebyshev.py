@@ -17,7 +17,8 @@ from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
-    """sin(pi numerator / (2 denominator)) of the reduced fraction, the same float in all grids."""
+    """Return sin(pi numerator / (2 denominator)) of the reduced fraction, the same float in all
+    grids."""
     points = np.empty(len(numerator))
     for i, top in enumerate(int(t) for t in numerator):
         divisor = gcd(abs(top), 2 * denominator) or 1
@@ -26,7 +27,8 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """Roots (n + 1) in [-1, 1] of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
+    """Return the roots (n + 1) in [-1, 1] of the Chebyshev polynomial of degree n + 1, ascending;
+    order: n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 

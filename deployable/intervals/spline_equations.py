@@ -18,9 +18,9 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
 def stands_alone(points: np.ndarray) -> np.ndarray:
-    """Mask (N) of the runs at `points` (N, k) in [-1, 1]^k that are farther from all others than a
-    quarter of the mean spacing of as many runs, spread over the box. Where runs were made next to
-    each other, they tell less of the rest of the box."""
+    """Return a mask (N) of the runs at `points` (N, k) in [-1, 1]^k that are farther from all
+    others than a quarter of the mean spacing of as many runs, spread over the box. Runs close to
+    others say less about the rest of the box."""
     directions = int((np.ptp(points, axis=0) > 0).sum())
     if len(points) < 2 or not directions:
         return np.ones(len(points), dtype=bool)

@@ -185,7 +185,7 @@ class Conditions(NamedTuple):
             sine = np.sum(np.cross(axis, first) * second_reference, axis=1)
             cosine = np.sum(first * second_reference, axis=1)
             gap = residuals[rows, 0] + lead * np.arctan2(sine, cosine)
-            pitch = 2 * np.pi * lead  # all turns of a thread are alike
+            pitch = 2 * np.pi * lead  # whole turns of a thread do not matter
             residuals[rows, 0] = gap - pitch * np.round(gap / pitch)
         return residuals
 

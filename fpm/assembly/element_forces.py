@@ -64,7 +64,7 @@ class ElementForces:
         self._call = prepare_call("act", self.parts, self.world, timing)
         deformations = kind.deformations(part_scene)
         if deformations is not None:
-            # What turns joints strains by no shift, at the start nor later: an opening is an angle.
+            # Elements that turn joints are never strained by a shift: an opening is an angle.
             is_strained = deformations.values.reshape(-1, 4, 3).any(axis=2)
             is_strained[:, [1, 3]] = True
             stiff = [*stiff, *deformations.dofs[np.repeat(is_strained, 3, axis=1)]]

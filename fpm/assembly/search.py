@@ -213,8 +213,8 @@ class RestSearch:
         return poses, CLOSINGS
 
     def _lead(self, poses, impulses, count: int):
-        """Poses in balance with the openings led to where they are held, the impulses there and
-        the number of positions."""
+        """Return balanced poses with the openings moved to their held values, the impulses there,
+        and the number of positions."""
         hinges = self._scene.hinges
         changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
         lengths = [
@@ -237,9 +237,9 @@ class RestSearch:
         return poses, impulses, count
 
     def _find_descent(self, poses, impulses):
-        """Return the motion (6n,) along which the energy falls to both sides at the second order,
-        or None: image of a vector on which the inverse of a round's matrix is negative beyond
-        rounding."""
+        """Return the motion (6n,) along which the energy falls to both sides at second order, or
+        None. It is the image of a vector on which the inverse of a round's matrix is negative
+        beyond rounding."""
         scales, (bars, elements, forces) = self._scales, self._balance.sizes(poses, self._scales)
         if not max(bars, elements, *forces):
             return None

@@ -19,10 +19,10 @@ class SceneList(list):
         self._counts: dict[Any, int] = {}
 
     def share(self, function: Callable[[Any], Any]) -> tuple[Any, int]:
-        """Return function(scene) of the first scene, and of how many scenes, from the first on, it
-        is the value too, as they have the same in all that it read of the first, which is found out
-        by giving it a Reader in the place of that scene. function: one that depends on what it
-        reads of the scene only, and does not keep it."""
+        """Return function(scene) of the first scene, and the number of scenes, counted from the
+        first, that have the same value because they agree in all that the function read of the
+        first scene. A Reader in place of the scene records this. function: depends only on what it
+        reads of the scene, and does not keep the scene."""
         if len(self) == 1:
             return function(self[0]), 1
         reads: set[Any] = set()

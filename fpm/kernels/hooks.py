@@ -132,9 +132,9 @@ def note_events(parts, world, timing):
 
 @_call_each
 def work_before(parts, world, timing):
-    """Add to World.accounts the work (J) of the half step that ends now, by forces of now and
-    velocities in its middle; not called at the start. parts: arrays of each element type; world:
-    solver state (World); timing: times of this step (s)."""
+    """Add to World.accounts the work (J) of the half step that ends now, from the present forces
+    and the velocities in the middle of the half step. Not called at the start. parts: arrays of
+    each element type; world: solver state (World); timing: times of this step (s)."""
 
 
 @_call_each

@@ -193,7 +193,7 @@ def dot(a, b):
 
 @kernel
 def cross(a, b):
-    """Vector product of two vectors, a x b."""
+    """Return the vector product a x b of two vectors."""
     return vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 

@@ -175,7 +175,8 @@ def strands_of(scene) -> list[Cable | Strut]:
 
 
 def _cables(motion: RecordedMotion, cables: list[Cable | Strut]) -> dict[str, tuple]:
-    """Tensions (of struts the size of the force), and the points of all, one after the other."""
+    """Return the tensions of cables (of struts the size of the force), and the points of all, in
+    one list."""
     beams = [beam for cable in cables for beam in cable.beams]
     owner = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
     ids = np.array([beam.particle for beam in beams])

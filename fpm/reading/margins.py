@@ -67,8 +67,9 @@ class OpeningPath(NamedTuple):
     locked: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
-        """Return the label of a recorded column for a travel along this path, such as "A led from
-        0.0 to 1.5 by spring". part: whose virtual work it has, as "spring"; "": none."""
+        """Return the label of a recorded column for a travel along this path, such as "A led
+        from 0.0 to 1.5 by spring". part: the part whose virtual work it has, such as "spring";
+        "": none."""
         suffix = "".join(f" beside {name}" for name in self.locked) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])

@@ -82,10 +82,10 @@ class Quantity:
         return self.kind == "crossing" or (self.kind == "settling" and self.target is not None)
 
     def margin(self, curves: Curves) -> float:
-        """Return by how much the quantity exists in one run, above 0 if it does, else below 0, and
-        continuous: of a crossing or settling in the response's unit, of an event by `gate_margin`,
-        of a value that of its time; NaN where it is not known, or where it always exists. curves:
-        the run's recorded series."""
+        """Return by how much the quantity exists in one run: above 0 if it does, below 0 if not,
+        and continuous. The unit is that of the response for a crossing or settling; events use
+        `gate_margin`, and a value uses the margin of its time. NaN if it is not known, or the
+        quantity always exists. curves: the run's recorded series."""
         if isinstance(self.instant, Quantity) and self.kind == "value":
             return self.instant.margin(curves)
         if not self.has_margin:

@@ -20,7 +20,7 @@ _COUNT = NumberLimits(least=1, most=10_000, is_whole=True)
 
 
 def _count(key: str, value: object) -> int:
-    """A number of times, which is none with a point."""
+    """Read a number of times; raises an error if it is not a whole number of at least 1."""
     if not isinstance(value, int):
         raise SceneError(key, value, _COUNT.describe())
     return int(_COUNT.check(key, value))

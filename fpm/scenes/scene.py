@@ -49,7 +49,7 @@ _EYE = np.eye(3)
 
 
 def _rows(values, *shape: int) -> np.ndarray:
-    """Array of a shape, from one row for all or a row for each."""
+    """Return an array of a shape, from one row for all or one row for each."""
     array = np.empty(shape)
     array[...] = values
     return array

@@ -93,7 +93,8 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Return the position (3,), m, at the start of a point (its full name), or SkippedError."""
+        """Return the position (3,), m, of a point (its full name) at the start, or raise
+        SkippedError."""
         return self.find("points", name).position
 
     def store(self, group: str, name: str, value: Any) -> None:

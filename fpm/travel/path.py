@@ -97,7 +97,7 @@ class Path:
         self._tangents: list[np.ndarray] = []
         self._halvings = 0
         self._rows: Any = None
-        self._jumps: list[float] = []  # openings at which it left its way
+        self._jumps: list[float] = []  # openings at which the motion left its path
         self._openings = [float(hinge.opening) for hinge in scene.hinges]
         bars, elements, _ = self.balance.sizes(self.poses, self._scales)
         self._ease = max(STIFF * bars, SOFT * elements) or 1.0

@@ -99,7 +99,7 @@ class _Sweep:
         steps = 1 + math.ceil(abs((first - path.opening) / spacing))
         for value in np.linspace(path.opening, first, steps):
             path.move_to(float(value))
-            for part in self._parts:  # openings are counted from one place to the next
+            for part in self._parts:  # openings count whole turns between positions
                 part.compute_work(path.poses, path.tangent)
         path.check()
         self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]

@@ -207,12 +207,13 @@ def _spread(trials: Sequence[Any]) -> float:
 
 
 def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Find points to simulate before a choice is final, as there the surrogates alone rule out what
-    may be better: normalized points (k), -1 to 1 in the box, at which an event does not occur that
-    must (or the reverse, or a limited quantity is absent), one for each limit that fails so. Of
-    trials that break a limit and whose first goal is better than the best choice's, the four of the
-    nearest chosen values, over their ranges' widths. best, trials: `intervals.scalars.Choice`, the
-    best and those of the first grid; choose: section of the config."""
+    """Find points to simulate before a choice is final, because only surrogates rule out choices
+    that may be better. Such a choice breaks a limit only because an event does not happen (or
+    happens, or a limited quantity is absent), and its first goal is better than that of the best
+    choice. The four nearest ones, relative to the ranges' widths, are used. Returns normalized
+    points (k), -1 to 1 in the box, one for each such limit. best, trials:
+    `intervals.scalars.Choice`, the best and those of the first grid; choose: section of the
+    config."""
     sign = choose.goals[0][0]
     better = [
         trial

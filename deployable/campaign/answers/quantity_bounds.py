@@ -227,8 +227,8 @@ class _Climbs:
         return surrogates
 
     def run(self) -> None:
-        """Go on until no search promises a gain, or most of the runs that are left are made: the
-        others are for limit-state surfaces, and for where other bounds may be."""
+        """Search until no search promises a gain, or most of the remaining runs are made. The rest
+        is kept for limit-state surfaces, and for places where other bounds may be."""
         model = self.model
         count = len(model.refinements)
         most = count + _MOST_SHARE * (model.max_refinements - count)

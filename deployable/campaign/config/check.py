@@ -152,8 +152,8 @@ def _resolve_cases(
 
 
 def merge(target: dict, update: Mapping) -> dict:
-    """Merge the mapping `update` into `target`, and return `target`, which is changed in place:
-    mappings key by key, any other value replaces that of `target`."""
+    """Merge the mapping `update` into `target`, and return the changed `target`. Mappings are
+    merged key by key; any other value replaces that of `target`."""
     for key, value in update.items():
         if isinstance(value, Mapping) and isinstance(target.get(key), Mapping):
             target[key] = merge(dict(target[key]), value)

@@ -405,8 +405,8 @@ class MeasuredTest:
 
 
 def _definition(noun: str, example: str, **units: str) -> Rule:
-    """Return the rule of a response's or quantity's definition, which the mechanics read; units: of
-    its numbers, by key."""
+    """Return the rule of a response's or quantity's definition, which the mechanics read. units:
+    units of its numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
     return Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
 

@@ -32,8 +32,8 @@ runs, above which the same holds."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
-    """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
-    meant; [] if there is none."""
+    """Return warnings about improbable intervals, design, instants and levels of an
+    `Experiment`."""
     checks = _interval_texts, _design_texts, _instant_texts, _step_texts, _level_texts
     return [text for check in checks for text in check(experiment)]
 

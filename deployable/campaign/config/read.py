@@ -176,7 +176,7 @@ def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
         return value.encode(errors="replace").decode()
     if isinstance(value, float) and not math.isfinite(value):
         endless[key] = value
-    elif isinstance(value, int) and abs(value) > 1 << 1000:  # no float holds it
+    elif isinstance(value, int) and abs(value) > 1 << 1000:  # too large for a float
         endless[key] = f"a number of some {value.bit_length() // 3.33:.0f} digits"
         return math.inf
     elif isinstance(value, int) and abs(value) >= 1 << 63:

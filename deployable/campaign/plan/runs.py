@@ -140,8 +140,8 @@ class RunAccount:
         return self.limit - self.count
 
     def count_runs(self, ids: Sequence[str]) -> list[bool]:
-        """Count the runs with these ids, as long as the limit allows, each once, and return for
-        each whether it may be made (or is counted already)."""
+        """Count the runs with these ids, each once, up to the limit. Return for each whether it may
+        be made or is counted already."""
         for run_id in ids:
             if run_id not in self.ids and self.count < self.limit:
                 self.ids.add(run_id)

@@ -71,5 +71,5 @@ def _text(name: str) -> str:
 
 
 def _poster(motion: xarray.Dataset) -> str:
-    """Three moments of a whole motion as PNG in base64, for browsers that show no motion."""
+    """Draw three moments of a whole motion as PNG in base64, for browsers that show no motion."""
     return b64encode(to_png(draw_moments(motion, 3))).decode()

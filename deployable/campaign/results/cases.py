@@ -80,8 +80,8 @@ def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 
 def combine_met(verdicts: Iterable[str]) -> str:
-    """Return what several cases make of a requirement: `all` only where each meets it, `none` where
-    each fails everywhere, `some` where any fails, else `undecided`. verdicts: by case."""
+    """Combine the verdicts on a requirement in several cases: `all` if each case meets it, `none`
+    if each fails everywhere, `some` if any fails, otherwise `undecided`. verdicts: by case."""
     verdicts = set(verdicts)
     if len(verdicts) == 1:
         return verdicts.pop()

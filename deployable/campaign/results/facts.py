@@ -414,8 +414,8 @@ def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
 
 
 def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
-    """Return the limit whose margin is the least for its error; None if none has both. limits: of
-    the best choice, dicts with `margin` and `error` in the unit of their quantity."""
+    """Return the limit with the smallest margin relative to its error; None if none has both.
+    limits: of the best choice, dicts with `margin` and `error` in the unit of their quantity."""
     rows = [limit for limit in limits if limit["margin"] is not None and limit.get("error")]
     return min(rows, key=lambda limit: limit["margin"] / limit["error"], default=None)
 
@@ -459,8 +459,8 @@ def keeps(row: Mapping, kind: str, level: float) -> bool:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Group closures of contacts by time, written as `0.3100 s`: lists of the contacts' names, each
-    once. rows: dicts of time (s) and contact."""
+    """Group closures of contacts by their times, written as `0.3100 s`: lists of the contacts'
+    names, each name once. rows: dicts of time (s) and contact."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

@@ -71,7 +71,8 @@ def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -
 
 
 def _escape(facts: Any, code: str = "") -> Any:
-    """Facts, names among them, as Markdown that says just that; code: what is not escaped."""
+    """Escape facts and names in them, so that Markdown shows them literally; code: what is not
+    escaped."""
     if isinstance(facts, Mapping):
         return {
             _escape(key): _escape(value, "`" if key in ("doubt", "notes") else "")

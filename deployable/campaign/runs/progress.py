@@ -51,9 +51,9 @@ class MessagePrinter:
             self.log_time = self.message_time + FIRST
 
     def move(self, text: str) -> None:
-        """Replace the line that the last call wrote by `text`, on terminals, where an empty one
-        clears it; other files get a changed text as a line of its own, five seconds after the last
-        message at the earliest, and then after pauses (`PAUSE`)."""
+        """Replace the line that the last call wrote by `text`. On terminals an empty text clears
+        the line. Other files get a changed text as a new line, at the earliest five seconds after
+        the last message, and then after pauses (`PAUSE`)."""
         if not LOGGER.isEnabledFor(logging.INFO):
             return
         with self.lock:

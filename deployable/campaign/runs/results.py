@@ -113,8 +113,8 @@ class Store:
         return runs[[i for i, run in enumerate(runs) if run.id not in self._notes]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that runs to be simulated again must record besides
-        what responses need, since their files had them; in this base none."""
+        """Return the columns (variable, label) that repeated runs must record, besides those of
+        responses, because their files had them. In this base class there are none."""
         return set()
 
     def file_of(self, group: Runs) -> str:

@@ -371,9 +371,9 @@ def _met(
     limits: Sequence[Limit], points: np.ndarray, cache: dict, count: int, signs: Sequence[int],
     weights: np.ndarray | None = None,
 ) -> list[np.ndarray]:  # fmt: skip
-    """Parts (L) of lines of `count` points each, of points (L count, k), on which all limits plus
-    `sign` errors are satisfied, for each of the `signs`; with `weights` (count - 1, m) of the
-    stretches, which else count alike, sums (L, m)."""
+    """Return the parts (L) of lines on which all limits, plus `sign` errors, are satisfied, for
+    each of the `signs`. points (L count, k): `count` points on each line. With `weights` (count -
+    1, m) of the stretches, which otherwise count equally, return sums (L, m)."""
     weights = np.full(count - 1, 1.0 / (count - 1)) if weights is None else weights
     conditions = [
         tuple(array.reshape(-1, count) for array in row)
@@ -550,10 +550,11 @@ class ChoiceProblem:
         return replace(choice, goals=goal_array, margins=margin_array, margin=least, safety=safety)
 
     def find_best(self) -> tuple[Choice, list[Choice]]:
-        """Choose values that satisfy every limit by its error with the best first goal; if none do,
-        those with the largest margins over their errors, or, if no choice satisfies all limits,
-        that violate them least. Returns that choice, and all choices of the first grid. Tried are a
-        grid (from three values on a Sobol sequence), then finer ones about the best."""
+        """Choose the values with the best first goal that satisfy every limit by its error. If
+        there are none, choose those with the largest margins over their errors, or, if no choice
+        satisfies all limits, those that violate them least. A grid of choices (from three values on
+        a Sobol sequence) is searched, then finer ones about the best. Returns the choice, and all
+        choices of the first grid."""
 
         def rank(choice: Choice) -> tuple[int, float]:
             if not choice.is_allowed:

@@ -79,7 +79,7 @@ def extreme(
     rows = np.flatnonzero(free)
 
     def loss(local: np.ndarray) -> tuple[float, np.ndarray]:
-        """Minus the value and its slopes, all by one call; differences point into the part."""
+        """Return minus the value and its slopes, from one call; differences point into the part."""
         steps = np.where(local > 0, -_STEP, _STEP)
         points = np.repeat(middle[None], len(rows) + 1, axis=0)
         points[:, rows] += half[rows] * local

@@ -137,8 +137,8 @@ def find_spin(part, state, s):
 @kernel
 def find_rates(part, state):
     """Store in RESIDUAL of part.rows, for every constraint equation, the rate (m/s, rad/s) that
-    impulses have to cancel: that of its gap, plus MISS, the sum over all steps before of the gap
-    that was left after the motion, over the time step. part: Joints; state: World.state."""
+    impulses must cancel: the rate of its gap plus MISS. MISS is the sum over all earlier steps of
+    the gap left after the motion, divided by the time step. part: Joints; state: World.state."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
         put3(b, s, joint.SPIN, find_spin(part, state, s))

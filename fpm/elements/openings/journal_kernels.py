@@ -102,7 +102,7 @@ def press(part, i, change, timing):
 
 @kernel
 def rub(part, i, slip, normal, timing):
-    """Return the force (N) of friction on pin i against its slip, at most that of friction by the
+    """Return the force (N) of friction on pin i against its slip, limited to the friction of the
     force `normal` (N). slip: in the step that ends now (m); part: arrays of all pins (Journals),
     whose state changes; timing: step times (s)."""
     rate = extrapolate(part, i, SLIP_RATE, slip, timing)

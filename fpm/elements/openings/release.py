@@ -24,10 +24,8 @@ class Release(ExactConnector):
     the latch of the name `latch` ("": none) catches."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(
-        default=None, text="stiffness of its hold; default: it holds exactly"
-    )
-    damping: float = damping(default=0.0, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="of its hold; default: it is exact")
+    damping: float = damping(default=0.0, text="of its hold")
     hold: float | None = number(
         "rad", default=None, text="opening at which it holds; default: that at the start"
     )

@@ -40,11 +40,7 @@ def _length(build, args) -> float:
     stiffness=Number(unit="N/m", least=0, text="force for a change of its length"),
     rest=Number(None, "its length without force; this or `preload`", unit="m", above=0),
     preload=Number(None, "its force at the start, > 0 where it pushes", unit="N"),
-    acts=Word(
-        "both ways",
-        "with `push` or `pull` it acts only in this way, and is slack otherwise",
-        values=tuple(SIDES),
-    ),
+    acts=Word("both ways", "`push`, `pull`: slack in the other way", values=tuple(SIDES)),
     damping=replace(DAMPING, text=DAMPING.text + "; 0 where it acts one way"),
     **CLASS,
 )

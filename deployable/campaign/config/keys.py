@@ -226,4 +226,4 @@ def table(config: ConfigKey) -> str:
     return "\n".join(f"## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
 
 
-_COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"
+_COLUMNS = "| key | meaning | allowed | default |\n|---|---|---|---|\n"

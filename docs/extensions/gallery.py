@@ -58,6 +58,12 @@ def picture(arguments: list[str], structure: str, name: str, folder: Path, moves
     return path.name
 
 
+def _default(parameter) -> str:
+    """Write a parameter's default with its unit."""
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    return "" if parameter.default is None else f"{parameter.default:g}{unit}"
+
+
 def page(folder: Path, moves: bool, follow=dict.items) -> str:
     """The gallery as Markdown: thumbnails, then each structure. follow: function that iterates over
     the structures, pairs of name and file, and may tell how far that is."""
@@ -77,7 +83,8 @@ def page(folder: Path, moves: bool, follow=dict.items) -> str:
             f"![{found.description}](made/{image})", "",
             f"File `{structure}`" + (f", campaign `{campaign}`." if campaign else "."), "",
             "```", f"python -m deployable {' '.join(arguments)}", "```", "",
-            f"Parameters: {', '.join(f'`{p}`' for p in found.parameters)}.", "",
+            "| parameter | default | meaning |", "|---|---|---|",
+            *(f"| `{key}` | {_default(p)} | {p.text} |" for key, p in found.parameters.items()), "",
         ]  # fmt: skip
         stem, library = Path(structure).stem, ROOT / "docs/library"
         told = next((p for p in library.glob("*.md") if p.stem.replace("-", "_") == stem), None)

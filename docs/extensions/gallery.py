@@ -1,5 +1,5 @@
-"""Pages that are made when the site is built: the lists of keys, and the gallery, where every
-structure of the library moves.
+"""Pages that are made when the site is built: the lists of keys, the verification problems, and the
+gallery, where every structure of the library moves.
 
 `-D gallery_moves=0` draws stills instead, which simulates nothing."""
 
@@ -96,6 +96,17 @@ def page(folder: Path, moves: bool, follow=dict.items) -> str:
     return "\n".join(["```{container} thumbnails", *thumbnails, "```", "", *lines])
 
 
+def problems() -> str:
+    """Make the table of verification problems, from the docstrings of their functions."""
+    from evidence.verification.study import PROBLEMS
+
+    lines = ["| problem | file | what is compared |", "|---|---|---|"]
+    for name, problem in PROBLEMS.items():
+        text = " ".join(problem.__doc__.partition("\n\n")[0].split())
+        lines.append(f"| {name} | {problem.__module__.rpartition('.')[2]}.py | {text} |")
+    return "\n".join([*lines, ""])
+
+
 def draw_examples(folder: Path) -> list[str]:
     """Draw every whole structure among the examples of docs/structures.md, as it starts, into
     `example-<name>.png` in `folder`; returns the files' names."""
@@ -130,6 +141,7 @@ def make(app):
         )
 
     made = {"config-keys.md": table(whole()), "structure-keys.md": keys_page()}
+    made["problems.md"] = problems()
     for name, text in (made | {"gallery.md": page(folder, moves, follow)}).items():
         target = folder / name
         if not target.exists() or target.read_text(encoding="utf-8") != text:

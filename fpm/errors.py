@@ -160,10 +160,9 @@ FOREIGN_UNITS = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Return a hint for the message about a text that is not an allowed number. It is " (did you
-    mean x?)" for a percentage, a decimal comma, a power with `^` or a unit of other programs; " (a
-    number alone, ...)" for a unit where none is allowed; otherwise "". with_unit: whether a unit is
-    allowed."""
+    """Return a hint for the message on a text that is no allowed number: " (did you mean x?)" for a
+    percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number alone,
+    ...)" for a unit where none may be; else "". with_unit: whether it may have a unit."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

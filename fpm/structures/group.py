@@ -94,8 +94,8 @@ class SampleGroup:
 
 
 def _read_once(model: FileStatements, numbers: Mapping[str, Any]) -> FileStatements:
-    """Return the statements of a file, of which keys that depend on some `numbers` only, by full
-    name, and on nothing that is built, are read."""
+    """The statements of a file, of which keys that depend on some `numbers` only, by full name, and
+    on nothing that is built, are read."""
     build, result = Builder(Problems("")), copy(model)
     build.numbers |= numbers
 

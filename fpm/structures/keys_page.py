@@ -9,7 +9,7 @@ from fpm.structures.statement import Statement
 from fpm.structures.statements import GROUPS, STATEMENTS
 from fpm.structures.text_file import PARAMETER_KEYS
 
-HEAD = "| key | meaning | allowed | default |\n|---|---|---|---|\n"
+HEAD = "| key | what it is | allowed | default |\n|---|---|---|---|\n"
 
 
 def keys_page() -> str:

@@ -46,8 +46,8 @@ class Rule(NumberLimits):
         return is_fit and (not isinstance(number, int | float) or self.allows(number))
 
     def words(self, hint: Any) -> str:
-        """Describe the allowed values for messages and docs: the text `allowed`, or what the limits
-        and the type `hint` of the key imply, such as "a whole number above 0"."""
+        """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
+        limits and the type `hint` of the key imply, such as "a whole number above 0"."""
         if self.allowed or is_dataclass(hint):
             return self.allowed or "a mapping"
         if get_origin(hint) is Literal:
@@ -133,14 +133,14 @@ def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
 
 
 def _parts(hint: Any) -> tuple[Rule, Any]:
-    """Return the Rule beside a type, and the type itself."""
+    """The Rule beside a type, and the type itself."""
     rule = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     return rule, get_args(hint)[0] if get_origin(hint) is Annotated else hint
 
 
 def _take(hint: Any, value: Any) -> Any:
-    """Return the value as a type has it, NO_VALUE if it is none of it: no text for a number, no 2.0
-    for a whole number."""
+    """The value as a type has it, NO_VALUE if it is none of it: no text for a number, no 2.0 for a
+    whole number."""
     rule, hint = _parts(hint)
     kind, kinds = get_origin(hint), get_args(hint)
     if kind is tuple and isinstance(value, list):
@@ -155,7 +155,7 @@ def _take(hint: Any, value: Any) -> Any:
 
 
 def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
-    """Return the JSON Schema of a type within the limits of a rule; {} for mappings."""
+    """What JSON Schema says of a type within the limits of a rule; {} for mappings."""
     type_rule, hint = _parts(hint)
     rule = rule if type_rule == Rule() else type_rule
     kind, kinds = get_origin(hint), get_args(hint)
@@ -174,7 +174,7 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
 
 
 def _docstrings(hint: type) -> dict[str, str]:
-    """Return the texts below the fields of a class, each on one line."""
+    """What stands below the fields of a class, on one line each."""
     definition: Any = ast.parse(dedent(inspect.getsource(hint))).body[0]
     pairs: Any = pairwise(definition.body)
     return {
@@ -204,7 +204,7 @@ def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, 
 
 
 def _default_text(key: ConfigKey) -> str:
-    """Return the default in the table: nothing for what is absent, empty, or a section."""
+    """The default in the table: nothing for what is absent, empty, or a section."""
     if key.default is MISSING:
         return "required"
     if key.default in (None, (), "") or key.children or key.entry:
@@ -226,4 +226,4 @@ def table(config: ConfigKey) -> str:
     return "\n".join(f"## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
 
 
-_COLUMNS = "| key | meaning | allowed | default |\n|---|---|---|---|\n"
+_COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"

@@ -32,8 +32,8 @@ runs, above which the same holds."""
 
 
 def experiment_warnings(experiment: Any) -> list[str]:
-    """Return warnings about improbable intervals, design, instants and levels of an
-    `Experiment`."""
+    """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
+    meant; [] if there is none."""
     checks = _interval_texts, _design_texts, _instant_texts, _step_texts, _level_texts
     return [text for check in checks for text in check(experiment)]
 
@@ -75,8 +75,7 @@ def requirement_warnings(campaign: Any) -> list[str]:
 
 
 def _speed_texts(key: str, limit: float, experiment: Any, response: Any) -> Iterator[str]:
-    """Warn of a speed limit beyond what all energy at the start can give a point, if nothing else
-    drives it."""
+    """A speed beyond what all energy at the start gives a point, where nothing else drives."""
     from fpm.solver.start import consistent_scene
     from fpm.structures import report
 
@@ -180,8 +179,7 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
 
 
 def _step_texts(experiment: Any) -> Iterator[str]:
-    """Warn of a stated step longer than a feature of a curve of time, and of curves far beyond the
-    end of the runs."""
+    """A stated step, longer than a feature of a curve of time; curves far beyond the runs' end."""
     solver, scene = experiment.solver, experiment.nominal_scene
     feature = find_curve_step(scene, solver.duration)
     for curve in scene.curves:
@@ -218,8 +216,7 @@ def _level_texts(experiment: Any) -> Iterator[str]:
 
 
 def _turn_texts(key: str, angle: float, experiment: Any) -> Iterator[str]:
-    """Warn of an angle of more than a turn, probably in degrees, unless the structure is driven or
-    spins."""
+    """An angle of more than a turn where nothing drives it on."""
     scene = experiment.nominal_scene
     is_motor = any(kind.acts_as == "motor" for kind in kinds_of([scene]))
     if abs(angle) > 2 * np.pi and not (is_motor or scene.spin.any() or scene.drives):

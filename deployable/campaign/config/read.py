@@ -68,7 +68,7 @@ def schema() -> dict[str, Any]:
 
 
 def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool) -> Any:
-    """Return the value of a key as its section has it. What is wrong goes to `faults`, as path and
+    """The value of a key as its section has it. What is wrong goes to `faults`, as path and
     sentence, and is taken out of `value`, of an entry of any name (is_entry: within one) the whole
     entry; RefusedError where the rest cannot be used."""
     if not isinstance(value, dict) or not (key.section or key.entry):
@@ -125,8 +125,7 @@ def _refusal(key: ConfigKey, path: tuple, value: Any) -> str:
 
 
 def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
-    """Return the config with sections under the names likely meant, and a sentence for each
-    renamed."""
+    """The config with sections under the names likely meant, and a sentence for each renamed."""
     names: Any = Config.__dataclass_fields__
     fixes: dict[str, str] = {}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
@@ -163,8 +162,7 @@ def sentence(key: str, error: Any) -> str:
 
 
 def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
-    """Return a copy fit for arrays and JSON. Keys and values of numbers that are not finite are
-    added to `endless`."""
+    """A copy fit for arrays and JSON; `endless` gets keys and values of numbers not finite."""
     if isinstance(value, Mapping):
         return {
             _plain(name, "", {}): _plain(item, f"{key}.{name}".lstrip("."), endless)
@@ -176,7 +174,7 @@ def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
         return value.encode(errors="replace").decode()
     if isinstance(value, float) and not math.isfinite(value):
         endless[key] = value
-    elif isinstance(value, int) and abs(value) > 1 << 1000:  # too large for a float
+    elif isinstance(value, int) and abs(value) > 1 << 1000:  # no float holds it
         endless[key] = f"a number of some {value.bit_length() // 3.33:.0f} digits"
         return math.inf
     elif isinstance(value, int) and abs(value) >= 1 << 63:

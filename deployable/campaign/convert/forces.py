@@ -88,8 +88,8 @@ def add_tendons(draft: Draft) -> None:
 
 
 def add_actuators(draft: Draft) -> None:
-    """Add actuators on joints at a constant control. The constant part of their force becomes a
-    torque motor, the part that depends on the position a spring, and that on the rate a damper."""
+    """Add actuators on joints at a constant control: what stays of their force is a torque motor;
+    what falls with the position is a spring, with the rate a damper."""
     m, biases = draft.model, [draft.code(f"mjtBias.mjBIAS_{word}") for word in ("NONE", "AFFINE")]
     gain, dynamics = draft.code("mjtGain.mjGAIN_FIXED"), draft.code("mjtDyn.mjDYN_NONE")
     trunks = [draft.code(f"mjtTrn.mjTRN_{word}") for word in ("JOINT", "JOINTINPARENT")]

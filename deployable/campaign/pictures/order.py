@@ -67,8 +67,7 @@ def _planes(flat: np.ndarray, depth: np.ndarray) -> np.ndarray:
 
 
 def _places(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the middle (p, 2) of what pairs of faces (p, 4, 2) share, and whether both have it
-    (p,)."""
+    """The middle (p, 2) of what pairs of faces (p, 4, 2) share, and whether both have it (p,)."""
     crossings, cuts = _crossings(first, second)
     points = np.concatenate([first, second, crossings], axis=1)
     counts = np.concatenate([_is_inside(first, second), _is_inside(second, first), cuts], axis=1)
@@ -79,7 +78,7 @@ def _places(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _is_inside(points: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Return whether points (p, k, 2) lie inside of faces (p, 4, 2), their edges left out."""
+    """Whether points (p, k, 2) lie inside of faces (p, 4, 2), their edges left out."""
     edge = np.roll(face, -1, axis=1) - face
     offset = points[:, :, None] - face[:, None]
     side = edge[:, None, :, 0] * offset[..., 1] - edge[:, None, :, 1] * offset[..., 0]
@@ -87,8 +86,7 @@ def _is_inside(points: np.ndarray, face: np.ndarray) -> np.ndarray:
 
 
 def _crossings(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the edges of faces (p, 4, 2) cross: points (p, 16, 2), and whether they cross
-    (p, 16)."""
+    """Where the edges of faces (p, 4, 2) cross: places (p, 16, 2), and whether they do (p, 16)."""
     first_edge, second_edge = (np.roll(face, -1, axis=1) - face for face in (first, second))
     first_edge, second_edge = first_edge[:, :, None], second_edge[:, None]
     offset = second[:, None] - first[:, :, None]

@@ -33,12 +33,12 @@ def _section(statement: Statement) -> str:
 
 
 def _on_slide(text: str, usual: str, quote: str = "") -> str:
-    """Describe what differs on a slide."""
+    """What differs on a slide."""
     return "" if text == usual else f" (on a slide {quote}{text}{quote})"
 
 
 def _default(value: Any) -> str:
-    """Write a default as in a structure's file."""
+    """A default as the file would have it."""
     match value:
         case _ if value is NO_VALUE:
             return "required"
@@ -72,7 +72,7 @@ def schema() -> dict[str, Any]:
 
 
 def _entry(statement: Statement) -> dict[str, Any]:
-    """Return the JSON Schema of an entry, on a hinge or a slide."""
+    """What JSON Schema says of an entry, on a hinge or a slide."""
     keys = {name: key for slides in ((), ("joint",)) for name, (_, key) in
             statement.for_slides(slides).items()}  # fmt: skip
     properties = {name: key.schema | {"description": key.text} for name, key in keys.items()}

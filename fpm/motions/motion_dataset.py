@@ -119,7 +119,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
 
 
 def _changes(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
-    """Return what changes in time: name -> dimensions, values, units, long name."""
+    """What changes in time: name -> dimensions, values, units, long name."""
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
     if beams := motion.scene.beams:
@@ -175,8 +175,7 @@ def strands_of(scene) -> list[Cable | Strut]:
 
 
 def _cables(motion: RecordedMotion, cables: list[Cable | Strut]) -> dict[str, tuple]:
-    """Return the tensions of cables (of struts the size of the force), and the points of all, in
-    one list."""
+    """Tensions (of struts the size of the force), and the points of all, one after the other."""
     beams = [beam for cable in cables for beam in cable.beams]
     owner = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
     ids = np.array([beam.particle for beam in beams])

@@ -61,9 +61,9 @@ def _arrival_rate(curves: Curves, gap: np.ndarray, instant: float) -> float:
 
 
 def _lack(time: np.ndarray, gap: np.ndarray) -> float:
-    """Estimate what a gap (t,), below 0 at instants `time` (t,), lacked to close: the remaining gap
-    times the deceleration there. The deceleration is extrapolated from the last tenth of the way to
-    the largest value, where the gap turned back or stuck."""
+    """What a gap (t,), below 0 at instants `time` (t,), lacked to vanish: what was still to go,
+    times the deceleration there, continued from the last tenth of the way to its largest value,
+    where it turned back or stuck."""
     i = int(gap.argmax())
     first = int(gap[: i + 1].argmin())
     nearest = min(peak(gap), 0.0)

@@ -137,17 +137,15 @@ def simulate(
 
 
 def _is_repeated(failure, halvings: int, count: int) -> bool:
-    """Return whether a run is repeated with half the step, after `count` times, halvings being
-    allowed."""
+    """Whether a run is repeated with half the step, after `count` times, halvings being allowed."""
     if not isinstance(failure, InstabilityError) or not failure.is_of_step:
         return False
     return count < halvings or (halvings > 0 and failure.time <= IN_STEPS * failure.step)
 
 
 def _note_dead_end(previous_failure, failure, division: Division) -> None:
-    """Note in a failure that a shorter step does not help. That is so where joints open, and the
-    run with the longer step before failed at the same time, to within one check, but not from the
-    start on."""
+    """Say that a shorter step does not help where joints open, and a run fails with the longer step
+    before at the same time, to that between checks; not where it does so from the start on."""
     if isinstance(failure, InstabilityError):
         failure.final_words = failure.final_words or previous_failure.final_words
         reach = 3 * division.check_steps * division.step
@@ -178,8 +176,8 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def list_kinds_to_compile(scene: Scene, record: Sequence[Column] = ()) -> list[type | None]:
-    """Return the element types, and None for the time loop, that a run of a scene (float64) needs
-    and that are not compiled on disk. record: columns (variable, label) of the run, which may need
+    """Return what a run of a scene (float64) needs and is not on disk, compiled: element types, and
+    None for the time loop. record: columns (variable, label) of the run, which may take
     a type of their own."""
     from fpm.kernels import compiled_loop
     from fpm.kernels.lanes import width as lanes_of

@@ -109,7 +109,7 @@ def _energies(batch, record, lane: int, instants: int) -> Energies:
 
 
 def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityError:
-    """Return the InstabilityError of a lane that failed: cause, element and remedy."""
+    """The InstabilityError of a lane that failed: cause, element and remedy."""
     batch, _, _, record = run
     scene, balance = batch.scenes[lane], float(record.failed_balance[lane])
     names = [(name, kind) for kind in batch.rows.slices for name in kind.names(scene)]

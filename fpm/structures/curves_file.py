@@ -78,13 +78,13 @@ class CurvesFile:
         return cls(times, columns, dimensions, table.digest, faults)
 
     def allowed(self, name: str) -> str:
-        """Say which names of columns are allowed instead of `name`, and why `name` is not."""
+        """Say which names of columns are allowed instead of `name`, and why that one is not."""
         fault = f"; {self.faults[name]}" if name in self.faults else ""
         return f"a column of the file, {', '.join(self.columns) or '(there is none)'}{fault}"
 
 
 def _decode(content: bytes) -> str:
-    """Return the text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
+    """The text of a file in UTF-8 or UTF-16, or in the code page of western Windows."""
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = content.decode("utf-16" if is_wide else "utf-8-sig")
@@ -158,7 +158,7 @@ class CsvTable:
         return next((sign for sign in "\t;," if sign in bare), " ")
 
     def _cells(self, line: str) -> list[str]:
-        """Return the cells of one line; a unit in brackets belongs to the word before it."""
+        """The cells of one line; a unit in brackets belongs to the word before it."""
         if self.separator == " ":
             cells = re.findall(r'"[^"]*"|[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?|\S+', line)
             return [cell.strip('"') for cell in cells]
@@ -271,7 +271,7 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
 
 
 def _unit(text: str) -> Unit | str:
-    """Return the unit that a text names, also as other programs write it, or why there is none."""
+    """The unit that a text names, also as other programs write it, or why there is none."""
     plain = text.translate(_SIGNS).strip()
     word = plain.lower() if plain.lower() in _WORDS else plain
     factor, name = FOREIGN_UNITS.get(word, (1, word))

@@ -97,8 +97,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
 
 
 def _opening(hinge: Hinge, specified_opening: float) -> str:
-    """Return the opening of a hinge at the start, and the stated one if parts were forced to
-    another."""
+    """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"revolute": "", "prismatic": "slide, "}
     text, specified_text = (opening_text(hinge, x) for x in (hinge.opening, specified_opening))
     suffix = f", stated as {specified_text}" if text != specified_text else ""
@@ -110,21 +109,21 @@ def _count_text(count: int, noun: str) -> str:
 
 
 def _step(cost: report.RunCost) -> str:
-    """Return the stable step, and what sets it."""
+    """The stable step, and what sets it."""
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"
 
 
 def _damped_step(scene: Scene) -> str:
-    """Describe the effect of damping in proportion to stiffness on the stable step."""
+    """What damping in proportion to stiffness does to the stable step."""
     if not any(beams.material.stiffness_damping for beams in scene.beams):
         return ""
     return f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
 
 
 def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:
-    """Describe what would make the stable step longer."""
+    """What would make the stable step longer."""
     if cost.step == np.inf:
         return ""
     changes = [
@@ -141,8 +140,8 @@ ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damp
 
 
 def list_actions(scene: Scene) -> list[str]:
-    """Return a text for each element that acts on a scene's joints (springs, latches, ...), in the
-    order of their (first) joints: its name, joints and nonzero numbers with units."""
+    """Return texts on the elements that act on a scene's joints (springs, latches, ...), one each,
+    in the order of their (first) joints: its name, joints and nonzero numbers with units."""
     texts = []
     for kind in kinds_of([scene]):
         pairs = zip(kind.names(scene), kind.find(scene), strict=True) if kind.acts_as else ()
@@ -180,7 +179,7 @@ def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
 
 
 def _describe_misfit(scene: Scene) -> str:
-    """Describe how the parts were forced together."""
+    """What forced the parts together."""
     joint, gap, tilt = scene.assembly[1:4]
     parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
     text = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
@@ -188,7 +187,7 @@ def _describe_misfit(scene: Scene) -> str:
 
 
 def _describe_balance(scene: Scene) -> str:
-    """Describe the equilibrium at the start, and how exact it is."""
+    """What the equilibrium at the start took, and how exact it is."""
     _, imbalance, largest, energy, motion, _ = scene.equilibrium
     text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
     return f"{text}; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
@@ -230,7 +229,7 @@ def _strut(scene: Scene, strut: Strut) -> str:
 
 
 def _place(scene: Scene, beam: VirtualBeam) -> str:
-    """Return the position of a named point at the start."""
+    """Where a named point is at the start."""
     particle = beam.particle
     return _vector(scene.position[particle] + scene.frame[particle] @ beam.arm)
 

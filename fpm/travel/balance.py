@@ -24,7 +24,7 @@ TINY = 1e-300
 
 def balance_of(scene) -> BalanceForces:
     """Return the forces in static equilibrium of a scene: those of its elastic bars and of all
-    elements that store energy or load it, but not of those that only resist, such as friction."""
+    elements that store energy or load it, not of those that only resist, as friction."""
     by_kind: dict[type, list] = {}
     for part in components_of(scene):
         if not part.drags:

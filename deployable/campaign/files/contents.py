@@ -42,7 +42,7 @@ def report_damage(path: str | os.PathLike) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        is_other = isinstance(error, OSError) and (error.errno or 0) > 0  # such as a missing file
+        is_other = isinstance(error, OSError) and (error.errno or 0) > 0  # it is not there, say
         is_ours = isinstance(error, CampaignError) and not isinstance(error, HeldConfigError)
         if is_other or is_ours or isinstance(error, DamagedError):
             raise

@@ -76,9 +76,8 @@ class Runs(Sequence[PlannedRun]):
         cls, experiment: Experiment, role: np.ndarray, points: np.ndarray, step: float,
         mechanics: str,
     ) -> "Runs":  # fmt: skip
-        """Make the sequence of an experiment's runs at normalized points (N, k). Nominal runs
-        get the exact values of the config. role (N): as in the class; step, mechanics: as in
-        `namer`."""
+        """Make the sequence of an experiment's runs at normalized points (N, k); nominal runs get
+        the config's exact values. role (N): as of the class; step, mechanics: as of `namer`."""
         values = experiment.box.from_unit(points)
         values[role == ROLES.index("nominal")] = experiment.nominal
         return cls(role, points, values, namer(experiment, step, mechanics))
@@ -87,7 +86,7 @@ class Runs(Sequence[PlannedRun]):
         return len(self.role)
 
     def __getitem__(self, index: Any) -> Any:
-        """Return the `PlannedRun` at a number, or the `Runs` at a slice or a list of numbers."""
+        """A `PlannedRun` for a number; for a slice, or a list of numbers, the `Runs` there."""
         if isinstance(index, list):
             index = np.array(index, int)
         role, points, values = self.role[index], self.normalized[index], self.values[index]
@@ -140,8 +139,8 @@ class RunAccount:
         return self.limit - self.count
 
     def count_runs(self, ids: Sequence[str]) -> list[bool]:
-        """Count the runs with these ids, each once, up to the limit. Return for each whether it may
-        be made or is counted already."""
+        """Count the runs with these ids, as long as the limit allows, each once, and return for
+        each whether it may be made (or is counted already)."""
         for run_id in ids:
             if run_id not in self.ids and self.count < self.limit:
                 self.ids.add(run_id)

@@ -58,8 +58,8 @@ def render(data: PageData) -> str:
 
 
 def render_cases(facts: Mapping[str, Any], figures: Iterable[Any] = ()) -> str:
-    """Return the page of all cases, with links to the pages of each; facts: as of `cases_facts`;
-    figures: of the curves that these have, if any."""
+    """The page of all cases, with links to the pages of each; facts: as of `cases_facts`; figures:
+    of the curves that these have, if any."""
     units = {pretty(row["units"]) for row in facts["quantities"]} - {"1"}
     template = environment(units, html=True).get_template("cases.html")
     pictures = [b64encode(to_png(figure)).decode() for figure in figures]
@@ -71,5 +71,5 @@ def _text(name: str) -> str:
 
 
 def _poster(motion: xarray.Dataset) -> str:
-    """Draw three moments of a whole motion as PNG in base64, for browsers that show no motion."""
+    """Three moments of a whole motion as PNG in base64, for browsers that show no motion."""
     return b64encode(to_png(draw_moments(motion, 3))).decode()

@@ -181,7 +181,7 @@ class ScanModel(Model):
 
 
 def _growth(previous: RunBounds | None, current: RunBounds) -> np.ndarray:
-    """By how much bounds grew, on the side where they grew more."""
+    """Return by how much bounds grew, on the side where they grew more."""
     if previous is None:
         return np.zeros_like(current.low)
     return np.maximum(previous.low - current.low, current.high - previous.high)
@@ -305,7 +305,7 @@ class AlignedModel(Model):
         self, samples: Samples, design: Design | None = None, with_last: bool = True
     ) -> None:
         check_spline_runs(samples.points)
-        # Extremes are looked for in one direction after the other, in the order of names.
+        # Sorting by name makes the search for extremes independent of the parameters' order.
         self.order = np.argsort(samples.source["parameter"].values, kind="stable")
         self.samples, self.points = samples, samples.points[:, self.order]
         runs: list[dict] = [{} for _ in self.points]
@@ -414,7 +414,7 @@ class AutoModel(Model):
                 self.fits.append(SplineModel(samples, design))
             for with_last in (True, False):
                 if alignment is not None and not alignment.has_groups:
-                    break  # the same again
+                    break  # the second fit would equal the first
                 with suppress(IntervalError):
                     fit = AlignedModel(samples, design, with_last)
                     count = fit.attributes["aligned_events"]
@@ -431,9 +431,10 @@ class AutoModel(Model):
         self.attributes |= alignment.doubts if alignment else {}
 
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
-        """The index of the model (n, T)."""
+        """Choose for each response and instant the model with the least left-out error; return
+        indices (n, T)."""
         time, choice = self.samples.time, np.zeros(self.samples.values.shape[1:], int)
-        step = (time[-1] - time[0]) / (len(time) - 1)  # rates may change an instant earlier
+        step = (time[-1] - time[0]) / (len(time) - 1)  # rates may change one instant early
         errors = [getattr(fit, "left_out") for fit in self.fits]  # noqa: B009  # splines have it
         ends = [time[0], np.inf]
         if alignment is not None:
@@ -442,18 +443,18 @@ class AutoModel(Model):
             first, last = part.curves.time_ranges()
             ends += [*first - step, *last + step, part.curves.end_time]
         tests = self.fits[0].test_rows
-        splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first of them
+        splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first spline
         for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
             start = splines
             if alignment and len(alignment.parts) > 1 and time[last - 1] > alignment.differ:
-                start += 1  # the others pass over what happens in a part of the box
+                start += 1  # only aligned splines follow an event in part of the box
             best = np.zeros(len(choice), int)
             if len(errors) > start:
                 loss = np.array([_mean_square(e[:, :, first:last]) for e in errors[start:]])
                 best = loss.argmin(axis=0) + start
             if splines and start == splines and len(tests):
                 loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
-                # The spline has these runs as well in the end.
+                # The polynomial is used only if clearly better: the spline also gets these runs.
                 best = np.where(2 * loss[0] <= loss[best, np.arange(len(best))], 0, best)
             choice[:, first:last] = np.reshape(best, (-1, 1))
         return choice
@@ -470,7 +471,8 @@ class AutoModel(Model):
         return replace(error, total=np.maximum(error.total, self.part_error))
 
     def _join(self, results: list) -> Any:
-        """One Range or ErrorEstimate, of which each instant has the chosen model's."""
+        """Join the models' Ranges or ErrorEstimates into one, with the chosen model's values at
+        each instant."""
         arrays_by_name = {}
         for name in results[0].__dataclass_fields__:
             arrays = np.array([getattr(result, name) for result in results])
@@ -487,7 +489,7 @@ class AutoModel(Model):
 
 
 def _errors_within(errors: np.ndarray, columns: np.ndarray | None) -> np.ndarray:
-    """Errors (n, T), 0 where the mask `columns` (n, T), if given, is False."""
+    """Return errors (n, T) with 0 wherever the mask `columns` (n, T), if given, is False."""
     return errors if columns is None else np.where(columns, errors, 0.0)
 
 

@@ -59,7 +59,7 @@ class RunBounds:
 
 
 def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_run: np.ndarray):
-    """Where `value` is less than `rival`, or as large and of an earlier run."""
+    """Return where `value` is less than `rival`, or equal and from an earlier run."""
     return (value < rival) | ((value == rival) & (run < rival_run))
 
 

@@ -91,7 +91,7 @@ class ModelEvaluator:
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
     ) -> None:
         self.plan, self.jobs, self.notify, self.threads = plan, jobs, notify, threads
-        # Of runs that are asked for one by one all responses are wanted.
+        # Single runs must keep whole responses, not only their extremes.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)
         self.points = np.zeros((0, len(plan.experiment.intervals)))

@@ -185,7 +185,7 @@ class Index(Key):
 
 
 def _text(limit: float) -> str:
-    """A limit as people write it: 1e-9, 0.0001, 1000000."""
+    """Write a limit as people do: 1e-9, 0.0001, 1000000."""
     return str(limit) if isinstance(limit, int) else re.sub(r"e\+?(-?)0*", r"e\1", f"{limit:g}")
 
 
@@ -210,8 +210,9 @@ def number(
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
-    """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: as "N/m";
-    words: name in messages, {noun} being the type's word; keys: further arguments of `number`."""
+    """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: such as
+    "N/m"; words: its name in messages, where {noun} stands for the type's noun; keys: further
+    arguments of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 

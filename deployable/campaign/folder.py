@@ -12,7 +12,7 @@ MOST_PANELS = 8  # panels of one figure, as many as fit on a page
 
 
 def _file(name: str, text: str) -> Any:
-    """The path of a file or folder by its name, which a docstring describes."""
+    """Return the path of a file or folder by its name, which a docstring describes."""
     return property(lambda folder: folder / name, doc=text)
 
 
@@ -77,10 +77,12 @@ class Folder:
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> "Folder":
-        """The folder of one round of this campaign's `accuracy`; number: of the round, from 0."""
+        """Return the folder of one round of this campaign's `accuracy`; number: of the round, from
+        0."""
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> "Folder | None":
-        """The folder of the previous round, None for the first; only for a round's folder."""
+        """Return the folder of the previous round, None for the first; only for a round's
+        folder."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None

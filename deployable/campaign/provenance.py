@@ -31,8 +31,8 @@ def program_digest() -> str:
 
 @cache
 def program() -> dict[str, str]:
-    """What computes results, texts by name, found once in a process. `commit` ends with `, changed`
-    where files differ from it, and is `unknown` without git."""
+    """Return what computes the results, as texts by name, found once in a process. `commit` ends
+    with `, changed` if files differ from it, and is `unknown` without git."""
     versions = {
         "program": f"deployable-intervals {deployable.__version__}",
         "commit": _commit(),
@@ -51,8 +51,8 @@ def as_attribute() -> str:
 
 
 def stamp() -> dict[str, str]:
-    """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC), and
-    `config`, paths of the config's files as seen from the folder of all results."""
+    """Return texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now,
+    UTC), and `config`, the paths of the config's files relative to the folder of all results."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     facts = {key: program()[key] for key in ("program", "commit", "processor")}
     return facts | {"made": moment, "config": os.environ.get(CONFIG, "")}

@@ -93,18 +93,43 @@ def shared_events(
 
 
 def has_groups(runs: list[dict[tuple, float]], time: np.ndarray) -> bool:
-    """Whether first and last events of a group both count, as arguments of `shared_events`."""
+    """Return whether first and last events of a group both count, as arguments of
+    `shared_events`."""
     return shared_events(runs, time).shape != shared_events(runs, time, False).shape
 
 
 def first_difference(runs: list[dict[tuple, float]]) -> float:
     """Return the earliest time (s) of an event that not all runs have, infinite if there is none.
-    runs: times of events by what they are (`name_events`)."""
+    runs: times of each run's events by their names (`name_events`)."""
     common = set(runs[0]).intersection(*runs[1:])
     return min(
         (t for event_times in runs for key, t in event_times.items() if key not in common),
         default=np.inf,
     )
+
+
+def unseen_difference(
+    points: np.ndarray, margins: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
+) -> float:
+    """Return the earliest time (s) from which an event may occur at places without a run, though no
+    run at points (R, k) in [-1, 1]^k has it, or may be missed there, though all runs have it;
+    infinite if there is none. margins (R, c): by how much the first event of each kind occurs,
+    below 0 where it does not, NaN where not known; time (T): instants, s; runs: times of events by
+    what they are (`name_events`)."""
+    first = np.inf
+    for source, column in enumerate(margins.T):
+        signs = np.unique(np.sign(column))
+        if len(signs) > 1 or not np.isfinite(column).all():
+            continue  # runs are on both sides
+        with suppress(IntervalError):
+            check_spline_runs(points)
+            spline = fit_spline(points, column[:, None])
+            free = spline.scales > 0
+            trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
+            if (signs * spline.evaluate(trial)).min() < 0:
+                moments = [t for table in runs for key, t in table.items() if key[0] == source]
+                first = min(first, min(moments, default=time[0]))
+    return first
 
 
 def earliest_time(points: np.ndarray, delays: np.ndarray) -> float:
@@ -201,7 +226,8 @@ class AlignedCurves:
         self._fill(mapped_curves, scales)
 
     def _stretches(self, starts: np.ndarray) -> Iterator[tuple[slice, slice, np.ndarray]]:
-        """Of each stretch of a run: the instants within it, its columns, their times (s)."""
+        """Return for each stretch of a run the instants within it, its columns, and their times
+        (s)."""
         ends = np.append(starts[1:], starts[-1] + self.reach)
         edge = 1e-6 * (self.time[1] - self.time[0])  # an instant at an event may be of either side
         first = np.searchsorted(self.time, starts + edge)
@@ -257,8 +283,9 @@ class AlignedCurves:
         starts: np.ndarray,
         passages: np.ndarray,
     ) -> None:
-        """Map the values (n, T) of a run again, into mapped_curves (n, S), where they pass events
-        with the values `passages` (n, E): instants say little of the ends of a stretch."""
+        """Map the values (n, T) of a run again into mapped_curves (n, S), with the values
+        `passages` (n, E) at events, because recorded instants say little about the ends of a
+        stretch."""
         step = self.time[1] - self.time[0]
         ends = np.pad(passages, ((0, 0), (1, 1)), constant_values=np.nan)
         for i, (span, columns, times) in enumerate(self._stretches(starts)):
@@ -324,15 +351,16 @@ class AlignedCurves:
         return np.zeros((len(points), 0)) if spline is None else spline.evaluate(points)
 
     def time_ranges(self) -> np.ndarray:
-        """Return the first and the last times (2, E), s, of events in the runs and over the box."""
+        """Return the earliest and the latest times (2, E), s, of each event, over the runs and the
+        box."""
         free = self.spline.scales > 0
         trial = np.where(free, spread_points(free, _CANDIDATES), self.points[0])
         times = np.concatenate([self.times, self.times_at(trial)])
         return np.array([times.min(axis=0), times.max(axis=0)])
 
     def place(self, times: np.ndarray, instants: np.ndarray) -> np.ndarray:
-        """Return where instants (P, T) or (T), s, are along mapped time, as fractions (P, T) of its
-        columns, with event times (P, E)."""
+        """Return the position of instants (P, T) or (T), s, on the mapped time axis, as fractions
+        (P, T) of its columns, given event times (P, E)."""
         times = np.maximum.accumulate(times, axis=1)
         starts = np.concatenate([np.full((len(times), 1), self.time[0]), times], axis=1)
         reach = np.full((len(times), 1), self.reach)
@@ -394,8 +422,9 @@ class AlignedCurves:
         return self._at_least_usual(self.times_spline.left_out)
 
     def _at_least_usual(self, errors: np.ndarray) -> np.ndarray:
-        """The size of errors (R, ...) of runs, where they are at least a mean, in which large ones
-        count most; in a part of the box, at whose border curves bend, they are the largest."""
+        """Return the size of errors (R, ...) of runs, where they are at least a mean, in which
+        large ones count most; in a part of the box, at whose border curves bend, they are the
+        largest."""
         size = np.abs(errors)
         usual = size.max(axis=0) if self.is_part else (size**4).mean(axis=0) ** 0.25
         return np.maximum(size, usual)
@@ -589,7 +618,8 @@ def _labels(events: list[dict], time: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def _loss(parts: list[Part], values: np.ndarray, time: np.ndarray) -> float:
-    """The root mean square left-out error of runs, of responses by the spread of their values."""
+    """Return the root mean square left-out error of runs, relative to the spread of each
+    response."""
     is_known = time <= min(part.curves.end_time for part in parts)
     spread = np.maximum(np.ptp(values, axis=(0, 2)), 1e-300)[:, None]
     errors = np.concatenate([part.curves.left_out[..., is_known] for part in parts]) / spread

@@ -99,7 +99,7 @@ def bounds_dataset(
 def _curves(
     samples: Samples, model: Model, bounds: Range, error: ErrorEstimate, by_shares: bool
 ) -> dict:
-    """The variables over response and time, and where in the box the bounds are taken."""
+    """Return the variables over response and time, and where in the box the bounds are taken."""
     centre, label = model.centre(), "model at the centre of the box"
     if by_shares and centre is not None:
         centre = np.where(samples.ratios[:, None], ratio(centre), centre)
@@ -128,8 +128,9 @@ def _curves(
 
 
 def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
-    """The least and largest values (n,) that bounds can have; -inf, inf where there is none. Stops
-    and latches yield: bounds may go twice as far beyond them as any run; a scan's are runs."""
+    """Return the least and largest values (n,) that bounds can have; -inf, inf where there is
+    none. Stops and latches yield: bounds may go twice as far beyond them as any run; a scan's are
+    runs."""
 
     def number(name: str) -> np.ndarray:
         if name not in samples.source:
@@ -163,7 +164,7 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, tuple
 
 
 def _share(name: str, text: str, error: np.ndarray, time: np.ndarray, bounds: Range) -> dict:
-    """The variable (n) of an error (n, T), integrated over time, as a share of the width."""
+    """Return the variable (n) of an error (n, T), integrated over time, as a share of the width."""
     area = np.trapezoid(bounds.upper - bounds.lower, time)
     attrs = {"long_name": f"{text}, as a share of the width", "units": "1"}
     return {name: ("response", share_of(error, time, area), attrs)}

@@ -153,7 +153,8 @@ def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = Non
 
 
 def _nearest(points: np.ndarray, runs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For points (N, k) the index of the nearest of `runs` (R, k), else -1, and its distance."""
+    """Return for points (N, k) the index of the nearest of `runs` (R, k), and its distance
+    (Chebyshev's); -1 and infinity without runs."""
     if not len(runs):
         return np.full(len(points), -1), np.full(len(points), np.inf)
     distances = (np.abs(runs - point).max(axis=1) for point in points)

@@ -188,8 +188,9 @@ def _interpolation_errors(times: np.ndarray, curves: np.ndarray, delay: float) -
 
 
 def _lobes(change: np.ndarray) -> np.ndarray:
-    """The largest size (n, R) of a signed change (n, R) between its zeros beside each instant, and
-    between the next ones: two oscillations that differ in phase agree wherever they cross."""
+    """Return the largest size (n, R) of a signed change (n, R) between its zeros beside each
+    instant, and between the next ones: two oscillations that differ in phase agree wherever they
+    cross."""
     result = np.empty_like(change)
     for row, values in enumerate(change):
         starts = np.concatenate([[0], np.flatnonzero(np.diff(values > 0)) + 1])
@@ -246,7 +247,8 @@ class _Problem:
         return (np.concatenate(residuals) / self.bands, np.concatenate(rows) / self.bands[:, None])
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
-        """By how many bands each residual (M) deviates, less or more the surrogate's error."""
+        """Return by how many bands each residual (M) deviates, minus or plus the surrogate's
+        error."""
         return np.abs(residuals) - sign * self.errors / self.bands
 
     def search(
@@ -289,8 +291,8 @@ class _Problem:
         self, residuals: np.ndarray, jacobian: np.ndarray, sides: np.ndarray, half: np.ndarray,
         sign: float, cost: np.ndarray, level: float,
     ) -> tuple[np.ndarray, float]:  # fmt: skip
-        """The best step (size) of the linearised problem within `sides` (2, size), and by how much
-        it changes the merit from that of a misfit within `level`."""
+        """Return the best step (size) of the linearised problem within `sides` (2, size), and by
+        how much it changes the merit from that of a misfit within `level`."""
         penalty = _PENALTY if cost.any() else 1.0
         excess, reach = self.excess(residuals, sign), np.abs(jacobian) @ np.abs(sides).max(axis=0)
         rows = np.flatnonzero(excess + reach >= max(level, (excess - reach).max()))
@@ -399,8 +401,9 @@ class _Waves:
         return fits
 
     def run(self, values: np.ndarray) -> tuple[np.ndarray, float]:
-        """Run all tests at the variables `values`, keep that if no run came nearer; return the
-        values with those of the sensors that fit best, and the misfit, infinite if a run fails."""
+        """Run all tests at the variables `values`, and keep the run if it is the nearest so far.
+        Return the values with the best-fitting ones of the sensors, and the misfit, infinite if a
+        run fails."""
         run_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, self.places, strict=True)):
             points.append(values[places[: test.dimension]])
@@ -434,8 +437,8 @@ class _Waves:
         return bool(rows)
 
     def is_contradicted(self, number: int) -> bool:
-        """Whether further runs, spread over all of the box and the starts, come nearer than the
-        errors of the first wave allow there: behaviour that few runs show, such as a latch that
+        """Return whether further runs, spread over all of the box and the starts, come nearer than
+        the errors of the first wave allow there: behaviour that few runs show, such as a latch that
         hardly ever catches. number: of the attempt, each with runs of its own."""
         problem = self.problems[0][1]
         free = np.zeros(problem.size, bool)
@@ -554,8 +557,9 @@ class _Waves:
 
 
 def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
-    """Coordinates (N, p), -1 to 1, of runs of wave `number`: corners, or of many directions the
-    axes' ends, then `count` of a sequence. free (p): directions with a width."""
+    """Return coordinates (N, p), -1 to 1, of the runs of wave `number`: corners, or with many
+    directions the ends of the axes, then `count` points of a sequence. free (p): directions with a
+    width."""
     axes = np.eye(len(free))[free]
     ends = corner_points(free) if free.sum() <= _CORNERS else np.concatenate([-axes, axes])
     spread = scan_points(free, (number + 1) * count, corners=False)
@@ -661,7 +665,8 @@ def _common_misfits(find: Callable, singles: Sequence[Callable]) -> np.ndarray:
 
 
 def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
-    """Make empty data of tests: no runs at the recorded instants `times` (s), all of the starts."""
+    """Make empty data of tests, without runs, at the recorded instants `times` (s), for all
+    starts."""
     return [
         TestRuns(
             np.zeros((0, test.dimension)),
@@ -673,7 +678,8 @@ def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
 
 
 def _misfits(state: _Waves) -> np.ndarray:
-    """Points (N, k) over the box and their least misfit by surrogates of the last wave there."""
+    """Return points (N, k) over the box and their least misfit, from the surrogates of the last
+    wave."""
     k, rows = state.k, []
     spread = scan_points(np.ptp(state.widest[:, :k], axis=0) > 0, _SPOTS)
     for low, high in (state.widest, state.hull):

@@ -17,7 +17,8 @@ from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
-    """sin(pi numerator / (2 denominator)) of the reduced fraction, the same float in all grids."""
+    """Return sin(pi numerator / (2 denominator)) of the reduced fraction, the same float in all
+    grids."""
     points = np.empty(len(numerator))
     for i, top in enumerate(int(t) for t in numerator):
         divisor = gcd(abs(top), 2 * denominator) or 1
@@ -26,19 +27,20 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """Roots (n + 1) in [-1, 1] of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
+    """Return the roots (n + 1) in [-1, 1] of the Chebyshev polynomial of degree n + 1, ascending;
+    order: n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
 def lobatto(order: int) -> np.ndarray:
-    """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending;
-    order: n; 0 gives the point 0, others contain -1 and 1 and are among those of 2n."""
+    """Return the n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1],
+    ascending; order: n; 0 gives the point 0, others contain -1 and 1 and are among those of 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of coordinates along k directions; lines: k arrays of coordinates, of
-    any lengths. The last direction varies fastest."""
+    """Return all combinations (N, k) of coordinates along k directions. lines: k arrays of
+    coordinates, of any lengths. The last direction varies fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
@@ -80,8 +82,9 @@ def count_smolyak(order: Sequence[int] | np.ndarray) -> int:
 
 
 def _nested_costs(order: int) -> dict[int, int]:
-    """For each index the least degree of which the rule of 1, 3, 5, 9, 17, ... nested Lobatto
-    points has it: 0 for index 0, 1 for 1 and 2, 3 for 3 and 4, 5 for 5 to 8, 9 for 9 to 16, ..."""
+    """Return for each index the least degree of the rule of 1, 3, 5, 9, 17, ... nested Lobatto
+    points that includes it: 0 for index 0, 1 for 1 and 2, 3 for 3 and 4, 5 for 5 to 8, 9 for 9 to
+    16, ..."""
     costs = {0: 0}
     for degree in range(1, order + 1):
         highest = 2 if degree < 3 else 1 << (degree - 1).bit_length()
@@ -92,7 +95,7 @@ def _nested_costs(order: int) -> dict[int, int]:
 def _within_budget(
     order: Sequence[int] | np.ndarray, costs: Callable[[int], dict[int, int]]
 ) -> np.ndarray:
-    """All i with sum_j cost(i_j) / order_j <= 1, sorted by total degree."""
+    """Return all i with sum_j cost(i_j) / order_j <= 1, sorted by total degree."""
     rows: list[tuple[tuple[int, ...], float]] = [((), 0.0)]
     # grow direction by direction, so that the full tensor is never built
     for n in (int(n) for n in order):

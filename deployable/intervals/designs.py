@@ -165,7 +165,7 @@ def _sobol(
     samples: int = 1024,
     seed: int = 0,
 ) -> Design:
-    """The corners of the box, then a space-filling sequence."""
+    """Return the corners of the box, then a space-filling sequence."""
     points = scan_points(free, samples, seed=seed)
     limit(len(points))
     if orders is None:  # no surrogate, only the least and the largest sample
@@ -180,7 +180,7 @@ def _sobol(
 def _screening(
     orders: None, free: np.ndarray, limit: Callable[[int], None], *, samples: int = 1024
 ) -> Design:
-    """The centre, the ends of each interval alone, and a two-level orthogonal array with its
+    """Return the centre, the ends of each interval alone, and a two-level orthogonal array with its
     fold-over, which keeps main effects clear of interactions of two parameters (Box and Wilson
     1951). The array is Paley's Hadamard matrix of order q + 1, q prime (Plackett and Burman 1946):
     products of its columns are no columns, so that pairs can be told apart."""

@@ -83,9 +83,10 @@ class ErrorEstimate:
 def estimate_error(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
-    runs that were not fitted, and `decay`, by coefficients. The result's `total` is the larger one,
-    at each instant its largest within `window` (half width, s; None: 0.5 % of the duration)."""
+    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`,
+    from runs that were not fitted, and `decay`, from coefficients. The result's `total` is the
+    larger of both, widened at each instant to the largest within `window` (half width, s; None: 0.5
+    % of the duration)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
@@ -191,8 +192,8 @@ def _ratio(last: np.ndarray, previous: np.ndarray) -> np.ndarray:
 
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
-    """For each instant of `time` (T, s), the largest value of an error (..., T) within a time
-    window about it, returned as (..., T); window: half width in s, None: 0.5 % of the duration."""
+    """Return for each instant of `time` (T, s) the largest value of an error (..., T) within a time
+    window about it. window: half width in s, None: 0.5 % of the duration."""
     time = np.asarray(time, dtype=float)
     if len(time) < 2:
         return error.copy()

@@ -17,6 +17,7 @@ from .alignment import (
     has_groups,
     name_events,
     split_runs,
+    unseen_difference,
 )
 from .box import find_other_runs, match_points
 from .designs import Design, complete_runs, fit
@@ -180,7 +181,7 @@ class ScanModel(Model):
 
 
 def _growth(previous: RunBounds | None, current: RunBounds) -> np.ndarray:
-    """By how much bounds grew, on the side where they grew more."""
+    """Return by how much bounds grew, on the side where they grew more."""
     if previous is None:
         return np.zeros_like(current.low)
     return np.maximum(previous.low - current.low, current.high - previous.high)
@@ -296,7 +297,7 @@ class AlignedModel(Model):
     each place, and with what is near the borders of parts; and their change within the left-out
     error of event times, of the runs near the place of the bound. Where an
     event of part of the box does not split the runs, it is at least the difference across its
-    border."""
+    border. Where margins tell that no run is behind a border, it is all that runs move."""
 
     kind = "attained range of splines through all runs, aligned at their events"
 
@@ -304,7 +305,7 @@ class AlignedModel(Model):
         self, samples: Samples, design: Design | None = None, with_last: bool = True
     ) -> None:
         check_spline_runs(samples.points)
-        # Extremes are looked for in one direction after the other, in the order of names.
+        # Sorting by name makes the search for extremes independent of the parameters' order.
         self.order = np.argsort(samples.source["parameter"].values, kind="stable")
         self.samples, self.points = samples, samples.points[:, self.order]
         runs: list[dict] = [{} for _ in self.points]
@@ -315,8 +316,18 @@ class AlignedModel(Model):
         groups = [runs, *([runs[row] for row in part.rows] for part in self.parts)]
         self.has_groups = any(has_groups(group, samples.time) for group in groups)
         self.differ, self.part_error = first_difference(runs), np.zeros(samples.values.shape[1:])
+        self.doubts: dict[str, float] = {}  # times (s) from which bounds are in doubt
         if len(self.parts) == 1:
             self.part_error = difference_across(self.points, samples.values, samples.time, runs)
+            if self.part_error.any():
+                self.doubts["undivided_from"] = self.differ
+        if "event_margin" in samples.source:
+            margins = samples.source["event_margin"].values
+            start = unseen_difference(self.points, margins, samples.time, runs)
+            if start < np.inf:  # a run there may be wherever runs are at any time
+                self.doubts["unseen_from"] = start
+                reach = np.ptp(samples.values, axis=(0, 2))[:, None] * (samples.time >= start)
+                self.part_error = np.maximum(self.part_error, reach)
         self.end_time = min(part.curves.end_time for part in self.parts)
         count = max(part.curves.times.shape[1] for part in self.parts)
         self.attributes = {
@@ -403,7 +414,7 @@ class AutoModel(Model):
                 self.fits.append(SplineModel(samples, design))
             for with_last in (True, False):
                 if alignment is not None and not alignment.has_groups:
-                    break  # the same again
+                    break  # the second fit would equal the first
                 with suppress(IntervalError):
                     fit = AlignedModel(samples, design, with_last)
                     count = fit.attributes["aligned_events"]
@@ -417,13 +428,13 @@ class AutoModel(Model):
         self.test_rows = self.fits[0].test_rows
         names = [next(n for n, kind in MODELS.items() if type(fit) is kind) for fit in self.fits]
         self.attributes = {**self.fits[-1].attributes, "models": names}
-        if alignment is not None and self.part_error.any():
-            self.attributes["undivided_from"] = alignment.differ
+        self.attributes |= alignment.doubts if alignment else {}
 
     def _choose(self, alignment: AlignedModel | None) -> np.ndarray:
-        """The index of the model (n, T)."""
+        """Choose for each response and instant the model with the least left-out error; return
+        indices (n, T)."""
         time, choice = self.samples.time, np.zeros(self.samples.values.shape[1:], int)
-        step = (time[-1] - time[0]) / (len(time) - 1)  # rates may change an instant earlier
+        step = (time[-1] - time[0]) / (len(time) - 1)  # rates may change one instant early
         errors = [getattr(fit, "left_out") for fit in self.fits]  # noqa: B009  # splines have it
         ends = [time[0], np.inf]
         if alignment is not None:
@@ -432,18 +443,18 @@ class AutoModel(Model):
             first, last = part.curves.time_ranges()
             ends += [*first - step, *last + step, part.curves.end_time]
         tests = self.fits[0].test_rows
-        splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first of them
+        splines = int(isinstance(self.fits[0], PolynomialModel))  # index of the first spline
         for first, last in pairwise(np.searchsorted(time, np.unique(ends))):
             start = splines
             if alignment and len(alignment.parts) > 1 and time[last - 1] > alignment.differ:
-                start += 1  # the others pass over what happens in a part of the box
+                start += 1  # only aligned splines follow an event in part of the box
             best = np.zeros(len(choice), int)
             if len(errors) > start:
                 loss = np.array([_mean_square(e[:, :, first:last]) for e in errors[start:]])
                 best = loss.argmin(axis=0) + start
             if splines and start == splines and len(tests):
                 loss = np.array([_mean_square(e[tests, :, first:last]) for e in errors])
-                # The spline has these runs as well in the end.
+                # The polynomial is used only if clearly better: the spline also gets these runs.
                 best = np.where(2 * loss[0] <= loss[best, np.arange(len(best))], 0, best)
             choice[:, first:last] = np.reshape(best, (-1, 1))
         return choice
@@ -460,7 +471,8 @@ class AutoModel(Model):
         return replace(error, total=np.maximum(error.total, self.part_error))
 
     def _join(self, results: list) -> Any:
-        """One Range or ErrorEstimate, of which each instant has the chosen model's."""
+        """Join the models' Ranges or ErrorEstimates into one, with the chosen model's values at
+        each instant."""
         arrays_by_name = {}
         for name in results[0].__dataclass_fields__:
             arrays = np.array([getattr(result, name) for result in results])
@@ -477,7 +489,7 @@ class AutoModel(Model):
 
 
 def _errors_within(errors: np.ndarray, columns: np.ndarray | None) -> np.ndarray:
-    """Errors (n, T), 0 where the mask `columns` (n, T), if given, is False."""
+    """Return errors (n, T) with 0 wherever the mask `columns` (n, T), if given, is False."""
     return errors if columns is None else np.where(columns, errors, 0.0)
 
 

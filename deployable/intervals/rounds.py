@@ -61,7 +61,7 @@ def choose_bound_points(
 
 
 def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Of the points (N, k) in each cell of the box, the heaviest."""
+    """Return from points (N, k) the one with the largest weight in each cell of the box."""
     cell = np.round((points + 1) / 2 * _CELLS).astype(int)
     order = np.lexsort((np.arange(len(points)), -weight))
     _, first = np.unique(cell[order], axis=0, return_index=True)

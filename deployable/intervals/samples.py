@@ -59,7 +59,7 @@ class RunBounds:
 
 
 def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_run: np.ndarray):
-    """Where `value` is less than `rival`, or as large and of an earlier run."""
+    """Return where `value` is less than `rival`, or equal and from an earlier run."""
     return (value < rival) | ((value == rival) & (run < rival_run))
 
 
@@ -164,12 +164,13 @@ class Samples:
 
 def add_runs(
     samples: xr.Dataset, points: np.ndarray, values: np.ndarray, curves: np.ndarray,
-    events: np.ndarray,
+    events: np.ndarray, event_margins: np.ndarray,
 ) -> xr.Dataset:  # fmt: skip
     """Return a samples dataset with r further runs. points, values (r, k): where they are,
     normalized and in the parameters' units; curves (r, n, T): their responses; events (r, e, 3):
-    time (s), what, and which way, of each event, padded with NaN. Other variables of the runs than
-    these and their role are left out."""
+    time (s), what, and which way, of each event, padded with NaN; event_margins (r, c): by how much
+    the first event of each of c kinds occurs, if the samples have these. Other variables of the
+    runs than these and their role are left out."""
     import xarray as xr
 
     extension = {
@@ -178,6 +179,8 @@ def add_runs(
         "value": (("run", "parameter"), values),
         "role": ("run", np.array(["further"] * len(points), dtype=object)),
     }
+    if "event_margin" in samples:
+        extension["event_margin"] = (("run", "contact"), event_margins)
     for i, name in enumerate(("event_time", "event_contact", "event_closing")):
         extension[name] = (("run", "event"), events[..., i])
     bases = [name for name in samples.coords if name in samples.dims]

@@ -120,7 +120,7 @@ def sensitivity_dataset(
 
 
 def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
-    """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
+    """Return the polynomial's misfit (n, T) of runs that it was not fitted to, widened in time."""
     test_rows = find_other_runs(data.points, design.points)
     if not len(test_rows):
         return estimate_decay(surrogate, data.time)

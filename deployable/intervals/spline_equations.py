@@ -18,9 +18,9 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
 def stands_alone(points: np.ndarray) -> np.ndarray:
-    """Mask (N) of the runs at `points` (N, k) in [-1, 1]^k that are farther from all others than a
-    quarter of the mean spacing of as many runs, spread over the box. Where runs were made next to
-    each other, they tell less of the rest of the box."""
+    """Return a mask (N) of the runs at `points` (N, k) in [-1, 1]^k that are farther from all
+    others than a quarter of the mean spacing of as many runs, spread over the box. Runs close to
+    others say less about the rest of the box."""
     directions = int((np.ptp(points, axis=0) > 0).sum())
     if len(points) < 2 or not directions:
         return np.ones(len(points), dtype=bool)
@@ -62,8 +62,9 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Fit T natural cubic splines on a line to values (N, T) at knots (N, any order): returns their
-    second derivatives (N, T), and leave-one-out errors (N, T), infinite below 3 knots."""
+    """Fit T natural cubic splines with one parameter to values (N, T) at knots (N, in any order).
+    Returns their second derivatives (N, T), and leave-one-out errors (N, T), infinite below 3
+    knots."""
     order = np.argsort(knots)
     h = np.diff(knots[order])
     second, left_out = np.zeros_like(values), np.full_like(values, np.inf)
@@ -73,7 +74,7 @@ def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
     bend = np.zeros_like(values)
     slopes = np.diff(values[order], axis=0) / h[:, None]
     bend[1:-1] = _tridiagonal(band, np.diff(slopes, axis=0))
-    # leaving out run i: the value there that makes the spline's energy f' Q R^-1 Q' f least
+    # The spline without run i predicts the value that minimises its bending energy f' Q R^-1 Q' f.
     slope = np.diff(bend, axis=0) / h[:, None]
     force = np.concatenate([slope[:1], np.diff(slope, axis=0), -slope[-1:]])
     factors = [1 / h[:-1], -1 / h[:-1] - 1 / h[1:], 1 / h[1:]]

@@ -106,7 +106,7 @@ def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndar
 
 
 def _best_of(spline, flat, trial, count) -> np.ndarray:
-    """The trial points (count, T, k) with the largest values, the largest first."""
+    """Return the trial points (count, T, k) with the largest values, the largest first."""
     value, best_rows = np.zeros((0, flat.shape[1])), np.zeros((0, flat.shape[1]), dtype=int)
     step = max(CHUNK // max(flat.shape), 1)
     for start in range(0, len(trial), step):
@@ -120,10 +120,10 @@ def _best_of(spline, flat, trial, count) -> np.ndarray:
 
 
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) and their points (T, k) by at most `_STEPS` steps of Newton's method, downward
-    curvatures taken as upward ones, inside the box; a step is no longer than a radius, which is
-    quartered where it gains nothing and doubled else. They end where one gains no more than
-    rounding, by the runs' `spread` (T)."""
+    """Return maxima (T) and their points (T, k) inside the box after at most `_STEPS` Newton steps,
+    with positive curvatures reversed. The radius that limits a step is quartered if the step gains
+    nothing, and doubled otherwise. The search ends when a step gains no more than rounding,
+    relative to the runs' `spread` (T)."""
     free = np.flatnonzero(spline.scales > 0)
     half = spline.scales[free]
     x, columns = start.copy(), np.arange(len(start))
@@ -140,7 +140,7 @@ def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
         largest = bends.max(axis=1, keepdims=True) + 1e-300
         bends = np.maximum(bends, 1e-12 * largest)
         newton = (axes @ ((axes.transpose(0, 2, 1) @ g[..., None]) / bends[..., None]))[..., 0]
-        # the box can turn a step of Newton's downhill, that along the slope never
+        # The box can turn a Newton step downhill, but never a step along the slope.
         points, gain = _step_in_box(y, newton, g, half, radius[columns])
         slope_points, least = _step_in_box(y, g / largest, g, half, radius[columns])
         short = gain < least

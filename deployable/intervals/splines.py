@@ -155,7 +155,7 @@ def predict_runs(
 def _spline_of(
     runs: np.ndarray, rows: np.ndarray, values: np.ndarray, scales: np.ndarray | None
 ) -> Spline | None:
-    """The spline through the runs of some rows; None where rounding keeps it from that."""
+    """Return the spline through the runs of some rows; None where rounding keeps it from that."""
     shape = np.shape(values)[1:]
     samples = np.asarray(values, dtype=float).reshape(len(runs), -1)
     points, flat = runs[rows], samples[rows]

@@ -1,5 +1,5 @@
-"""Pages that are made when the site is built: the lists of keys, and the gallery, where every
-structure of the library moves.
+"""Pages that are made when the site is built: the lists of keys, the verification problems, and the
+gallery, where every structure of the library moves.
 
 `-D gallery_moves=0` draws stills instead, which simulates nothing."""
 
@@ -58,6 +58,12 @@ def picture(arguments: list[str], structure: str, name: str, folder: Path, moves
     return path.name
 
 
+def _default(parameter) -> str:
+    """Write a parameter's default with its unit."""
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    return "" if parameter.default is None else f"{parameter.default:g}{unit}"
+
+
 def page(folder: Path, moves: bool, follow=dict.items) -> str:
     """The gallery as Markdown: thumbnails, then each structure. follow: function that iterates over
     the structures, pairs of name and file, and may tell how far that is."""
@@ -77,7 +83,8 @@ def page(folder: Path, moves: bool, follow=dict.items) -> str:
             f"![{found.description}](made/{image})", "",
             f"File `{structure}`" + (f", campaign `{campaign}`." if campaign else "."), "",
             "```", f"python -m deployable {' '.join(arguments)}", "```", "",
-            f"Parameters: {', '.join(f'`{p}`' for p in found.parameters)}.", "",
+            "| parameter | default | meaning |", "|---|---|---|",
+            *(f"| `{key}` | {_default(p)} | {p.text} |" for key, p in found.parameters.items()), "",
         ]  # fmt: skip
         stem, library = Path(structure).stem, ROOT / "docs/library"
         told = next((p for p in library.glob("*.md") if p.stem.replace("-", "_") == stem), None)
@@ -87,6 +94,17 @@ def page(folder: Path, moves: bool, follow=dict.items) -> str:
                 "",
             ]
     return "\n".join(["```{container} thumbnails", *thumbnails, "```", "", *lines])
+
+
+def problems() -> str:
+    """Make the table of verification problems, from the docstrings of their functions."""
+    from evidence.verification.study import PROBLEMS
+
+    lines = ["| problem | file | what is compared |", "|---|---|---|"]
+    for name, problem in PROBLEMS.items():
+        text = " ".join(problem.__doc__.partition("\n\n")[0].split())
+        lines.append(f"| {name} | {problem.__module__.rpartition('.')[2]}.py | {text} |")
+    return "\n".join([*lines, ""])
 
 
 def draw_examples(folder: Path) -> list[str]:
@@ -123,6 +141,7 @@ def make(app):
         )
 
     made = {"config-keys.md": table(whole()), "structure-keys.md": keys_page()}
+    made["problems.md"] = problems()
     for name, text in (made | {"gallery.md": page(folder, moves, follow)}).items():
         target = folder / name
         if not target.exists() or target.read_text(encoding="utf-8") != text:

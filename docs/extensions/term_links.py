@@ -8,7 +8,7 @@ from typing import Any
 from docutils import nodes
 
 GLOSSARY = Path(__file__).parents[1] / "terms.md"
-EVERYDAY = {"open", "action", "class"}
+EVERYDAY = {"action", "class"}
 """Terms that pages also use as everyday words, and that are not linked."""
 NO_TEXT = nodes.literal, nodes.literal_block, nodes.reference, nodes.title, nodes.math, nodes.image
 

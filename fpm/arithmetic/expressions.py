@@ -51,7 +51,7 @@ def _interpolate(x: float, *points: float) -> float:
 
 
 def _choose(choice: Callable, *values: float) -> float:
-    """The least or largest of those values that are numbers; NaN without any."""
+    """Return the least or largest of those values that are numbers; NaN without any."""
     return choice((value for value in values if not math.isnan(value)), default=math.nan)
 
 
@@ -72,7 +72,7 @@ def _unit(vector: np.ndarray) -> np.ndarray:
 
 
 def _rotate(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
-    """A vector turned about an axis by the right-hand rule (Rodrigues' formula)."""
+    """Rotate a vector about an axis by the right-hand rule (Rodrigues' formula)."""
     axis, cosine, sine = _unit(axis), math.cos(angle), math.sin(angle)
     rest = (1.0 - cosine) * _dot(axis, vector)
     return cosine * vector + sine * _cross(axis, vector) + rest * axis
@@ -242,7 +242,7 @@ class Expression:
         return operator.itemgetter(name), operator.itemgetter(name)
 
     def _combine(self, op: ast.AST, right: ast.AST, value: Evaluator) -> Callable[..., Dimension]:
-        """The dimension of two values joined, from theirs; value: of the right one."""
+        """Return the dimension of two values joined, from theirs; value: of the right one."""
         has_name = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
         divisor = right.operand if isinstance(right, ast.UnaryOp) else right
         is_guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
@@ -295,7 +295,8 @@ def _power(base: Dimension, exponent: Dimension, value: Evaluator | None) -> Dim
 
 
 def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension:
-    """The dimension of a function's value from those of its own; zero: the last is plainly 0."""
+    """Return the dimension of a function's value from those of its own; zero: the last is plainly
+    0."""
     if name in _OF_VECTORS:
         return _of_vectors(name, values, zero)
     if vector := next((value for value in values if value.vector), None):
@@ -318,7 +319,7 @@ def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension
 
 
 def _of_vectors(name: str, values: list[Dimension], zero: bool) -> Dimension:
-    """The dimension of what a function makes of vectors, and of the angle behind them."""
+    """Return the dimension of what a function makes of vectors, and of the angle behind them."""
     if number := next((value for value in values[:2] if not value.vector), None):
         raise ExpressionError(f"{name} takes vectors such as [x, y, z] or Q - P, not {number}")
     if name == "rotate" and (any(values[2][:3]) or values[2].vector or values[2].bare > zero):
@@ -330,7 +331,8 @@ def _of_vectors(name: str, values: list[Dimension], zero: bool) -> Dimension:
 
 
 def _vector_dimension(values: list[Dimension]) -> Dimension:
-    """The dimension of a vector of three numbers; plain ones are in SI units, as in points."""
+    """Return the dimension of a vector of three numbers; plain ones are in SI units, as in
+    points."""
     if vector := next((value for value in values if value.vector), None):
         raise ExpressionError(f"a vector [x, y, z] is of numbers, not of {vector}")
     numbers = [value for value in values if not value.bare] or values
@@ -338,7 +340,7 @@ def _vector_dimension(values: list[Dimension]) -> Dimension:
 
 
 def _common_dimension(values: Sequence[Dimension], verb: str) -> Dimension:
-    """The dimension that all have; a bare number goes with numbers only."""
+    """Return the dimension that all have; a bare number goes with numbers only."""
     if len({(*dimension.powers, dimension.vector) for dimension in values}) > 1:
         raise ExpressionError(f"{' and '.join(sorted({str(d) for d in values}))} cannot be {verb}")
     return min(values, key=lambda dimension: dimension.bare)

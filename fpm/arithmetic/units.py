@@ -22,7 +22,7 @@ class Dimension(NamedTuple):
 
     @property
     def powers(self) -> tuple[float, float, float]:
-        """The powers of kg, m and s, to compare dimensions whether or not they are `bare`."""
+        """Return the powers of kg, m and s, to compare dimensions regardless of `bare`."""
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:

@@ -161,7 +161,8 @@ class Conditions(NamedTuple):
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """In global axes: both particles' directions and arms, offset of the points (..., c, 3)."""
+        """Return, in global axes, both particles' directions and arms, and the offset of the points
+        (..., c, 3)."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)
@@ -184,7 +185,7 @@ class Conditions(NamedTuple):
             sine = np.sum(np.cross(axis, first) * second_reference, axis=1)
             cosine = np.sum(first * second_reference, axis=1)
             gap = residuals[rows, 0] + lead * np.arctan2(sine, cosine)
-            pitch = 2 * np.pi * lead  # all turns of a thread are alike
+            pitch = 2 * np.pi * lead  # whole turns of a thread do not matter
             residuals[rows, 0] = gap - pitch * np.round(gap / pitch)
         return residuals
 
@@ -271,7 +272,7 @@ def _joints_of(scene) -> list[Joint]:
 
 
 def _rows_of(scene, joint: Joint) -> list[tuple]:
-    """The conditions of a joint, as rows of Conditions."""
+    """Return the conditions of a joint, as rows of Conditions."""
     zero = np.zeros(3)
     arms = np.array([beam.arm for beam in joint.beams])
     if joint.type == "held":

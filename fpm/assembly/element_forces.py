@@ -64,7 +64,7 @@ class ElementForces:
         self._call = prepare_call("act", self.parts, self.world, timing)
         deformations = kind.deformations(part_scene)
         if deformations is not None:
-            # What turns joints strains by no shift, at the start nor later: an opening is an angle.
+            # Elements that turn joints are never strained by a shift: an opening is an angle.
             is_strained = deformations.values.reshape(-1, 4, 3).any(axis=2)
             is_strained[:, [1, 3]] = True
             stiff = [*stiff, *deformations.dofs[np.repeat(is_strained, 3, axis=1)]]
@@ -137,7 +137,7 @@ class ElementForces:
         self.world.state[:, POSE] = fields[:, :, None]
 
     def _act_there(self) -> np.ndarray:
-        """What the elements do where they have come to, not what they did on the way there."""
+        """Evaluate the elements at the present positions, without the forces of the way there."""
         state = self.world.state
         for _ in range(1 + self._has_memory):
             state[:, layout.F : layout.M + 3] = 0.0

@@ -60,8 +60,9 @@ def balance(scene, hold: Mapping[str, float]) -> None:
 
 
 def _forces_at_start(scene) -> BalanceForces:
-    """What enters the static equilibrium at the start of a scene: bars, and all elements that store
-    energy or load it, but friction and latches; pins with play neither rub nor damp."""
+    """Collect the forces of the static equilibrium at a scene's start: bars, and all elements that
+    store energy or load it, except friction and latches. Pins with play have no friction or
+    damping."""
     elements: dict[type[Any], Any] = {
         kind: kind.sweep_elements(scene)
         for kind in kinds_of([scene])
@@ -80,8 +81,8 @@ def _forces_at_start(scene) -> BalanceForces:
 
 
 def _springs_at_start(scene) -> dict[type[Any], list]:
-    """By type, springs for motors and releases that give, which are nothing else at the start; with
-    backlash two stops."""
+    """Return, by type, the springs that replace elastic motors and releases at the start; those
+    with backlash become two stops."""
     springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
     stops = []
     for motor in Motor.find(scene):

@@ -122,7 +122,8 @@ class RestSearch:
         self.hinges, self.open_before = list(scene.hinges), self._worst(self._start)
 
     def relax(self) -> tuple[ParticlePoses, int]:
-        """The stable poses, and number of positions; raises MisfitError where none are found."""
+        """Return the stable poses, and number of positions; raises MisfitError where none are
+        found."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
             return self._start, 0
         start, rounds = self._close(self._start, relaxes=True)
@@ -152,8 +153,8 @@ class RestSearch:
         raise MisfitError(self._words.key, f"{energy:.4g} J in an unstable position", requirement)
 
     def measure(self, poses: ParticlePoses) -> tuple[float, float, float]:
-        """Return the largest force or moment (N, N m) that is left at `poses` and that acts there,
-        and the strain energy (J) of bars."""
+        """Return the largest residual force or moment (N, N m) at `poses`, the largest that acts
+        there, and the strain energy (J) of bars."""
         impulses, sizes = self._no_gaps, self._balance.sizes(poses, self._scales)
         for _ in range(3):
             solve, gradient = self._linearise(poses, impulses, max(*sizes[:2], *sizes[2], TINY))
@@ -174,7 +175,8 @@ class RestSearch:
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
     def _differ(self, sides: Sequence[tuple]) -> bool:
-        """Whether both sides, lower first, end in different poses and fall by the same energy."""
+        """Return whether both sides, lower first, end in different poses with the same loss of
+        energy."""
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
@@ -211,8 +213,8 @@ class RestSearch:
         return poses, CLOSINGS
 
     def _lead(self, poses, impulses, count: int):
-        """Poses in balance with the openings led to where they are held, the impulses there and
-        the number of positions."""
+        """Return balanced poses with the openings moved to their held values, the impulses there,
+        and the number of positions."""
         hinges = self._scene.hinges
         changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
         lengths = [
@@ -235,8 +237,9 @@ class RestSearch:
         return poses, impulses, count
 
     def _find_descent(self, poses, impulses):
-        """The motion (6n,) along which the energy falls to both sides at the second order, or None:
-        image of a vector on which the inverse of a round's matrix is negative beyond rounding."""
+        """Return the motion (6n,) along which the energy falls to both sides at second order, or
+        None. It is the image of a vector on which the inverse of a round's matrix is negative
+        beyond rounding."""
         scales, (bars, elements, forces) = self._scales, self._balance.sizes(poses, self._scales)
         if not max(bars, elements, *forces):
             return None
@@ -253,9 +256,9 @@ class RestSearch:
         return step / np.abs(step).max() if step.any() else None
 
     def _negative(self, solve, share: float = 0.0) -> np.ndarray:
-        """Directions (6n, k) in which the inverse of a round's matrix, `solve`, seems to be
-        negative, by a share of its largest eigenvalue. Lanczos' method from a fixed start, each
-        vector made normal to all before."""
+        """Return directions (6n, k) in which `solve`, the inverse of a round's matrix, seems to be
+        negative by a share of its largest eigenvalue. Lanczos' method from a fixed start finds
+        them, each vector made normal to all before."""
         count = len(self._scales)
         basis = [np.random.default_rng(1).standard_normal(count)]
         basis[0] /= np.linalg.norm(basis[0])
@@ -276,7 +279,8 @@ class RestSearch:
         return np.array(images).T @ vectors[:, values < -share * np.abs(values).max()]
 
     def _descend(self, poses, impulses, is_led: bool = False):
-        """Poses downhill in balance, impulses, count; is_led: one step, whatever its energy."""
+        """Descend in energy from `poses` to a balance; return its poses, impulses and the count of
+        steps. is_led: make one step, whatever its energy."""
         bars, elements, forces = self._balance.sizes(poses, self._scales)
         force = float(forces[self._free].max(initial=0.0))
         stiffest, ease, motion = max(bars, elements, force), EASE_SHARE * force, self._no_force
@@ -332,7 +336,8 @@ class RestSearch:
         return None, EASE_INCREASE
 
     def _falls(self, first, trial, ease: float) -> bool:
-        """Whether the energy falls from first to last poses, and by as much as the drag takes."""
+        """Return whether the energy falls from first to last poses, and by as much as the drag
+        takes."""
         last, _, motion = trial
         if np.abs(motion).max(initial=0.0) <= SMALL:
             return True
@@ -370,7 +375,7 @@ class RestSearch:
             self._check_strains(poses)
 
     def _check_strains(self, poses) -> None:
-        """Check strains against the limits of a run; raises MisfitError where they are larger."""
+        """Check strains against the limits of a run; raises MisfitError if they are larger."""
         name, gap, tilt = self.open_before
         pairs = zip((BEND, STRAIN), self._balance.bars.largest(poses), strict=True)
         for (watch, value), word in zip(pairs, ("bent or twisted", "strained"), strict=True):
@@ -404,6 +409,6 @@ class RestSearch:
 
 
 def _gap_text(gap: float, tilt: float) -> str:
-    """By how much a joint is open, in words."""
+    """Describe the gap of a joint."""
     sizes = [f"{gap:.3g} m"] * (gap > 0) + [f"{tilt:.3g} rad"] * (tilt > 0)
     return f"{' and '.join(sizes) or '0 m'} apart"

@@ -142,7 +142,7 @@ class Batch:
 
     def filled_blocks(self) -> list[np.ndarray]:
         """Return the memory of all arrays that `blank` and `stack` have returned so far, as few
-        arrays without further axes."""
+        flat arrays."""
         return [*self._blocks[:-1], self._blocks[-1][: self._end]]
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
@@ -332,7 +332,8 @@ def join_particles(scenes: Sequence[SceneData]) -> SimpleNamespace:
 
 
 def _state(scene: SceneData, inertia: np.ndarray) -> np.ndarray:
-    """State (n, STATE) of one scene at its start. inertia (n, 3) kg m²: by which it turns."""
+    """Return the state (n, STATE) of a scene's particles at its start. inertia (n, 3) kg m²: their
+    effective moments of inertia."""
     state = np.zeros((len(scene.position), layout.STATE))
     state[:, layout.X : layout.X + 3] = scene.position
     state[:, layout.D2 : layout.D2 + 3] = scene.frame[:, :, 1]

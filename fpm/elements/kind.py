@@ -351,7 +351,7 @@ def _row(element: ElementType, columns: list) -> list[float]:
 
 @cache
 def _arrays_in(kernels: ModuleType) -> type[Any]:
-    """The named tuple that a file of kernels states."""
+    """Return the named tuple that a file of kernels states."""
     items = [x for x in vars(kernels).values() if getattr(x, "__module__", "") == kernels.__name__]
     (array_type,) = [x for x in items if isinstance(x, type) and issubclass(x, tuple)]
     return array_type

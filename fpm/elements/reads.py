@@ -19,10 +19,10 @@ class SceneList(list):
         self._counts: dict[Any, int] = {}
 
     def share(self, function: Callable[[Any], Any]) -> tuple[Any, int]:
-        """Return function(scene) of the first scene, and of how many scenes, from the first on, it
-        is the value too, as they have the same in all that it read of the first, which is found out
-        by giving it a Reader in the place of that scene. function: one that depends on what it
-        reads of the scene only, and does not keep it."""
+        """Return function(scene) of the first scene, and the number of scenes, counted from the
+        first, that have the same value because they agree in all that the function read of the
+        first scene. A Reader in place of the scene records this. function: depends only on what it
+        reads of the scene, and does not keep the scene."""
         if len(self) == 1:
             return function(self[0]), 1
         reads: set[Any] = set()
@@ -38,12 +38,12 @@ class SceneList(list):
             yield from map(function, self[count:])
 
     def count_same(self, keys: Iterable) -> int:
-        """Return how many scenes, from the first on, have the same in all `keys`: attributes, or
+        """Return how many scenes, counted from the first, agree in all `keys`: attributes, or
         element types."""
         return min(map(self._count, keys), default=len(self))
 
     def _count(self, key: Any) -> int:
-        """How many scenes, from the first on, have the same under a key of what is read."""
+        """Return how many scenes, from the first on, have the same under a key of what is read."""
         if key not in self._counts:
             first = _read(self[0], key)
             rest = enumerate(self[1:], start=1)
@@ -97,7 +97,8 @@ def _read(scene: Any, key: Any) -> Any:
 
 
 def _is_same(first: Any, second: Any) -> bool:
-    """Whether what was read of two scenes is the same, elements as objects and arrays in bits."""
+    """Return whether what was read of two scenes is the same, elements as objects and arrays in
+    bits."""
     if first is second or type(first) is not type(second):
         return first is second
     if isinstance(first, np.ndarray):

@@ -176,12 +176,12 @@ def _hash(path: Path, size: int):
 
 @contextmanager
 def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """Return a context manager to write a file that appears whole or not at all: it gives a
-    temporary path, which is renamed to `path` when the block ends, and removed on an error. facts:
-    with which the file is sealed before (text by key, with `name`), None: it is not."""
+    """Return a context manager that writes a file completely or not at all. It gives a temporary
+    path, which is renamed to `path` when the block ends, and removed after an error. facts: text by
+    key, with `name`, with which the file is sealed first; None: no seal."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
+    # Some writers need the ending, but a listing of netCDF files must not find an unfinished one.
     suffix = "" if path.suffix == ".nc" else path.suffix
     temporary = path.with_name(f".{path.stem}.{_host()}-{os.getpid()}.part{suffix}")
     try:

@@ -178,7 +178,8 @@ _NUMBERS: dict[str, tuple[Callable[[Any], Any], str, str]] = {
 
 
 def _variable(dims, values, unit, long_name, **extra) -> NetcdfVariable:
-    """A variable of numbers; without units if `unit` is "", as where its columns have several."""
+    """Make a variable of numbers, without units if `unit` is "", as for columns with several
+    units."""
     dims = (dims,) if isinstance(dims, str) else dims
     units = {"units": unit} if unit else {}
     return NetcdfVariable(dims, np.asarray(values), {**units, "long_name": long_name, **extra})
@@ -214,7 +215,7 @@ def _energies(outcomes) -> dict[str, NetcdfVariable]:
 
 
 def _record_variables(outcomes) -> dict[str, NetcdfVariable]:
-    """What the kinds in the scene have recorded, and the coordinates of it."""
+    """Return the variables that the kinds in the scene recorded, with their coordinates."""
     variables = {}
     for name, (_, unit, long_name, dimension, labels, axis) in outcomes[0].records.items():
         dims = (RUN, axis) if dimension is None else (RUN, axis, dimension)
@@ -248,7 +249,7 @@ def _events(outcomes) -> dict[str, NetcdfVariable]:
 
 
 def _responses(outcomes, responses) -> dict[str, NetcdfVariable]:
-    """All responses in one variable: no name that a response may have meets another's."""
+    """Put all responses into one variable, so that a response may have any name."""
     if not responses:
         return {}
     values = [[response.evaluate(outcome) for response in responses] for outcome in outcomes]

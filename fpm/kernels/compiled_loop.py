@@ -49,8 +49,8 @@ def source_digest() -> str:
 
 @functools.cache
 def processor() -> str:
-    """Return a digest (8 hex digits) of what numba compiles for: the processor's name and features,
-    in which machines that share a file system may differ."""
+    """Return a digest (8 hex digits) of numba's target: the processor's name and features, which
+    may differ between machines that share a file system."""
     features = llvm.get_host_cpu_features().flatten()
     target = repr([llvm.get_process_triple(), llvm.get_host_cpu_name(), features])
     return hashlib.sha256(target.encode()).hexdigest()[:8]
@@ -200,8 +200,8 @@ compiled_loop.compile_from_start(name, parts, world, rest)
 def _start_helper(
     name: str, parts: Sequence[tuple], world: tuple, rest: tuple
 ) -> subprocess.Popen | None:
-    """A process that compiles the same from the other end on, where there is a core for it and more
-    than one thing to compile; None: there is none. By locks nothing is compiled twice."""
+    """Start a process that compiles the same list from its other end, if there is a core for it and
+    more than one item. None: there is none. Locks prevent that anything is compiled twice."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     if {type(part) for part in parts} <= {unit for unit, _ in READY} or cores == 1:
         return None
@@ -221,7 +221,7 @@ def _start_helper(
 
 
 def _blank(value: Any) -> Any:
-    """A value of the same form, with empty arrays."""
+    """Return a value of the same form with empty arrays."""
     if isinstance(value, np.ndarray):
         return np.empty((0,) * value.ndim, value.dtype)
     if isinstance(value, tuple):
@@ -240,7 +240,7 @@ def compile_from_start(name: str, parts: Sequence[tuple], world: tuple, rest: tu
 
 
 def _is_kept(part: tuple) -> bool:
-    """Whether compiled kernels of an element type are kept on disk."""
+    """Return whether compiled kernels of an element type are kept on disk."""
     kernels = [KERNELS[type(part), hook] for hook in _hooks(type(part))]
     return all(_constants_of(kernel) is not None for kernel in kernels)
 
@@ -272,7 +272,7 @@ def _in_memory(value: tuple) -> np.ndarray:
 
 
 def _kernels(part: tuple, world: Any, world_form: str) -> dict[str, int]:
-    """Addresses, by hook, of the kernels of an element type for these arrays."""
+    """Return the addresses, by hook, of an element type's kernels compiled for these arrays."""
     arrays, form = type(part), f"{form_of(part)} {world_form}"
     if (arrays, form) not in READY:
 
@@ -318,9 +318,9 @@ def _loop(name: str, arguments: tuple) -> int:
 
 
 def _constants_of(kernel: Any) -> list | None:
-    """What a function that made a kernel gave it, and the kernels that it calls likewise: numbers
-    and texts, by which compiled code is known; None: also something else, which none is, or it is
-    defined outside of this package."""
+    """Return the constants that identify compiled code: numbers and texts bound in a kernel by the
+    function that made it, and likewise of the kernels that it calls. None if it has any other
+    object, or is defined outside of this package."""
     if not kernel.py_func.__code__.co_filename.startswith(f"{sources.PACKAGE}{os.sep}"):
         return None
     constants: list = [kernel.py_func.__qualname__]
@@ -334,8 +334,8 @@ def _constants_of(kernel: Any) -> list | None:
 
 
 def _compile(function: Callable, kinds: Sequence[types.Type]) -> tuple[Any, tuple[str, bytes]]:
-    """A function compiled for arguments of some types: its library, and the name of the function in
-    machine code and that code."""
+    """Compile a function for arguments of some types; return its library, its name in machine code,
+    and that code."""
     dispatcher = numba.njit(**{**INLINE, "pipeline_class": EntryCompiler})(function)
     dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
@@ -379,7 +379,8 @@ def _read(path: Path) -> Code:
 
 
 def _seal(path: Path) -> bytes:
-    """What a file says of itself, so that it is of use under its own name only."""
+    """Return the bytes that tie a file to its folder and name, so that a misplaced one is not
+    used."""
     return f"{path.parent.name}/{path.name}".encode()
 
 
@@ -398,7 +399,7 @@ def _write(path: Path, code: Code) -> None:
 
 
 def _load(symbol: str, code: bytes) -> int:
-    """The address of a function in machine code, which stays in memory."""
+    """Load machine code, which stays in memory, and return the address of its function `symbol`."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine()
@@ -411,7 +412,8 @@ def _load(symbol: str, code: bytes) -> int:
 
 @contextmanager
 def _collect_seldom() -> Iterator[None]:
-    """With fewer searches for circles, which take a tenth of a compiler's time."""
+    """Run the block with fewer searches for reference cycles, which take a tenth of a compiler's
+    time."""
     threshold = gc.get_threshold()
     gc.set_threshold(500_000)
     try:

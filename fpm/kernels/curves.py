@@ -31,7 +31,8 @@ def curve_value(world, curve, t):
 
 @kernel
 def _point_after(times, first, last, t):
-    """Index of the first of increasing times, from first to last, that is after t, else last."""
+    """Return the index of the first of increasing times, from first to last, that is after t, or
+    last."""
     while first < last:
         middle = (first + last) // 2
         if times[middle] > t:

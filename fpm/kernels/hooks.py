@@ -132,9 +132,9 @@ def note_events(parts, world, timing):
 
 @_call_each
 def work_before(parts, world, timing):
-    """Add to World.accounts the work (J) of the half step that ends now, by forces of now and
-    velocities in its middle; not called at the start. parts: arrays of each element type; world:
-    solver state (World); timing: times of this step (s)."""
+    """Add to World.accounts the work (J) of the half step that ends now, from the present forces
+    and the velocities in the middle of the half step. Not called at the start. parts: arrays of
+    each element type; world: solver state (World); timing: times of this step (s)."""
 
 
 @_call_each
@@ -156,10 +156,10 @@ def prepare(parts, world, timing):
 
 @_call_each
 def decide(parts, world, timing):
-    """Hold or free openings in this step (as rigid latches and rigid friction do), by the impulses
-    that `solve` found. Where anything changed, World.undecided is set, and `solve` and `decide` are
-    repeated; an element may change only finitely often per step. parts: arrays of each element
-    type; world: solver state (World); timing: times of this step (s)."""
+    """Hold or free openings in this step (as rigid latches and rigid friction do), from the
+    impulses that `solve` found. An element that changes anything sets World.undecided, and `solve`
+    and `decide` are repeated; it may change only finitely often per step. parts: arrays of each
+    element type; world: solver state (World); timing: times of this step (s)."""
 
 
 @_call_each

@@ -33,7 +33,7 @@ def _files(place: Path) -> Iterator[tuple[str, Path]]:
 
 
 def user_cache() -> Path:
-    """Return this program's own folder in the user's cache (~/.cache, or XDG_CACHE_HOME), for files
-    that can be made again; it need not exist."""
+    """Return this program's folder in the user's cache (~/.cache, or XDG_CACHE_HOME), for files
+    that can be made again. It need not exist."""
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return Path(home, "deployable-intervals")

@@ -87,7 +87,7 @@ def _register_sum(op):
 
 
 def _register_product():
-    """A number or lanes on the left, a vector on the right."""
+    """Define the product of a number or lanes with a vector."""
     cases = []
     for vector in VECTORS:
         for factor in (vector.lane, *_FACTORS):
@@ -193,7 +193,7 @@ def dot(a, b):
 
 @kernel
 def cross(a, b):
-    """Vector product of two vectors, a x b."""
+    """Return the vector product a x b of two vectors."""
     return vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 

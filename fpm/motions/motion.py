@@ -142,7 +142,8 @@ def section_corners(scene: Scene) -> np.ndarray:
 
 
 def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]]]:
-    """By particle: a point and the normal of each contact's face, in the particle's frame."""
+    """Return by particle the point and the normal of each contact's face, in the particle's
+    frame."""
     faces: dict[int, list] = {}
     for contact in scene.contacts:
         hinge = scene.hinges[contact.hinge]
@@ -152,7 +153,7 @@ def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]
 
 
 def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
-    """The scene with named points at particles and at arms along their axes."""
+    """Return the scene with named points at particles and at arms along their axes."""
     result = copy(scene)
     points = {
         f"{name} of particle {p}": VirtualBeam(int(p), np.array(arm))

@@ -85,8 +85,9 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Return the deformation of `beams`, a group of m beam elements of a scene; place(particle),
-    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
+    """Return the deformation of `beams`, a group of m beam elements of a scene. place(particle),
+    axes(particle): functions of a particle's index that return its positions (t, 3) m and frames
+    (t, 3, 3) at t instants."""
     (first, *end_axes), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, end_axes = second - first, end_axes + axes2
     length = np.linalg.norm(chord, axis=2)

@@ -132,7 +132,7 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _is_ground(scene: Scene, particle: int) -> bool:
-    """Whether a particle represents the ground."""
+    """Return whether a particle represents the ground."""
     is_on_bars = any(particle in beams.nodes for beams in scene.beams)
     is_named = particle in {*scene.bodies.values(), *Drive.moved_particles(scene)}
     has_role = is_on_bars or is_named

@@ -9,12 +9,19 @@ w²/2 (1 - w²/L²), which is below zero where it is passed too fast."""
 import numpy as np
 
 from fpm.elements.kind import Eventful
-from fpm.files.trajectory import Curves
+from fpm.files.trajectory import IMPACTS, Curves
 from fpm.reading.events import SPREAD, cubic_through, find_root, peak
 
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
 _LAST, _ROWS = 0.1, 4  # share of the way, and least instants, over which deceleration is found
+
+
+def impact_margins(curves: Curves) -> list[float]:
+    """Return the margins (rad²/s²; m²/s²) of the first impact of each element that can have any, in
+    the order of `Curves.impacts`; NaN where not known. curves: the run's."""
+    pairs = [(next((n for n in e.events if n in IMPACTS), ""), e) for e in curves.eventful]
+    return [gate_margin(curves, event, e) for event, e in pairs if event]
 
 
 def gate_margin(curves: Curves, event: str, element: Eventful) -> float:

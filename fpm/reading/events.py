@@ -112,9 +112,9 @@ def find_root(time: np.ndarray, values: np.ndarray, i: int) -> float:
 
 
 def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
-    """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
-    constituents; None where these are not recorded, or predict the last of five worse than a
-    cubic."""
+    """Return the value of a response at t (s) after the instants `rows`, extrapolated with the
+    rates of its constituents. None if these are not recorded, or predict the last of five instants
+    worse than a cubic."""
     values: dict[str, Any] = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)
@@ -128,7 +128,7 @@ def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | 
 
 
 def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
-    """Constituents of a response of a kind at a point or hinge, and their rates (t, k)."""
+    """Return the constituents of a response at a point or hinge, and their rates (t, k)."""
     if kind in ("position", "distance"):
         return curves.points[name]
     rates = {

@@ -67,8 +67,9 @@ class OpeningPath(NamedTuple):
     locked: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
-        """Return the label of a recorded column for a travel along this path, such as "A led from
-        0.0 to 1.5 by spring". part: whose virtual work it has, as "spring"; "": none."""
+        """Return the label of a recorded column for a travel along this path, such as "A led
+        from 0.0 to 1.5 by spring". part: the part whose virtual work it has, such as "spring";
+        "": none."""
         suffix = "".join(f" beside {name}" for name in self.locked) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
@@ -155,7 +156,7 @@ def read_margin(spec: Any) -> Any:
 
 
 def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
-    """The way of the openings that are moved, and what the margin is a function of."""
+    """Return the prescribed path of the openings, and the abscissa of the margin."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     for pin in Journal.find(spec.scene):
         allowed = f"a structure without {pin.title(spec.scene)}: within its clearance it has no "
@@ -244,13 +245,13 @@ class _WeightedTravel:
         return moments, np.maximum(moments, 0.0) @ drives, requirement
 
     def margin(self, points: np.ndarray) -> np.ndarray:
-        """The margin (m,) at positions (m,); 0 where its size is below ROUNDING."""
+        """Return the margin (m,) at positions (m,); 0 where its size is below ROUNDING."""
         _, drives, requirement = self.weighted_sums(points)
         margin = drives / np.maximum(requirement, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
         return np.where(np.abs(margin) < ROUNDING, 0.0, margin)
 
     def least(self) -> tuple[float, float]:
-        """The position of the least margin, the first of several, and the margin there."""
+        """Return the position of the least margin, the first of several, and the margin there."""
         steps = np.linspace(0.0, 1.0, FINER, endpoint=False)
         inner = self.positions[:-1, None] + np.diff(self.positions)[:, None] * steps
         points = np.unique(np.append(inner, 1.0))
@@ -337,7 +338,7 @@ def _number(spec, key: str, value: object) -> float:
 
 
 def _opening(spec, key: str, hinge, unit: str) -> float | None:
-    """An opening (rad, m): a number, or one with its unit; None for that at the start."""
+    """Read an opening (rad, m): a number, or one with its unit; None for that at the start."""
     value = spec.data.get(key, STOW)
     if value == STOW:
         return None

@@ -48,8 +48,9 @@ class Quantity:
 
     @property
     def is_time(self) -> bool:
-        """Whether the quantity is the time (s) of a crossing, event or settling, which lies between
-        0 and the run's end, and can be another's `instant`; not that of a smallest value."""
+        """Return whether the quantity is the time (s) of a crossing, event or settling. Such a time
+        lies within the run and can be another quantity's `instant`; that of a smallest value
+        cannot."""
         return KINDS[self.kind].unit == "s"
 
     @property
@@ -81,10 +82,10 @@ class Quantity:
         return self.kind == "crossing" or (self.kind == "settling" and self.target is not None)
 
     def margin(self, curves: Curves) -> float:
-        """Return by how much the quantity exists in one run, above 0 if it does, else below 0, and
-        continuous: of a crossing or settling in the response's unit, of an event by `gate_margin`,
-        of a value that of its time; NaN where it is not known, or where it always exists. curves:
-        the run's recorded series."""
+        """Return by how much the quantity exists in one run: above 0 if it does, below 0 if not,
+        and continuous. The unit is that of the response for a crossing or settling; events use
+        `gate_margin`, and a value uses the margin of its time. NaN if it is not known, or the
+        quantity always exists. curves: the run's recorded series."""
         if isinstance(self.instant, Quantity) and self.kind == "value":
             return self.instant.margin(curves)
         if not self.has_margin:
@@ -166,21 +167,23 @@ def settling(
 
 
 def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
-    """What reads a number off times (t,) and the values (t,) of the quantity's response."""
+    """Make a reader that applies `number` to times (t,) and the values (t,) of the quantity's
+    response."""
     return lambda quantity, curves: number(
         quantity, curves.time, quantity.response.evaluate(curves)
     )
 
 
 def _smallest(quantity: Quantity, curves: Curves) -> float:
-    """The smallest value: of what lies along a way, of all of it, and not of its curve alone."""
+    """Return the smallest value: of what lies along a way, of all of it, and not of its curve
+    alone."""
     if quantity.response.along:
         return margins.least(quantity.response, curves)[0]
     return extreme_value(curves, quantity.response, -1.0)
 
 
 def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
-    """Where values are smallest: a time (s), or what the response lies along."""
+    """Return where values are smallest: a time (s), or a value of the response's abscissa."""
     if quantity.response.along:
         return margins.least(quantity.response, curves)[1]
     time, values = curves.time, quantity.response.evaluate(curves)

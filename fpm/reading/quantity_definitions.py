@@ -20,7 +20,7 @@ _COUNT = NumberLimits(least=1, most=10_000, is_whole=True)
 
 
 def _count(key: str, value: object) -> int:
-    """A number of times, which is none with a point."""
+    """Read a number of times; raises an error if it is not a whole number of at least 1."""
     if not isinstance(value, int):
         raise SceneError(key, value, _COUNT.describe())
     return int(_COUNT.check(key, value))
@@ -115,7 +115,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
 
 
 def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Quantity:
-    """A quantity that is arithmetic of others."""
+    """Make a quantity that is arithmetic of others."""
     key = f"quantities.{name}"
     try:
         names = sorted(expressions.parse(text).names)
@@ -131,7 +131,7 @@ def _expression(name: str, text: str, quantities: Mapping[str, Quantity]) -> Qua
 
 
 def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
-    """The unit of a quantity's event margin; "": it has none that is always known."""
+    """Return the unit of a quantity's event margin; "": it has none that is always known."""
     if quantity.kind != "event":
         return quantity.response.unit if quantity.has_margin else ""
     gates: list[Any] = [e.gate for e in elements if e.name in quantity.places]
@@ -141,15 +141,16 @@ def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
 
 
 def _places(key: str, event: object, target: object, elements: list[Eventful]) -> tuple[str, ...]:
-    """Names of the elements whose events count: all that have it, or those that are stated."""
+    """Return the names of the elements whose events count: the stated ones, or all that have the
+    event."""
     events = [*dict.fromkeys(chain(*(element.events for element in elements)))]
     check_choice(f"{key}.event", event, events)
     candidates = [element for element in elements if event in element.events]
     places = [element.name for element in candidates]
     if target is None:
         return tuple(places)
-    # An element is known by its whole name, `stop A upper`, or by that of its joint, `A`; or, of
-    # one with a name of its own, by the joint that it is on.
+    # An element can be named in full, `stop A upper`, or by its joint, `A`, even if it has a name
+    # of its own.
     matches = [place for place in places if target == place or target in place.split(" ")[1:]]
     joint_names = [element.name for element in candidates if element.joint == target]
     if not matches and len(joint_names) > 1:
@@ -158,7 +159,7 @@ def _places(key: str, event: object, target: object, elements: list[Eventful]) -
 
 
 def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
-    """The quantity with its long name."""
+    """Return the quantity with its long name."""
     time, places, response = quantity.instant, quantity.places, quantity.response
     text = KINDS[quantity.kind].text.format(
         about=response.long_name if response else "",

@@ -109,8 +109,8 @@ class Definition(NamedTuple):
         return check_choice(f"responses.{self.name}.{key}", value, names, addition)
 
     def hinge(self) -> tuple[str, bool, str]:
-        """The hinge or slide that the definition names: its name, whether it is a slide, and words
-        for messages ("hinge A"); raises SceneError if the scene has none of this name."""
+        """Return the hinge or slide that the definition names: its name, whether it is a slide, and
+        words for messages ("hinge A"); raises SceneError if the scene has none of this name."""
         slides = {hinge.name: hinge.slides for hinge in self.scene.hinges}
         name = self.one_of(slides)
         kind = "slide" if slides[name] else "hinge"
@@ -132,7 +132,8 @@ _SIZES = {"velocity": "speed", "angular velocity": "angular speed"}
 
 
 def _vector(spec: Definition, names: Lister | None = None, unit: str = "") -> Response:
-    """A vector along or about global axes, or its size: of a variable, or of some names."""
+    """Make a response of a vector's component in global axes, or of its size, from a variable or
+    from named points."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
     axes = AXES if component == "norm" else (component,)
@@ -154,7 +155,8 @@ def _pair(spec: Definition, noun: str, names_of: Lister, column: bool = True) ->
 
 
 def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: str = "") -> Response:
-    """A column of a variable by its label, or what has no column: an energy."""
+    """Make a response from a column of a variable by its label, or from an energy, which has no
+    column."""
     name = spec.one_of(names(spec.scene))
     columns = ((variable, name),) if variable else ()
     return spec.response((name,), "", unit, text.format(ALL.get(name, name)), columns)
@@ -166,7 +168,8 @@ def _bar(spec: Definition) -> Response:
 
 
 def _section(spec: Definition) -> Response:
-    """A component of what a section of a bar bears, or the size of both of two axes."""
+    """Make a response of a component of a bar's section force or moment, or of the size of both
+    axes."""
     parts, name = spec.variable.parts, spec.one_of(spec.variable.names(spec.scene))
     key, share = f"responses.{spec.name}.at", "a share of the bar's length,"
     fraction = NumberLimits(least=0, most=1).check(key, spec.data["at"], share)
@@ -182,8 +185,8 @@ def _section(spec: Definition) -> Response:
 
 
 def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
-    """The tension of a stretch of a cable, left out: its first, or the length that ran over a point
-    between its ends; both by their numbers from 1."""
+    """Make a response of a cable: the tension of a stretch, or the length that ran over a point
+    between its ends, both numbered from 1. Without a number it is the first stretch."""
     name = spec.one_of(_cables(spec.scene))
     count = next(len(cable.beams) - 1 for cable in spec.scene.cables if cable.name == name)
     number, least = spec.data.get(key, 1), 1 if key == "stretch" else 2
@@ -200,7 +203,7 @@ def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
 
 
 def _opening(spec: Definition, unit: str, words: str) -> Response:
-    """An opening of a hinge or slide, or its rate."""
+    """Make the response of an opening of a hinge or slide, or of its rate."""
     name, slides, place = spec.hinge()
     variable, unit = (SLIDES[spec.kind], SLIDE_UNITS[unit]) if slides else (spec.kind, unit)
     response = spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
@@ -208,7 +211,8 @@ def _opening(spec: Definition, unit: str, words: str) -> Response:
 
 
 def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
-    """The openings of a hinge or slide at which the first stop or latch holds it, down and up."""
+    """Return the openings of a hinge or slide at which the first stop or latch holds it, down and
+    up."""
     index = [hinge.name for hinge in scene.hinges].index(name)
     start = scene.hinges[index].opening
     floors: list[float] = []
@@ -224,7 +228,8 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
 
 
 def _latch(spec: Definition) -> Response:
-    """What every run records of a latch; impacts are those of latches that hold exactly."""
+    """Make a response of what every run records of a latch; only latches that hold exactly have
+    impacts."""
     is_impact = spec.kind == "latch_impact"
     elements = [e for e in Latch.find(spec.scene) if e.is_exact or not is_impact]
     latches = {latch.label(spec.scene): latch for latch in elements}
@@ -250,7 +255,7 @@ def parts_on(scene: Scene, hinge: str) -> list[str]:
 
 
 def _moment(spec: Definition) -> Response:
-    """The moment on a hinge, or force on a slide, by one part, or by all, or its power."""
+    """Return the moment on a hinge, or force on a slide, by one part, or by all, or its power."""
     name, slides, place = spec.hinge()
     variable, rate = "joint_moment", "opening_rate"
     if slides:
@@ -277,7 +282,7 @@ LOSSES = {"damping": "damping_work", "cables": "cable_friction"}
 
 
 def _loss(spec: Definition) -> Response:
-    """Energy lost so far by one kind of element, or by all."""
+    """Make the response of the energy lost so far by one kind of element, or by all."""
     by_hinge = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
     losses = [part for part in STORES if any(part in parts for parts in by_hinge.values())]
     kind = spec.one_of(["all", *losses, *LOSSES])
@@ -290,7 +295,7 @@ def _loss(spec: Definition) -> Response:
 
 
 def _of_columns(response: Response, run: Curves) -> np.ndarray:
-    """The column that it is, or the size of the vector of its columns."""
+    """Return the column that it is, or the size of the vector of its columns."""
     columns = [run.columns[column] for column in response.columns]
     if response.component == "norm":
         return np.sqrt(np.sum(np.square(columns), axis=0))
@@ -361,7 +366,7 @@ FORMS: dict[str, tuple[Callable, tuple[str, ...]]] = {
 
 
 def _read_record(variable: Variable) -> ResponseType:
-    """The response type of a variable by itself."""
+    """Return the response type of a variable by itself."""
     read, mandatory = FORMS[variable.response_form]
     return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
 

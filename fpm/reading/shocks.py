@@ -53,8 +53,9 @@ def _join(latches: list[str]) -> str:
 
 
 def _is_damped(scene: Scene) -> bool:
-    """Whether bulk viscosity damps waves of the size of the mesh, or all materials as much."""
-    shares = [  # of critical damping, as those of viscosities
+    """Return whether bulk viscosity, or as much damping of all materials, damps waves of the mesh
+    size."""
+    shares = [  # shares of critical damping, as those of viscosities
         beams.material.stiffness_damping * np.sqrt(beams.material.E / beams.material.rho) / length
         for beams in scene.beams
         for length in beams.length
@@ -63,6 +64,6 @@ def _is_damped(scene: Scene) -> bool:
 
 
 def _is_sudden(scene: Scene, load: Load) -> bool:
-    """Whether a load is there from the start on."""
+    """Return whether a load is there from the start on."""
     first = scene.curve(load.curve).value(0.0)
     return bool(first * (np.abs(load.force).max() + np.abs(load.moment).max()))

@@ -33,13 +33,13 @@ COMPILE_OTHER = 0.6
 
 
 def compile_seconds(kinds: Iterable[type | None]) -> float:
-    """Return the estimated time (s) to compile element types, and the time loop (None), once."""
+    """Return the estimated time (s) to compile element types once, or the time loop (None)."""
     return sum(COMPILE.get(kind, COMPILE_OTHER) for kind in kinds)
 
 
 def step_seconds(scene: Scene) -> float:
-    """Return an estimate of the core time (s) of one time step of eight runs of a scene side by
-    side, on a machine with 256-bit vector units; on this one, multiply with `machine()`."""
+    """Return the estimated core time (s) of one time step of eight runs of a scene side by side, on
+    a machine with 256-bit vector units. Multiply it by `machine()` for this one."""
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
     cost = STEP + PARTICLE * (len(scene.position) - len(on_beams))
     return 1e-9 * (cost + sum(kind.cost_in(scene) for kind in kinds_of([scene])))

@@ -49,7 +49,7 @@ _EYE = np.eye(3)
 
 
 def _rows(values, *shape: int) -> np.ndarray:
-    """Array of a shape, from one row for all or a row for each."""
+    """Return an array of a shape, from one row for all or one row for each."""
     array = np.empty(shape)
     array[...] = values
     return array
@@ -57,12 +57,12 @@ def _rows(values, *shape: int) -> np.ndarray:
 
 @cache
 def _fractions(elements: int) -> np.ndarray:
-    """Where particles of a bar lie, as fractions of it."""
+    """Return the positions of a bar's particles as fractions of its length."""
     return np.linspace(0.0, 1.0, elements + 1)
 
 
 def _elements(kind: type[ElementType]) -> property:
-    """The scene's list of elements of a kind."""
+    """Return the scene's list of elements of a kind."""
 
     def get(scene: "Scene") -> list:
         return scene.kinds.setdefault(kind, [])

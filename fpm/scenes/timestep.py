@@ -137,7 +137,7 @@ def find_curve_step(scene: Scene, duration: float) -> float:
 
 
 def _limit(scene: Scene, step: float = np.inf) -> StableStep:
-    """The limit, if the dampers are the springs that they are at a step (s)."""
+    """Return the limit, if the dampers are the springs that they are at a step (s)."""
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scale_modes(scene, deformations)
     kinds = kinds_of([scene])

@@ -28,12 +28,12 @@ def topology(scene: Scene) -> tuple:
 
 
 def _of_kind(kind: type[Any], scene: Scene) -> Hashable:
-    """What of the elements of one type must be equal."""
+    """Return what must be equal of the elements of one type in scenes that run side by side."""
     return kind.topology_of(scene) if kind.find(scene) else None
 
 
 def _layout(scene: Scene) -> tuple:
-    """What must be equal beside that of elements."""
+    """Return what else must be equal in scenes that run side by side."""
     return (
         len(scene.position),
         tuple((name, p.particle) for name, p in scene.points.items()),

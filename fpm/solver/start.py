@@ -77,9 +77,10 @@ def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
 
 
 def _rates_of(scene: Scene) -> list[tuple]:
-    """Hinges whose rates are prescribed, with these, of a scene whose masses are checked."""
+    """Return the hinges of a scene whose rates are prescribed, with these rates. The masses are
+    checked."""
     check_masses(scene)
-    # One for each that has any: of a motor and a latch on one hinge, the motor alone.
+    # A hinge with a motor and a latch has only the motor's rate; the latch's is None.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
     rates += [(scene.hinges[hinge], rate) for hinge, rate in scene.opening_rates.items()]
     return [(hinge, rate) for hinge, rate in rates if rate is not None]
@@ -97,7 +98,8 @@ def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
 
 
 def _with_motion(scene: Scene, rates: list[tuple], count: int, rows: Any) -> Scene:
-    """The scene with a motion that its conditions allow; count: how many of the rows are these."""
+    """Return the scene with a motion that its conditions allow; count: how many of the rows are
+    these."""
     motion = moving_at_start(scene)
     velocities = np.hstack([motion.velocity, motion.spin]).ravel()
     target = np.zeros(rows.shape[0])

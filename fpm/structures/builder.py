@@ -93,12 +93,14 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Return the position (3,), m, at the start of a point (its full name), or SkippedError."""
+        """Return the position (3,), m, of a point (its full name) at the start, or raise
+        SkippedError."""
         return self.find("points", name).position
 
     def store(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for an entry (a bar, a joint, ...) of the file, for `find`. group:
-        the section in which it stands, as "bars"; name: its full name; value: what was built."""
+        """Store the object that was built for an entry (a bar, a joint, ...) of the file, for
+        `find`. group: its section in the file, such as "bars"; name: its full name; value: the
+        object."""
         self._values[group, name] = value
 
     def find(self, group: str, name: str) -> Any:

@@ -199,7 +199,7 @@ class OpeningKey(Key):
             pass
         full = place.reference(name, "joints")
         type = names.types.get(full, "")
-        if not type:  # which is told of the joint
+        if not type:  # the joint itself has a problem, already reported
             raise SkippedError(full)
         fits = [k for k in range(len(TYPES[type].openings)) if self._fits(type, k)]
         if type in SUFFIXES and number is None and fits:

@@ -35,16 +35,16 @@ MOST_STATEMENTS = 20_000
     ),
     damping=Number(0.0, "mass-proportional damping", unit="1/s", least=0),
     viscosity=Number(
-        0.0, "bulk viscosity of bars, a share of critical damping of an element: 0.2 against waves "
-        "that ring in the mesh", least=0,
+        0.0, "bulk viscosity of bars, a share of critical damping of an element; 0.2 damps "
+        "waves that ring in the mesh", least=0,
     ),
     assemble=AssemblyKey(
-        None, "whether parts are forced together whose points do not meet at their joints; `hold`: "
-        "joints that keep their opening"
+        None, "whether to force parts together whose points do not meet at their joints; "
+        "`hold`: joints that keep their opening"
     ),
     start=Word(
-        "as stated", "where the run begins; `equilibrium`: where all that acts at t = 0 is in "
-        "balance",
+        "as stated", "where the run begins; `equilibrium`: where everything that acts at t = 0 "
+        "is in balance",
         values=("as stated", "equilibrium"),
     ),
 )  # fmt: skip
@@ -90,7 +90,7 @@ class FileStatements:
         file = Sheet(Context(ends), table, "", 0)
         sheets = [file, *self._units(table, counts, ends)]
         if "repeat" in table.entries:
-            self.problems.stop()  # without its units, every name in them would be unknown
+            self.problems.stop()  # without its units, all names in them would be unknown, too
         for sheet in sheets:
             self._register(sheet)
         for sheet in sheets:
@@ -100,14 +100,15 @@ class FileStatements:
         self.overall = replace(start, uses=uses)
         self.entries = list(self._entries(sheets))
         for name, p in inputs.items() if not self.problems else ():
-            if not self.names.uses[name]:  # a slip of the pen
+            if not self.names.uses[name]:  # probably a typing error
                 allowed = "nothing uses it; allowed: parameters in use"
                 self.problems.say(p.line, f"parameters.{name}: {allowed}")
 
     # -- repeats ------------------------------------------------------------------------------
 
     def _units(self, table: Node, counts: Mapping, ends: dict[str, str]) -> Iterator[Sheet]:
-        """All units of a file's repeats; `ends` is told the prefixes of the first and last ones."""
+        """Return all units of a file's repeats; add the prefixes of their first and last ones to
+        `ends`."""
         repeats = table_at(table, "repeat", "", self.problems)
         for name, line in repeats.lines.items():
             place = Place(f"repeat.{name}", Context({}), self.names)
@@ -131,7 +132,7 @@ class FileStatements:
                 yield Sheet(Context(ends, f"{name}{i + 1}.", adjacent), node, place.key, i + 1)
 
     def _count(self, node: Node, place: Place, line: int, counts: Mapping[str, float]) -> int:
-        """How many units there are, by parameters that are whole numbers."""
+        """Return the number of units, from parameters that are whole numbers."""
         if "count" not in node.entries:
             self.problems.say(line, f"{place.key}: missing; allowed: {COUNT.allowed}")
             raise SkippedError(place.key)

@@ -302,8 +302,8 @@ class Place:
         raise SkippedError(self.key)
 
     def bind(self, node: Node, allowed: str) -> Bound:
-        """Return the expression in `node` with its names found. If that fails, the problem is noted
-        and SkippedError raised. allowed: what the value may be, in words, for the message."""
+        """Resolve the names in `node` and return its expression. If that fails, note the problem
+        and raise SkippedError. allowed: the allowed values in words, for the message."""
         if not node.text:
             self.refuse(node, allowed)
         try:
@@ -360,7 +360,7 @@ class Place:
         return bound
 
     def _say(self, node: Node, text: str) -> None:
-        """Note what is wrong with this place's value, and leave out what it belongs to."""
+        """Note the problem with the value at this place, and skip the entry that has it."""
         self.problems.say(node.line, f"{self.key}: {show(node.text)}{text}")
         raise SkippedError(self.key) from None
 

@@ -79,7 +79,7 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
 
 
 def _start(scene: Scene) -> Iterator[str]:
-    """What joints, motors and drives do not allow of the velocities stated for the start."""
+    """Warn of stated start velocities that joints, motors and drives do not allow."""
     energy = report.kinetic_energy(scene, scene.velocity, scene.spin)
     if energy:
         start = consistent_scene(scene)
@@ -107,7 +107,7 @@ def _sizes(scene: Scene) -> Iterator[str]:
         yield from _usual("Young's modulus", group.material.E, f"bar {bar.name}")
         wide = max(group.section.width, group.section.height)
         thin = min(group.section.width, group.section.height)
-        if group.section.outline == "round":  # the wall's thickness, of its area
+        if group.section.outline == "round":  # the wall's thickness, computed from the area
             thin = wide / 2 - np.sqrt(max(wide**2 / 4 - group.section.A / np.pi, 0.0))
         if wide > 3 * length:
             yield f"bar {bar.name} is {length:.4g} m long and {wide:.4g} m wide: both in metres?"
@@ -193,14 +193,15 @@ def _loose(scene: Scene) -> Iterator[str]:
 
 
 def _is_moved(scene: Scene) -> bool:
-    """Whether a scene moves at the start, or something but what acts on joints moves it."""
+    """Return whether a scene moves at the start, or something but what acts on joints moves it."""
     is_moved = np.any(scene.gravity) or scene.velocity.any() or scene.spin.any()
     forces = (kind for k in (Load, Drag, Drive, Cable, Strut) for kind in k.find(scene))
     return bool(is_moved or any(forces) or scene.opening_rates)
 
 
 def _rigid(scene: Scene) -> Iterator[str]:
-    """What holds parts that joints and supports leave no way to move, where nothing gives."""
+    """Warn if nothing is elastic and nothing can move, and name the supports and joints that hold
+    it."""
     if scene.beams or scene.drives or not (scene.hinges or scene.kinds.get(Joint)):
         return
     rows, names = report.jacobian(scene)
@@ -277,7 +278,8 @@ def _tables(scene: Scene) -> Iterator[str]:
 
 
 def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
-    """What keeps a latch from catching: a stop, springs that push away or rest before it, time."""
+    """Describe what keeps a latch from catching: a stop, springs that push away or rest before it,
+    time."""
     hinge = scene.hinges[latch.hinge]
     start, travel = hinge.opening, latch.angle - hinge.opening
     head = f"latch {latch.label(scene)} at {opening_text(hinge, latch.angle)}"
@@ -296,7 +298,7 @@ def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
 
 
 def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Iterator[str]:
-    """What keeps the springs on a hinge from moving it by `travel` (rad, m), where `head` is."""
+    """Describe what keeps the springs on a hinge from moving it by `travel` (rad, m) to `head`."""
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
     actions = [e for kind in kinds for e in kind.find(scene) if number in e.acts_on()]
     springs = [e for e in actions if e.acts_as == "spring"]
@@ -306,7 +308,8 @@ def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Ite
 
 
 def _release(scene: Scene, release: Release, duration: float | None) -> Iterator[str]:
-    """What keeps a release from letting go: what stops the opening that it watches, or time."""
+    """Warn of what keeps a release from letting go: the end of the run, watching its own joint or
+    latch, or an opening that is not reached."""
     head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
     is_timed = release.time < np.inf
     if is_timed and (release.watch < 0 if duration is None else release.time <= duration):
@@ -363,7 +366,8 @@ def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> 
 
 
 def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:
-    """What keeps springs alone from moving a hinge on by `travel` (rad, m) to a latch, `head`."""
+    """Describe what keeps springs alone from moving a hinge by `travel` (rad, m) to a latch,
+    `head`."""
     start, end = hinge.opening, hinge.opening + travel
     push, end_push = (sum(_moment(spring, x) for spring in springs) for x in (start, end))
     unit = "N" if hinge.slides else "N m"
@@ -416,15 +420,15 @@ def run_duration(scene: Scene) -> float:
 
 
 def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
-    """Moment (N m), or force (N), of a spring at an opening."""
+    """Return the moment (N m), or force (N), of a spring at an opening."""
     if isinstance(spring, TableSpring):
         return float(np.interp(opening, spring.angles, spring.moments))
     return spring.stiffness * (spring.rest - opening)
 
 
 def _acceleration(scene: Scene, hinge: Hinge, moment: float) -> float:
-    """Largest acceleration (rad/s2, m/s2) of a hinge's opening at the start by a moment (N m; N)
-    between its parts and their weight."""
+    """Return the largest acceleration (rad/s2, m/s2) of a hinge's opening at the start, by a moment
+    (N m; N) between its parts and by their weight."""
     numbers, (axis, point) = report.bodies(scene), _line(scene, hinge)
     gravity, result = float(np.linalg.norm(scene.gravity)), 0.0
     for beam in hinge.beams:

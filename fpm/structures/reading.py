@@ -105,7 +105,7 @@ class Node:
 
     @property
     def plain(self) -> object:
-        """The node as plain dicts, lists and values, without lines."""
+        """Return the node as plain dicts, lists and values, without lines."""
         if self.is_table:
             return {name: entry.plain for name, entry in self.entries.items()}
         return [item.plain for item in self.items] if isinstance(self.value, list) else self.value
@@ -203,7 +203,7 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
-    """The line (from 1; 0: unknown) where a text is not YAML, and why, by PyYAML's error."""
+    """Return the line (from 1; 0: unknown) where a text is not YAML, and why, by PyYAML's error."""
     if isinstance(error, yaml.reader.ReaderError):
         line = text.count("\n", 0, error.position) + 1
         return line, f"the character {chr(error.character)!r} is not text"
@@ -226,7 +226,7 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
 
 
 def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Where a text is not YAML, and why, by what PyYAML says."""
+    """Describe where and why a text is not YAML, from PyYAML's error."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -247,7 +247,7 @@ class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
         yaml.resolver.Resolver.__init__(self)
 
     def value(self, event: yaml.ScalarEvent) -> Any:
-        """The value of a text, by its tag, if it has one."""
+        """Return the value of a text, by its tag, if it has one."""
         tag = {"!": None}.get(event.tag, event.tag)
         tag = tag or self.resolve(yaml.ScalarNode, event.value, event.implicit)
         node = yaml.ScalarNode(tag, event.value, event.start_mark)
@@ -272,7 +272,7 @@ class _Reader:
         self.count = 0
 
     def document(self) -> Node:
-        """The only document of the text."""
+        """Return the only document of the text."""
         root = Node("")
         for event in self.events:
             if isinstance(event, yaml.DocumentStartEvent):
@@ -320,7 +320,7 @@ class _Reader:
         return node
 
     def _rest(self) -> Iterator[yaml.Event]:
-        """What comes up to the end of a list or mapping."""
+        """Return the nodes up to the end of a list or mapping."""
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:

@@ -52,7 +52,8 @@ def bodies(scene: Scene) -> np.ndarray:
 
 
 def _mask_particles(scene: Scene) -> np.ndarray:
-    """Which particles (n,) are the structure's own: the ground's stands for no mass."""
+    """Return which particles (n,) belong to the structure. The ground's do not: their mass is not
+    real."""
     is_part = np.zeros(len(scene.position), bool)
     is_part[list(scene.bodies.values())] = True
     for beams in scene.beams:

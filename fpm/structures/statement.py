@@ -86,7 +86,7 @@ def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Cal
 JOINT = OpeningKey(text="on which joint it acts")
 """The key of a field `hinge`."""
 
-CLASS = {"class": Word(None, "in margins; left out: by what it is", values=tuple(CLASSES))}
+CLASS = {"class": Word(None, "in margins; default: that of its kind", values=tuple(CLASSES))}
 """The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 
@@ -216,7 +216,7 @@ def read_entry(
 
 
 def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Statement:
-    """Which of the group's kinds the entry is."""
+    """Return the group's kind to which an entry belongs."""
     type_node, key = node.entries.get("type"), f"{place.key}.type"
     if type_node is None:
         place.problems.say(node.line, f"{key}: missing; allowed: {commas(kinds)}")
@@ -250,7 +250,7 @@ def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
 def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
 ) -> dict[str, BuildValue]:
-    """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
+    """Return the values of an entry's keys by name; SkippedError if any is wrong."""
     keys, is_sound, read, corrections = statement.for_slides(slides), True, {}, set()
     allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
@@ -275,8 +275,8 @@ def _read_keys(
 
 
 def _likely_key(key: str, on_hinges: Collection[str], keys: list[str]) -> tuple[str, str]:
-    """Which of the known keys of a statement is meant by another, and the hint that says so;
-    on_hinges: those that it has on hinges."""
+    """Return the known key of a statement that an unknown one probably means, and the hint that
+    says so. on_hinges: the keys that it has on hinges."""
     if key in on_hinges:
         return ON_SLIDES[key], f" on a slide, where it is {ON_SLIDES[key]}"
     for name in on_hinges:

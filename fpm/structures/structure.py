@@ -107,8 +107,8 @@ class Structure(StatementTable):
 
     @property
     def scene_type(self) -> SceneType:
-        """The structure as loading its text gives it (SceneType), checked; StructureError, which
-        lists all that is wrong."""
+        """Return the structure (SceneType), checked, as if loaded from its text. Raises
+        StructureError with a list of all problems."""
         content = json.dumps([self.table, self.source])
         if self._type is None or self._type[0] != content:
             self._type = content, build_type(_node(self.table), Problems(self.source))
@@ -152,7 +152,7 @@ def _method(group: str, name: str) -> Callable[..., None]:
 
 
 def _singular(group: str) -> str:
-    """The name of one entry of a group: body of bodies, mass of masses, joint of joints."""
+    """Return the name of one entry of a group: body of bodies, mass of masses, joint of joints."""
     return re.sub(r"(?<=ss|ch|sh)es$|s$", "", re.sub("ies$", "y", group))
 
 
@@ -161,7 +161,7 @@ for _group in GROUPS:
 
 
 def _plain(value: Any, key: str) -> Any:
-    """A value with texts for numbers, as the nodes of a file have it; copied."""
+    """Return a copy of a value with texts for numbers, like the nodes of a file."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -177,7 +177,7 @@ def _plain(value: Any, key: str) -> Any:
 
 
 def _node(value: Any) -> Node:
-    """A plain value as nodes without lines."""
+    """Turn a plain value into nodes without lines."""
     if isinstance(value, dict):
         nodes = {name: _node(entry) for name, entry in value.items()}
         return Node(nodes, lines=dict.fromkeys(nodes, 0))

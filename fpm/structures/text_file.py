@@ -74,7 +74,7 @@ class _File:
         self._models: dict[tuple, FileStatements] = {}
 
     def build(self, **parameters) -> Scene:
-        """The scene at the values given, each in its parameter's unit."""
+        """Return the scene at the values given, each in its parameter's unit."""
         problems = Problems(self.source)
         builder = self.builder(parameters, problems)
         if not problems and not len(builder.scene.mass):
@@ -83,8 +83,8 @@ class _File:
         return builder.scene
 
     def prepare(self, samples: Sequence[Mapping]) -> Callable[[Mapping], Scene | None]:
-        """What builds samples at values of all parameters, with what they have in common built
-        once; it returns None for a sample that is to be built on its own."""
+        """Return a function that builds samples at values of all parameters, with their common
+        parts built once. It returns None for a sample that must be built on its own."""
         first, *rest = map(self._values, samples)
         names = {name for values in rest for name in first if values[name] != first[name]}
         model = self._model(first, problems := Problems(self.source))
@@ -119,12 +119,12 @@ class _File:
         return {name: p.si(parameters[name]) for name, p in self.parameters.items()}
 
     def builder(self, parameters: Mapping, problems: Problems) -> Builder:
-        """The sample at the values given; `problems` has what is wrong."""
+        """Return the sample at the values given; `problems` has what is wrong."""
         values = self._values(parameters)
         return build_sample(self._model(values, problems), values, problems)
 
     def _model(self, values: Mapping[str, float], problems: Problems) -> FileStatements:
-        """The statements at values of the whole-number parameters."""
+        """Return the statements at values of the whole-number parameters."""
         counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
         key = tuple(counts.values())
         model = self._models.get(key) or FileStatements(
@@ -135,7 +135,7 @@ class _File:
         return model
 
     def __getstate__(self) -> dict:
-        """What crosses processes: the file, from which models are made again."""
+        """Return the file, from which another process makes the models again."""
         return {**self.__dict__, "_models": {}}
 
 
@@ -154,7 +154,7 @@ def loads(text: str, source: str = "structure") -> SceneType:
 
 def build_type(node: Node, problems: Problems) -> SceneType:
     """Return the structure (SceneType) that the top table `node` of a file states. problems: of the
-    file; with what is wrong they are raised as StructureError."""
+    file; if there are any, they are raised as StructureError."""
     source = problems.source
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
         remedy = "use `check` or `run` with it; allowed: a structure's, such as the one its `scene`"
@@ -172,7 +172,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
     if mesh:
         _check_mesh(table.entries["mesh"], values, parameters.entries, problems)
     if len(values) < len(parameters.entries):
-        problems.stop()  # every use of a parameter left out would be a problem of its own
+        problems.stop()  # Each use of a skipped parameter would be reported as a further problem.
     file = _File(table, values, source)
     scene = file.builder({n: p.parameter.default for n, p in values.items()}, problems).scene
     problems.stop()
@@ -214,7 +214,7 @@ def _text(table: Node, key: str, problems: Problems) -> str:
 
 
 def _parameters(table: Node, problems: Problems) -> dict[str, GivenParameter]:
-    """The parameters of a table by name; one that is wrong is left out, and noted."""
+    """Return the parameters of a table by name, except wrong ones, which are noted as problems."""
     result = {}
     for name, node in table.entries.items():
         key, line = f"parameters.{name}", table.lines[name]

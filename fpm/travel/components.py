@@ -43,9 +43,9 @@ def springs_of(scene) -> list[str]:
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
-    """Return the class (a key of CLASSES in `fpm.reading.standards`, as "FR" for friction) of each
-    component of a scene's virtual work by name, as its element type has it, whatever the file
-    states; only a spring by a table is of class "S" where the file says so."""
+    """Return the class (a key of CLASSES in `fpm.reading.standards`, such as "FR" for friction) of
+    each component of a scene's virtual work, by name. The class is that of the element type,
+    whatever the file states, except that a tabulated spring is of class "S" if the file says so."""
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
         classes[part.name] = "FR" if part.baseline else type(part.element).resists_as
@@ -149,8 +149,8 @@ def components_of(scene) -> list[Component]:
 
 
 def _load_cases_of(scene, element: Any) -> tuple[ElementType, ...]:
-    """The element at its least and largest load from the start on, if a curve of time scales it,
-    the stronger one last; else the element alone."""
+    """Return the element at its least and largest load from the start on, if a curve of time scales
+    it, the stronger one last; else the element alone."""
     names = _SCALED_BY_CURVES.get(type(element), ())
     if not names or element.curve < 0:
         return (element,)

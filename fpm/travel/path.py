@@ -97,7 +97,7 @@ class Path:
         self._tangents: list[np.ndarray] = []
         self._halvings = 0
         self._rows: Any = None
-        self._jumps: list[float] = []  # openings at which it left its way
+        self._jumps: list[float] = []  # openings at which the motion left its path
         self._openings = [float(hinge.opening) for hinge in scene.hinges]
         bars, elements, _ = self.balance.sizes(self.poses, self._scales)
         self._ease = max(STIFF * bars, SOFT * elements) or 1.0
@@ -129,8 +129,9 @@ class Path:
         self.move_to(value, depth + 1)
 
     def _stays(self, state: tuple, tangents: Sequence[np.ndarray]) -> bool:
-        """Whether the last motion agrees with the rates at both ends, and stayed on its branch:
-        where two meet, the conditions' derivatives have the other orientation on the other."""
+        """Return whether the last motion agrees with the rates at both ends, and stayed on its
+        branch: where two meet, the conditions' derivatives have the other orientation on the
+        other."""
         step = self.opening - state[1]
         shift = self.poses.position - state[0].position
         turn = _rotations_of(state[0].frame, self.poses.frame)
@@ -147,7 +148,7 @@ class Path:
         return sign >= 0
 
     def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
-        """Derivatives (c, f) of the conditions, scaled."""
+        """Return the scaled derivatives (c, f) of the conditions."""
         rows = self._conditions.jacobian(poses, full)
         return scale_matrix(rows, self._weight, self._scales)[:, self._free]
 
@@ -304,7 +305,7 @@ class Path:
         return linearise(*fields, *rules, form=self._form)
 
     def _motion(self, solve) -> np.ndarray:
-        """The motion (6n,) per unit of the opening."""
+        """Return the motion (6n,) per unit of the opening."""
         gap_changes = np.zeros(len(self._weight))
         gap_changes[-len(self._hinges) :] = [-1.0 if h.slides else 1.0 for h in self._hinges]
         return self._scales * solve(np.zeros(len(self._scales)), self._weight * gap_changes)[0]

@@ -58,15 +58,15 @@ def sweep(
     locked: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
-    """Move a joint coordinate (opening) of a scene slowly from one value to another, all else in
-    static balance; returns openings, virtual works and inertia at all positions (Travel).
+    """Move a joint coordinate (opening) of a scene slowly from one value to another, with the rest
+    in static balance. Returns openings, virtual works and inertia at all positions (Travel).
 
-    scene: at its start; openings: name of a hinge, or of several, of which the others go as far
-    from their start as the first does; first, last: values of the opening (rad, of slides m) at
-    both ends; locked: names of hinges that are locked at their opening at the start; positions:
-    number of evenly spaced positions, at least 2; None: as many as it takes, with those at which a
-    moment has a kink. Raises SceneError where the opening does not decide the motion of all,
-    MisfitError where it cannot be moved to a value in balance."""
+    scene: at its start; openings: name of a hinge, or of several, of which the others move as far
+    from their start as the first; first, last: values of the opening (rad, on slides m) at both
+    ends; locked: names of hinges that keep their opening at the start; positions: number of evenly
+    spaced positions, at least 2; None: as many as needed, including those at which a moment has a
+    kink. Raises SceneError if the opening does not determine the whole motion, MisfitError if it
+    cannot reach a value in balance."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
     sweep = _Sweep(scene, Path(scene, names, locked), first, last, (last - first) / (count - 1))
@@ -99,7 +99,7 @@ class _Sweep:
         steps = 1 + math.ceil(abs((first - path.opening) / spacing))
         for value in np.linspace(path.opening, first, steps):
             path.move_to(float(value))
-            for part in self._parts:  # openings are counted from one place to the next
+            for part in self._parts:  # openings count whole turns between positions
                 part.compute_work(path.poses, path.tangent)
         path.check()
         self._elements = [*path.balance.sources, *(s for part in self._parts for s in part.sources)]

@@ -40,7 +40,7 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     assert (bounds["lower"] <= bounds["upper"]).all()
     folder = Folder(tmp_path / "test")
     with xr.open_dataset(folder.bounds) as written:
-        xr.testing.assert_identical(written.load(), bounds)
+        assert written.load().identical(bounds)
     promised = Workflow(campaign.check_config(raw)).results()
     assert len(promised) == 13
     for name in promised:

@@ -139,6 +139,29 @@ def test_an_event_of_some_runs_may_come_earlier_than_in_any():
     assert (change[(TIME > 0.885) & (TIME < 1.1)] == 1).all() and not change[TIME < 0.87].any()
 
 
+@pytest.mark.parametrize("limit", [1.5, 2.5])
+def test_an_event_that_no_run_misses_counts_as_an_error_if_margins_vanish_in_the_box(limit, dense):
+    """The margin is a rate less its limit, as of a latch that does not catch what is too fast; runs
+    are where x + y < 1. A limit of 1.5 leaves a corner out, where masses go on; 2.5 leaves none."""
+    _, points = runs(3)
+    points = points[points.sum(axis=1) < 1]
+    data = samples(stop, points)
+    margins = limit - points.sum(axis=1, keepdims=True)
+    data["event_margin"] = ("run", "contact"), margins
+    design = Design(points, np.zeros((0, 2), int), "adaptive")
+    bounds = bounds_dataset(data, design, model="auto")
+    if limit > 2:
+        assert "unseen_from" not in bounds.attrs
+        return
+    first = min(stop(x)[1][0][0] for x in points)
+    assert bounds.attrs["unseen_from"] == pytest.approx(first)
+    missed = dense[dense.sum(axis=1) > 1.5]
+    position = np.multiply.outer(2 + 0.3 * missed[:, 0], TIME)
+    upper = (bounds["upper"] + bounds["error"]).values[0]
+    assert (position <= upper + 1e-9)[:, TIME < 1.4].all()
+    assert (bounds["error"].sel(time=slice(0, first - 0.1)) < 0.02).all()
+
+
 def test_bounds_contain_every_run_and_are_attained_where_they_say():
     design, points = runs(4)
     data = samples(brake, points)

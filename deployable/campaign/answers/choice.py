@@ -117,8 +117,8 @@ def answer(
 def _search(
     model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
-    """What `_best` finds once the places that decide are simulated, or after so many iterations;
-    the best choice as judged with runs at its worst places."""
+    """Return the results of `_best` after the deciding places are simulated, or after `iterations`.
+    The best choice is judged with runs at its worst places."""
     start = time.monotonic()
     for iteration in range(iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base, choose, specs)
@@ -207,12 +207,13 @@ def _spread(trials: Sequence[Any]) -> float:
 
 
 def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Find points to simulate before a choice is final, as there the surrogates alone rule out what
-    may be better: normalized points (k), -1 to 1 in the box, at which an event does not occur that
-    must (or the reverse, or a limited quantity is absent), one for each limit that fails so. Of
-    trials that break a limit and whose first goal is better than the best choice's, the four of the
-    nearest chosen values, over their ranges' widths. best, trials: `intervals.scalars.Choice`, the
-    best and those of the first grid; choose: section of the config."""
+    """Find points to simulate before a choice is final, because only surrogates rule out choices
+    that may be better. Such a choice breaks a limit only because an event does not happen (or
+    happens, or a limited quantity is absent), and its first goal is better than that of the best
+    choice. The four nearest ones, relative to the ranges' widths, are used. Returns normalized
+    points (k), -1 to 1 in the box, one for each such limit. best, trials:
+    `intervals.scalars.Choice`, the best and those of the first grid; choose: section of the
+    config."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -233,8 +234,9 @@ def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 def _best(
     model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
 ) -> tuple[Any, Any, list, list]:
-    """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
-    that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
+    """Find the best and the safest choice (`intervals.scalars.Choice`), the safe range of each
+    chosen value, and the choices that were tried. Without a safe choice the safest is None and the
+    ranges are empty."""
     problem = _problem(model, experiment, choose, specs)
     best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):

@@ -114,7 +114,7 @@ def estimate_discretization_errors(
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}
 
     def numbers(plan: Plan, rows: np.ndarray) -> np.ndarray:
-        """Values at chosen points, by runs of the plan, of the quantity whose bound it is."""
+        """Return the bounded quantity at chosen points (rows), from runs of the plan."""
         results, finite = np.full(len(rows), np.nan), np.isfinite(points[rows]).all(axis=1)
         if finite.any():
             finer, _ = model.evaluate(plan, points[rows][finite])

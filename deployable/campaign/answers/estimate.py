@@ -258,7 +258,7 @@ def _rounds(experiment: Experiment, number: int) -> Passes:
 
 
 def _sum(parts: list[Estimate]) -> Estimate:
-    """What campaigns take one after another; kernels are compiled once."""
+    """Add the estimates of campaigns that run one after another; kernels are compiled once."""
     keys = ("runs", "seconds", "core_time", "bytes")
     totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
     compile_time = max(part.compile_time for part in parts)
@@ -267,7 +267,8 @@ def _sum(parts: list[Estimate]) -> Estimate:
 
 
 def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
-    """By what takes further runs, for each round their number and time over a planned one's."""
+    """Return the rounds of further runs by their purpose, each with their number and their time
+    relative to a planned run."""
     experiment, verify = campaign.experiment, campaign.verify
     bounds = 2 * len(experiment.quantities)
     iterations = min(ITERATIONS, verify.max_iterations)
@@ -338,6 +339,6 @@ def _duration(seconds: Any) -> str:
 
 
 def _round(seconds: float) -> float:
-    """To two digits."""
+    """Round to two digits."""
     power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
     return max(1.0, round(seconds / power) * power)

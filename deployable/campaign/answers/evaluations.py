@@ -47,6 +47,11 @@ class FurtherRuns:
         self.records: list[RunRecord] = []
 
     @property
+    def event_margins(self) -> np.ndarray:
+        """Margins (R, c) of the first event at each contact, stop or latch, NaN if not known."""
+        return np.array([record.event_margins for record in self.records])
+
+    @property
     def events(self) -> np.ndarray:
         """Events (R, e, 3) of the runs: time (s), what, and which way, padded with NaN."""
         return pad_events([record.events for record in self.records])
@@ -86,7 +91,7 @@ class ModelEvaluator:
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
     ) -> None:
         self.plan, self.jobs, self.notify, self.threads = plan, jobs, notify, threads
-        # Of runs that are asked for one by one all responses are wanted.
+        # Single runs must keep whole responses, not only their extremes.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)
         self.points = np.zeros((0, len(plan.experiment.intervals)))

@@ -76,7 +76,8 @@ def _iterate_rows(size: np.ndarray, happens: np.ndarray) -> Iterator[np.ndarray]
 def _find_segments(
     points: np.ndarray, happens: np.ndarray, differs: np.ndarray, size: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Farthest unit points (P, k) where finer runs differ, and next to each where none does."""
+    """Return the unit points (P, k) with the largest differences in finer runs, and for each the
+    nearest point where a finer run agrees."""
     starts, stops = [], []
     for row in np.flatnonzero(differs)[np.argsort(-size[differs], kind="stable")][: 2 * _SIDE]:
         peers = np.flatnonzero(~differs & (happens == happens[row]))
@@ -96,7 +97,8 @@ def _bisect_segments(
     outer: np.ndarray,
     inner: np.ndarray,
 ) -> float:
-    """The largest size of the decision value at which finer runs differ, between points (P, k)."""
+    """Return the largest size of the decision value at which finer runs differ, between points (P,
+    k)."""
     if not len(outer):
         return 0.0
     happens = occurrence.evaluate(outer)

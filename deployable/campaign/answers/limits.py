@@ -103,11 +103,11 @@ def assess_limits(
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
-    """Whether limit `i` (index) of an assessment, broken in no run, surely holds in the whole box:
-    its margin exceeds the estimated errors, and, if the quantity may be absent, the event margin
-    (how far a run is from losing or gaining it), fitted over the box, keeps its sign by more than
-    its error. False where that margin is not known: runs prove nothing between them; True for a box
-    without width. model: has the runs; result: the assessment."""
+    """Return whether limit `i` (index) of an assessment, broken in no run, surely holds in the
+    whole box: its margin exceeds the estimated errors, and, if the quantity may be absent, the
+    event margin (how far a run is from losing or gaining it), fitted over the box, keeps its sign
+    by more than its error. False where that margin is not known: runs prove nothing between them;
+    True for a box without width. model: has the runs; result: the assessment."""
     limit, q = result.limits[i], result.specs[i].quantity
     if not model.experiment.box.free.any():
         return True
@@ -119,12 +119,12 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 
 def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
-    """Whether limit `i` (index) of an assessment, which no run satisfies, is surely violated in the
-    whole box. If some run has a value of the quantity: its largest limit margin in the box is below
-    0 by more than its estimated error (where it is absent, the limit is violated, too). If none
-    has, or the limit is "happens": the event margin, fitted over the box, has everywhere the sign
-    that violates the limit, by more than its error; False if a run's is not known. True for a box
-    without width. model: has the runs; result: the assessment."""
+    """Return whether limit `i` (index) of an assessment, which no run satisfies, is surely violated
+    in the whole box. If some run has a value of the quantity: its largest limit margin in the box
+    is below 0 by more than its estimated error (where it is absent, the limit is violated, too). If
+    none has, or the limit is "happens": the event margin, fitted over the box, has everywhere the
+    sign that violates the limit, by more than its error; False if a run's is not known. True for a
+    box without width. model: has the runs; result: the assessment."""
     limit, q = result.limits[i], result.specs[i].quantity
     free = model.experiment.box.free
     if not free.any():

@@ -48,11 +48,11 @@ def answer(
     threads: int,
     further_runs: FurtherRuns,
 ) -> None:
-    """Find what of a campaign's box explains its measured curves, with the runs that this takes,
-    and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
+    """Find the part of a campaign's box that explains its measured curves, with further runs, and
+    write `measured.json` into `folder`, which has the campaign's `samples.nc`. measured,
     requirements, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate; further_runs: takes note of the runs. Raises `CampaignError`, also if a file
-    of measured curves has changed."""
+    how many simulate; further_runs: counts the runs. Raises `CampaignError`, also if a file of
+    measured curves has changed."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     model.further_runs = further_runs
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
@@ -163,7 +163,7 @@ class _Test:
         return runs.curves[is_inside & (not result.is_refuted)]
 
     def describe(self, result: Calibration, index: int | None) -> dict:
-        """The test and its curves as plain data; index: of its fit, None if only checked."""
+        """Return the test and its curves as plain data; index: of its fit, None if only checked."""
         times, settings = self.curves.times, self.settings
         rows = {
             "name": self.name, "file": settings.file, "digest": settings.digest,
@@ -193,8 +193,8 @@ def _calibrate(
     tests: Sequence[_Test], hull: np.ndarray, verify: Verify, notify: Notify,
     data: Sequence[TestRuns] | None = None,
 ) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
-    """What of a part of the box explains the tests, and each of them alone; only all of them with
-    `data`, the runs of the first ones that were made before."""
+    """Find the part of `hull` that explains the tests together and each of them alone. With `data`,
+    the runs of the first tests made before, only all of them together."""
     times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
 
     def notify_of(indices: Sequence[int], text: str) -> None:
@@ -212,7 +212,7 @@ def _calibrate(
 
 
 def _misfits(result: Calibration) -> dict:
-    """Whether tests are refuted, and their least misfits."""
+    """Return whether tests are refuted, and their least misfits."""
     return {
         "refuted": bool(result.is_refuted),
         "least": float(result.least),
@@ -221,7 +221,8 @@ def _misfits(result: Calibration) -> dict:
 
 
 def _disjoint_pairs(tests: Sequence[_Test], singles: Sequence[Calibration]) -> list[list[str]]:
-    """Names of pairs of tests, each explained by itself, whose hulls have nothing in common."""
+    """Return the names of pairs of tests whose hulls do not overlap, though each is explained by
+    itself."""
     pairs = itertools.combinations(
         [(test.name, single.hull) for test, single in zip(tests, singles, strict=True)
          if not single.is_refuted], 2,
@@ -242,7 +243,7 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
 
 
 def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
-    """What the last of the tests says of what the others leave."""
+    """Compare the last of the tests, a check, with the part of the box that the others leave."""
     t = len(tests) - 1
     bands = np.abs(result.residuals[t]) / tests[t].curves.bands
     i, instant = np.unravel_index(bands.argmax(), bands.shape)
@@ -276,8 +277,8 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
 
 
 def _find_trade_off(first: tuple[str, np.ndarray], second: tuple[str, np.ndarray]) -> dict:
-    """How two parameters, each a name and values (S) that are left, are tied to each other; nothing
-    where they hardly are."""
+    """Describe how two parameters, each a name and remaining values (S), depend on each other;
+    nothing if they hardly do."""
     (name, values), (rival, rivals) = first, second
     if not len(values) or not np.ptp(values) or not np.ptp(rivals):
         return {}
@@ -335,7 +336,7 @@ def _describe_left(
 
 
 def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: np.ndarray) -> str:
-    """In which part of what is left a limit is met: all, some, none, or undecided."""
+    """Return in which part of the remaining box a limit is met: all, some, none, or undecided."""
     if spec.kind == "happens":
         share = np.mean(happens == bool(spec.level))
         return "all" if share == 1 else "some" if share else "none"
@@ -353,7 +354,8 @@ def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: n
 def _next_tests(
     model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test], folder: Folder
 ) -> list[dict]:
-    """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
+    """Find where the remaining runs (R, n, T) differ most: one row for each response, the largest
+    difference first."""
     bounds = read_bounds(folder, of_design=True)
     bands: dict = {}
     for test in tests:

@@ -88,8 +88,9 @@ def _write(model: ModelEvaluator, result: str, columns: dict, path: Path, title:
 def _describe_ends(
     model: ModelEvaluator, bounds: list[QuantityBounds], tolerances: list[float]
 ) -> list[str]:
-    """Why the search for the bounds of each quantity ended while an error was too large, and where
-    in the box the runs are predicted worst; empty texts for the others."""
+    """Describe why the search for the bounds of each quantity ended although an error was too
+    large, and where in the box the runs are predicted worst; empty texts for the other
+    quantities."""
     box, types = model.experiment.box, model.experiment.scene_type.parameters
     units = [{"name": name, "units": types[name].unit} for name in box.names]
     is_spent = min(model.max_refinements - len(model.refinements), model.account.allowance) < 1
@@ -108,8 +109,9 @@ def _describe_ends(
 def _columns(
     model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
 ) -> dict[str, Any]:
-    """The columns of `quantities.nc` by name: bounds and errors of all quantities. bounds: of each;
-    finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not estimated."""
+    """Return the columns of `quantities.nc` by name: bounds and errors of all quantities. bounds:
+    of each; finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not
+    estimated."""
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
     quantities = zip(model.experiment.quantity_list, bounds, shifts.tolist(), strict=True)
     rows = [_row(model, *quantity) for quantity in quantities]
@@ -128,7 +130,7 @@ def _columns(
 def _row(
     model: ModelEvaluator, quantity: Quantity, bounds: QuantityBounds, shift: float
 ) -> dict[str, Any]:
-    """What `quantities.nc` has of a quantity, by the names of its columns; shift: error of the
+    """Return a quantity's row of `quantities.nc`, by the names of its columns. shift: error of the
     decision function by mesh and step."""
     box, surrogate, extremes = model.experiment.box, bounds.surrogate, bounds.surrogate_range
     (lower, upper), unconverged = bounds.outer, map(int, bounds.unconverged)
@@ -157,7 +159,7 @@ def _row(
 
 
 def _refinement_columns(model: ModelEvaluator) -> dict[str, Any]:
-    """The columns of `refinement.nc` by name: the runs that were added beyond the plan."""
+    """Return the columns of `refinement.nc` by name: the runs that were added beyond the plan."""
     runs, k = model.refinements, model.points.shape[1]
     numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
     return {

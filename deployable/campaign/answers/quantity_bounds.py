@@ -180,7 +180,7 @@ def _grow(model: ModelEvaluator, points: Sequence[np.ndarray] | np.ndarray) -> b
 
 
 def _is_rough(surrogate: Any) -> bool:
-    """Whether a quantity does not exist in all runs, or its fit is not close."""
+    """Return whether a quantity does not exist in all runs, or its fit is not close."""
     if surrogate.fit is None or surrogate.occurrence.is_mixed:
         return True
     return bool(surrogate.usual_error > _ROUGH * np.ptp(surrogate.fit.values))
@@ -227,8 +227,8 @@ class _Climbs:
         return surrogates
 
     def run(self) -> None:
-        """Go on until no search promises a gain, or most of the runs that are left are made: the
-        others are for limit-state surfaces, and for where other bounds may be."""
+        """Search until no search promises a gain, or most of the remaining runs are made. The rest
+        is kept for limit-state surfaces, and for places where other bounds may be."""
         model = self.model
         count = len(model.refinements)
         most = count + _MOST_SHARE * (model.max_refinements - count)
@@ -244,8 +244,8 @@ class _Climbs:
                 break
 
     def remainders(self, q: int) -> tuple[float, float]:
-        """By how much the lower and the upper bound of quantity `q` may be exceeded, as searches
-        were ended by the limit on runs."""
+        """Return by how much the lower and the upper bound of quantity `q` may be exceeded because
+        the limit on runs ended its searches."""
         if not self.climbs or not self.climbs[q][0]:
             return 0.0, 0.0
         lower, upper = self.climbs[q]
@@ -288,8 +288,8 @@ def _bounds(
 
 
 def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
-    """An estimate whose value is that of the extreme run, where the surrogate goes farther after
-    searches by runs: its error has what lies between. The end of the runs stays."""
+    """Return an estimate with the value of the extreme run; its error covers at least the
+    difference. An estimate that is the end of the runs is returned unchanged."""
     if estimate.value == surrogate.latest:
         return estimate
     error = max(estimate.error, abs(estimate.value - value))

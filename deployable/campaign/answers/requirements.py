@@ -40,8 +40,9 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
 def judge(
     model: ModelEvaluator, requirements: Mapping[str, Mapping], errors: np.ndarray | None = None
 ) -> dict[str, Any]:
-    """Where in the box requirements are met by the runs of `model`, as in `requirements.json`.
-    errors (2, q): by mesh and step, of values and of decision functions, or None."""
+    """Find where in the box the requirements are met, from the runs of `model`; the result has the
+    form of `requirements.json`. errors (2, q): by mesh and step, of values and of decision
+    functions, or None."""
     specs = list_limits(requirements, list(model.experiment.quantities))
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)
@@ -74,8 +75,8 @@ def _indices(result: LimitAssessment, name: str) -> tuple[int, ...]:
 def _judge_limits(
     model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """Whether all, some or none of the box keeps chosen limits, which share, and what is open. What
-    is nearest to a failed run counts as failing, and is open."""
+    """Return whether all, some or none of the box keeps chosen limits, which share, and what is
+    open. What is nearest to a failed run counts as failing, and is open."""
     row, share = _judge_sound(model, result, limits, shares), model.lost_share
     if len(model.failed_points):
         row["met"] = "none" if row["met"] == "none" else "some"
@@ -87,9 +88,9 @@ def _judge_limits(
 def _judge_sound(
     model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """As `_judge_limits`, by the runs that did not fail. These decide where they agree with the
-    surrogates up to the error. That no run keeps a limit proves nothing: the share is unknown
-    then."""
+    """Judge limits as `_judge_limits` does, but from the runs that did not fail. These decide where
+    they agree with the surrogates up to the error. If no run keeps a limit, that proves nothing,
+    and the share is unknown."""
     (fraction, open_), rows = shares[indices], list(indices)
     is_met = result.margins[rows].min(axis=0) >= 0
     runs = len(model.distinct_rows) + model.rest_count + len(model.failed_points)
@@ -124,7 +125,7 @@ def _requirement(
 
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
-    """The limit with its worst place: that of the surrogate, or a run that is worse."""
+    """Return the limit with its worst place: that of the surrogate, or a run that is worse."""
     (margin, point), runs, spec = result.worst[i], result.margins[i], result.specs[i]
     if runs.min() < margin:
         margin, point = float(runs.min()), model.points[runs.argmin()]
@@ -161,9 +162,9 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
 def _halve_intervals(
     model: ModelEvaluator, result: LimitAssessment, is_unknown: bool
 ) -> dict[str, dict[str, float]]:
-    """The share that meets all if one interval were half as wide, by the parameter's name. It is
-    unknown where that of the whole box is (`is_unknown`), and open by what failed runs hide, which
-    may all be in the half."""
+    """Return the share that meets all if one interval were half as wide, by the parameter's name.
+    It is unknown where that of the whole box is (`is_unknown`), and open by what failed runs hide,
+    which may all be in the half."""
     box, rows = model.experiment.box, {}
     open_ = 1.0 if is_unknown else 2.0 * model.lost_share
     for j in np.flatnonzero(box.free):

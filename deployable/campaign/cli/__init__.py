@@ -58,7 +58,8 @@ def main(arguments: list[str]) -> int:
 
 
 def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
-    """The parser of all commands, or, for a process that loads what its stage needs, of stages."""
+    """Make the parser of all commands, or with `is_stage` that of the stages alone, which load only
+    what they need."""
     script = Path(sys.argv[0]).name
     program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
     parser = argparse.ArgumentParser(

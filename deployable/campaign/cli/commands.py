@@ -145,7 +145,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _check_texts(path: str) -> Iterator[tuple[str, str]]:
-    """Kind and text of each line on the config at `path`."""
+    """Yield the kind and text of each line that `check` prints about the config at `path`."""
     campaign = load_config([path])
     if campaign.cases:
         yield "work", f"{campaign.name}, {len(campaign.cases)} cases, {estimate(campaign)}"
@@ -165,7 +165,7 @@ def _check_texts(path: str) -> Iterator[tuple[str, str]]:
 
 
 def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
-    """What a run of a campaign, or of one of its cases, takes from what is there."""
+    """Describe the runs, time and disk that a campaign, or one of its cases, still needs."""
     workflow = Workflow(campaign, results)
     find_stages = partial(workflow.list_stages, figures=figures)
     work = describe_work(campaign, workflow.folder, find_stages)
@@ -179,7 +179,7 @@ def _run(options: argparse.Namespace) -> int:
         raise CampaignError(f"{options.file} has no requirements; --require needs some")
     folder = Path(options.results, campaign.name * bool(campaign.cases))
     for prefix, variant in variants(campaign):
-        with suppress(OSError):  # which running tells better
+        with suppress(OSError):  # the run itself reports it in more detail
             text = _describe_work(variant, folder, not options.no_figures)
             MessagePrinter(sys.stderr)(f"{prefix}{text}")
     complete(campaign, options.results, not options.no_figures)

@@ -69,7 +69,8 @@ def make_folder(folder: str | Path, start: str) -> None:
 
 
 def _start_files(start: str) -> tuple[str, dict[str, Path]]:
-    """The text of the campaign, and the files of its structures by their names in the folder."""
+    """Return the text of the campaign, and the files of its structures by their names in the
+    folder."""
     if start in list_starts() and (path := program_data.list_campaigns().get(start)):
         file = read_file(path).data["scene"].get("file")
         return path.read_text(encoding="utf-8"), {file: path.parent / file} if file else {}
@@ -111,11 +112,11 @@ def campaign_of(path: Path, name: str) -> str:
 
 
 def _round_up(seconds: float) -> float:
-    """The next of 1, 1.5, 2, 3, 5, 7.5, 10 times a power of ten."""
+    """Return the next of 1, 1.5, 2, 3, 5, 7.5, 10 times a power of ten."""
     power = 10 ** math.floor(math.log10(seconds))
     return next(n for n in (1, 1.5, 2, 3, 5, 7.5, 10) if seconds <= n * power * 1.000001) * power
 
 
 def _name(text: str) -> str:
-    """What a response or quantity can be called after something."""
+    """Turn a text into a name that a response or quantity can have."""
     return re.sub("[^A-Za-z0-9_]+", "_", text)

@@ -17,9 +17,9 @@ def folder_name(case: str) -> str:
 
 
 def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
-    """Separate from a raw config the lists `cases` of its requirements (names of those to which one
-    applies): returns the config without them, and the lists by requirement. A mapping called
-    `cases` stays: it is the limits of a quantity of that name."""
+    """Separate the lists `cases` of requirements (the cases to which each applies) from a raw
+    config. Returns the config without them, and the lists by requirement. A mapping called `cases`
+    stays, because it states the limits of a quantity of that name."""
     requirements, case_lists = {}, {}
     sections = raw.get("requirements")
     for name, limits in sections.items() if isinstance(sections, Mapping) else ():
@@ -86,7 +86,7 @@ def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> lis
 
 
 def _shift(spec: Mapping, nominal: Any) -> str:
-    """An interval as wide as that of `spec`, about another value, as text."""
+    """Return, as text, an interval as wide as that of `spec` about another nominal value."""
     width = {key: spec[key] for key in ("relative", "absolute") if key in spec}
     if "lower" in spec:
         width = {"absolute": float(f"{0.5 * (spec['upper'] - spec['lower']):.6g}")}
@@ -124,7 +124,8 @@ def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
 
 
 def _physics(experiment: Experiment) -> Experiment:
-    """What is simulated, whatever it is called and however it is written, but for rounding."""
+    """Return the simulated physics of an experiment, independent of names and notation, up to
+    rounding."""
     free = dict.fromkeys(experiment.intervals)
     scene = replace(experiment.scene, parameters={**experiment.parameters({}), **free})
     intervals = {

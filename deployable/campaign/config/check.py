@@ -76,14 +76,14 @@ def _add(config: dict, update: Mapping) -> None:
 
 
 def _keys(data: Any, path: str = "") -> Iterator[str]:
-    """All keys of nested mappings, their names joined by dots."""
+    """List all keys of nested mappings, with their names joined by dots."""
     for name, child in data.items() if isinstance(data, Mapping) else ():
         yield (key := f"{path}{name}")
         yield from _keys(child, f"{key}.")
 
 
 def _place(problem: str, lines: Mapping[str, str]) -> str:
-    """Where the key stands of which a sentence tells, or the nearest one above it."""
+    """Return the line of the key that a problem names, or of the nearest key above it."""
     key = problem.partition(":")[0]
     while key and key not in lines:
         key = key.rpartition(".")[0]
@@ -109,7 +109,7 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
     config, user_config, problems = read(raw)
     campaign: Any = None
     if config is not None:
-        cases = raw.get("cases")  # also those in which something is wrong
+        cases = raw.get("cases")  # sections with a mistake count as present
         names = dict.fromkeys(cases) if isinstance(cases, Mapping) else {}
         problems += naming_problems({**names, **config.cases}, case_lists)
         if config.responses or config.margins:
@@ -133,8 +133,8 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
 def _resolve_cases(
     campaign: Campaign, raw: Mapping, original: Mapping, case_lists: Mapping, source: str
 ) -> Campaign:
-    """The campaign with its cases, each checked as a campaign of its own; original: the raw config
-    with its units, which in a case are of the case's structure."""
+    """Return the campaign with its cases, each checked as a campaign of its own; original: the raw
+    config with its units, which in a case are of the case's structure."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
         fixed = fixed_interval_problems(cases[name], name, raw["intervals"])
@@ -152,8 +152,8 @@ def _resolve_cases(
 
 
 def merge(target: dict, update: Mapping) -> dict:
-    """Merge the mapping `update` into `target`, and return `target`, which is changed in place:
-    mappings key by key, any other value replaces that of `target`."""
+    """Merge the mapping `update` into `target`, and return the changed `target`. Mappings are
+    merged key by key; any other value replaces that of `target`."""
     for key, value in update.items():
         if isinstance(value, Mapping) and isinstance(target.get(key), Mapping):
             target[key] = merge(dict(target[key]), value)
@@ -176,7 +176,7 @@ def anchor_paths(raw: Mapping, folder: str | Path) -> Mapping:
 
 
 def _anchored_file(section: Any, folder: str | Path) -> Any:
-    """A section of a config with its key `file` as seen from the working folder."""
+    """Return a section of a config with its key `file` relative to the working folder."""
     if not isinstance(section, Mapping) or not isinstance(section.get("file"), str):
         return section
     if "\0" in section["file"]:  # no path, which the models refuse

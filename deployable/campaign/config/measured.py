@@ -123,8 +123,8 @@ def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]
 
 
 def measured_warnings(campaign: Campaign) -> Iterator[str]:
-    """Yield a sentence for each measured curve of a `Campaign` whose band is larger than all of it,
-    or whose times or values are hardly in the unit that its file states."""
+    """Yield a warning for each measured curve of a `Campaign` whose band exceeds the whole curve,
+    or whose times or values hardly fit the unit that its file states."""
     experiment = campaign.experiment
     responses = {curve.name: curve for curve in experiment.response_list}
     for name, test in campaign.measured.items():

@@ -42,10 +42,10 @@ ABSENT: Any = None
 
 @dataclass(frozen=True)
 class Aim:
-    """How wrong the bounds may be, as a share of the width of each response and quantity: the
-    estimated error of surrogate, mesh and step together. It chooses mesh, step, runs and model, so
-    leave out `design`, `bounds` and `held_out`; a mesh that the config gives is kept, and a step
-    while it is stable (docs/choosing-accuracy.md). A number is `tolerance` alone."""
+    """Largest allowed error of the bounds (surrogate, mesh and step together), as a share of the
+    width of each response and quantity. The program then chooses mesh, step, runs and model, so
+    leave out `design`, `bounds` and `held_out`. It keeps a stated mesh, and a stated step while
+    this is stable (docs/choosing-accuracy.md). A number is `tolerance` alone."""
 
     tolerance: Share = 0.05
     """Share of the width, for all responses and quantities that `tolerance_by_name` does not
@@ -57,26 +57,26 @@ class Aim:
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
     max_runs: Annotated[int, Rule(least=1, most=4000)] = 1000
-    """Most runs that may be spent, of all meshes, with those of checks, of the ends of quantities
-    and of a choice, but not those for measured curves; in each case as many. It must allow two
-    runs for each interval and two more, a check of step and mesh, and the grid of a choice (`check`
-    says how many that is)."""
+    """Most runs, of all meshes, including those of checks, of the ends of quantities and of a
+    choice, but not those for measured curves. Each case has as many. It must allow two runs for
+    each interval and two more, a check of step and mesh, and the grid of a choice (`check` prints
+    this number)."""
     max_core_minutes: Annotated[float, Rule(above=0, unit="min")] = 60.0
-    """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
-    that every machine decides alike."""
+    """Most minutes of one core for runs. They are estimated from steps and elements, so that every
+    machine makes the same runs."""
 
 
 @dataclass(frozen=True)
 class SceneSection:
-    """What is simulated: a structure that is shipped, by its `name`, or that of a `file`."""
+    """The simulated structure: a shipped one by its `name`, or that of a `file`."""
 
     name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
     file: StructureFile = ABSENT
-    """A structure's text file (docs/structures.md), sought from the folder of the config."""
+    """A structure's text file (docs/structures.md). Its path starts at the folder of the config."""
     parameters: SceneValues = field(default_factory=dict)
-    """Values that differ from the scene's defaults, by the scene's own parameter names; numbers and
-    options such as `elements`."""
+    """Values that replace the scene's defaults, by the names of its parameters, such as
+    `elements`."""
 
     def __post_init__(self):
         if (self.name is None) == (self.file is None):
@@ -92,19 +92,20 @@ class Solver:
     instants: Annotated[int, Rule(least=2, most=1_000_000)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
     step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
-    """Time step. `auto` takes the largest that is stable over the whole box, times `safety`, but no
-    longer one than the time in which a curve of time rises or falls; either way it is shortened
-    until the recording interval is a whole number of steps. One step serves all runs of a campaign,
-    so that a run does not depend on its neighbours; with `auto` one whose energy does not balance
-    is repeated with half of it, up to three times."""
+    """Time step. `auto` uses the largest step that is stable over the whole box, times `safety`,
+    but at most the time in which a curve of time rises or falls. The step is always shortened until
+    the recording interval is a whole number of steps. All runs of a campaign have the same step, so
+    that a run does not depend on its neighbours. With `auto` a run whose energy does not balance is
+    repeated with half the step, up to three times."""
     safety: Annotated[float, Rule(above=0, most=1, unit="1")] = 0.9
     """Share of the stable step that `auto` uses."""
     energy_tolerance: Annotated[float, Rule(above=0, unit="1")] = 0.005
     """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
     failures: Annotated[float, Rule(least=0, most=1, unit="1")] = 0.1
-    """Share of the runs that may fail. Up to it failed runs are left out of the fits, and count as
-    failing every requirement; beyond it the campaign ends. The nominal run may not fail."""
+    """Largest share of runs that may fail. Up to this share, failed runs are left out of the fits
+    and count as failing every requirement; beyond it the campaign ends. The nominal run may not
+    fail."""
 
     def __post_init__(self):
         if self.step != "auto" and self.step > self.duration:
@@ -152,47 +153,46 @@ OneInterval = Annotated[IntervalSpec, Rule(
 
 @dataclass(frozen=True)
 class DesignSection:
-    """Where in the box the runs are, and what is fitted to them."""
+    """The design: where in the box the runs are, and the order of the fit."""
 
     method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "sobol", "screening"] = (
         "tensor_roots"
     )
-    """`tensor_roots`: Chebyshev roots, the paper's. `tensor_lobatto`: Chebyshev-Lobatto points,
-    nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `sobol`: a
-    scan, that is a Sobol sequence with the corners and no surrogate; a longer one reuses the runs
-    of a shorter one. All of them for up to 8 intervals. `screening`, for up to 60: the centre, both
-    ends of each interval alone, and a two-level design with its fold-over; for quantities a search
-    by further runs goes on from there (docs/quantities.md)."""
+    """Up to 8 intervals: `tensor_roots` has Chebyshev roots, as the paper. `tensor_lobatto` has
+    Chebyshev-Lobatto points, nested when the order doubles, with the box's corners. `smolyak` is a
+    sparse grid. `sobol` is a scan, a Sobol sequence with the corners and without surrogate; a
+    longer one reuses the runs of a shorter one. Up to 60 intervals: `screening` has the centre,
+    both ends of each interval alone, and a two-level design with its fold-over, from which further
+    runs search for the bounds of quantities (docs/quantities.md)."""
     order: Annotated[int, Rule(least=1, most=64)] = 3
-    """Order of the surrogate, in each direction or, for `smolyak`, in total. `sobol` has none
-    unless it is given; then a surrogate of that total degree is fitted to its samples.
-    `screening` has none."""
+    """Order of the surrogate, in each direction or, for `smolyak`, in total. With a stated order,
+    `sobol` gets a surrogate of that total degree, otherwise none. `screening` has no order."""
     samples: Annotated[int, Rule(least=2, most=10_000_000)] = 1024
-    """Number of runs of `sobol`, corners of the box included; of `screening` the most in all, with
-    further ones at the bounds of quantities. Beyond 100,000 they are allowed with
-    `jobs.keep: extremes`; otherwise as many as the disk has room for."""
+    """Number of runs of `sobol`, including the corners of the box; or the most runs of `screening`,
+    including those at the bounds of quantities. More than 100,000 need `jobs.keep: extremes`, or
+    enough room on the disk."""
     seed: Annotated[int, Rule(least=0, most=2**32 - 1)] = 0
     """Seed of the Sobol sequence of `sobol`."""
     file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")] = ABSENT
-    """A CSV file with runs of your own instead: a row for each, a column for each parameter that is
-    not at its nominal value, in its unit or one stated (`k [N mm/rad]`). Bounds are by the models
-    that take all runs. The nominal run is added."""
+    """A CSV file with runs of your own, instead of a method: a row for each run, and a column for
+    each parameter that is not at its nominal value, in its unit or a stated one (`k [N mm/rad]`).
+    Bounds come from the models that take all runs. The nominal run is added."""
     values: Annotated[tuple[float, ...], Rule("a list of numbers", least=1)] = ABSENT
-    """The values of the only interval in runs of your own, in its unit, instead of a file."""
+    """Runs of your own for a single interval: its values, in its unit, instead of a file."""
 
 
 @dataclass(frozen=True)
 class BoundsChoice:
-    """How bounds are taken from the runs."""
+    """How bounds are computed from the runs."""
 
     model: Literal["auto", "polynomial", "spline", "aligned"] = "auto"
-    """`auto`: for each response and stretch of time the one of the following that predicts left-out
-    runs best (docs/intervals.md). `polynomial`: of the design's order through the design's runs,
-    the paper's way; its range is enclosed. `spline`: one cubic spline through all runs, held-out
-    ones and those of a scan included; its range is attained, not enclosed. `aligned`: splines over
-    time that is mapped so that latches, stops and contacts of all runs coincide. `sobol` without
+    """`auto` chooses, for each response and stretch of time, the following model that predicts
+    left-out runs best (docs/intervals.md). `polynomial` has the design's order and is fitted to the
+    design's runs, as in the paper; its range is enclosed. `spline` is one cubic spline through all
+    runs, including held-out ones and scans; its range is attained, not enclosed. `aligned` maps
+    time so that latches, stops and contacts of all runs coincide, and uses splines. `sobol` without
     order has no polynomial: with `auto` and `polynomial` its bounds are its extreme samples.
-    Sensitivities and `surrogate.nc` are of the polynomial in any case."""
+    Sensitivities and `surrogate.nc` always use the polynomial."""
 
 
 @dataclass(frozen=True)
@@ -209,22 +209,21 @@ class Verify:
     """How the intervals of quantities are verified."""
 
     max_iterations: Annotated[int, Rule(least=0, most=50)] = 6
-    """Most iterations of further runs: where the surrogate of a quantity has the ends of its
-    interval, until it exceeds the runs by no more than 0.1 % of the width, where
-    requirements are decided, and about where something ceases to happen, eight in each. 0 makes
-    none; a quantity takes one or two runs in most campaigns. Of more than eight intervals four
-    times as many."""
+    """Most iterations of further runs, eight in each. They are made at the ends of quantities'
+    intervals, until the surrogate exceeds the runs by no more than 0.1 % of the width, where
+    requirements are decided, and about the border of an event. 0 makes none. With more than eight
+    intervals there may be four times as many."""
     discretization: bool = False
-    """Tell the whole error, of surrogate, step and mesh: repeat the runs at the ends of the
-    quantities' intervals, and eight at which bounds of the responses are attained, with half and a
-    quarter of the step and on a mesh half and twice as fine, which takes up to eight times as long
-    for each. What all further halvings would change is added to the surrogate's error."""
+    """Whether to estimate the errors of step and mesh too. The runs at the ends of the quantities'
+    intervals, and eight at the bounds of the responses, are repeated with half and a quarter of the
+    step, and on a mesh half and twice as fine. Each takes up to eight times as long. The
+    extrapolated change is added to the surrogate's error."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of one quantity, at least one. `at_least` and `at_most` are broken where it has no
-    value, as its event does not happen; `happens: false` stands alone."""
+    """Limits of one quantity, at least one. Where the quantity does not happen, `at_least` and
+    `at_most` are broken. `happens: false` stands alone."""
 
     at_least: Annotated[float, Rule(unit="quantity")] = ABSENT
     """Least value."""
@@ -261,9 +260,9 @@ Goals = Annotated[
 
 @dataclass(frozen=True)
 class ChooseSection:
-    """The nominal values that are best in the worst case: over choices and the box about each,
-    surrogates of quantities tell which keeps all requirements and has the best goal, and its worst
-    case is simulated."""
+    """Search for the nominal values with the best worst case. Surrogates of quantities find the
+    choice that meets all requirements in the box about it and has the best goal; its worst case is
+    simulated."""
 
     parameters: Annotated[
         dict[
@@ -275,18 +274,18 @@ class ChooseSection:
     `relative` grows with the choice, any other keeps its width; a parameter without an interval is
     chosen exactly."""
     minimise: Goals = ()
-    """What is to be small: `upper(q)`, `lower(q)` or `width(q)` of the interval of a quantity q.
+    """The goal to minimise: `upper(q)`, `lower(q)` or `width(q)` of the interval of a quantity q.
     With a second goal, the trade-off of the two is drawn; the best choice is that of the first."""
     maximise: Goals = ()
-    """What is to be large, in the same form."""
+    """The goal to maximise, in the same form."""
     order: Annotated[int, Rule(least=1, most=64)] = 8
-    """Order of the sparse grid of runs along the chosen parameters; along others it is that of the
-    design."""
+    """Order of the sparse grid of runs along the chosen parameters; along the others the design's
+    order is used."""
 
 
 @dataclass(frozen=True)
 class CaseSolver:
-    """What of the solver differs in a case."""
+    """Settings of the solver that differ in a case."""
 
     duration: Annotated[float, Rule(least=1e-9, most=1e6, unit="s")] = ABSENT
     """Simulated time."""
@@ -294,17 +293,18 @@ class CaseSolver:
 
 @dataclass(frozen=True)
 class CaseSection:
-    """One case: what differs from the campaign, which has the rest; `{}` is the campaign itself."""
+    """One case, by its differences from the campaign; `{}` is the campaign itself."""
 
     scene: SceneValues = field(default_factory=dict)
-    """Values of scene parameters that are no intervals."""
+    """Values of scene parameters that are not intervals."""
     file: StructureFile = ABSENT
-    """File of another structure, in the place of the campaign's."""
+    """File of another structure, instead of the campaign's."""
     solver: CaseSolver = CaseSolver()
     intervals: Annotated[
         dict[str, OneInterval], Rule("a mapping from parameter names to intervals", most=60)
     ] = field(default_factory=dict)
-    """Intervals that stand in the place of the campaign's, or are further ones, as there."""
+    """Intervals that replace the campaign's for the same parameters or are added to them, in the
+    same form."""
 
 
 @dataclass(frozen=True)
@@ -317,37 +317,35 @@ class FigureChoice:
 
 @dataclass(frozen=True)
 class Jobs:
-    """How the runs are grouped. Only `keep: responses` changes numbers: to single precision."""
+    """How the runs are grouped. Only `keep: responses` changes results, to single precision."""
 
     runs_per_job: Annotated[
         int | OrAuto, Rule("a whole number of at least 1, or `auto`", least=1)
     ] = "auto"
-    """Most runs in one job. A job is one process; it starts in about 1 s, the time of some 50 runs,
-    so few jobs are best, but there should be one for each core. `auto`: 512, or more where that
-    makes more than eight jobs, or one for each core of this machine; 4,096, or more where that
-    makes more than 64; and more where there would be more jobs for some cores of this machine than
-    for others."""
+    """Most runs in one job. A job is one process, which starts in about 1 s, the time of some 50
+    runs. Few jobs are best, but at least one for each core. `auto` makes eight jobs, or one for
+    each core of this machine: fewer if a job had less than 512 runs, up to 64 if it had more than
+    4,096. It also gives all cores of this machine as many jobs."""
     group: Annotated[int, Rule(least=1)] = 32
-    """Runs that are integrated side by side; they are written while the next ones are integrated,
-    so this bounds memory and what a killed job loses."""
+    """Runs that are integrated together. They are written while the next ones are integrated, so
+    this limits memory and the loss of a killed job."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"
-    """`trajectories` writes everything recorded of a group of runs into a netCDF file, from which
-    other responses can be taken later without simulating again. `responses` keeps the responses
-    alone, in single precision (6e-8 of a value), in far less disk space; another design, size of
-    group or response simulates again. `extremes`, for `sobol` without order, keeps the least and
-    largest value of each response at each instant, with where they are attained, and of every run
-    its parameters, quantities and events: a million runs take some 100 MB
-    (docs/larger-campaigns.md)."""
+    """`trajectories` writes all records of a group of runs into a netCDF file, from which other
+    responses can be computed later without new runs. `responses` keeps only the responses, in
+    single precision (6e-8 of a value), in far less disk space; another design, group size or
+    response needs new runs. `extremes`, for `sobol` without order, keeps the least and largest
+    value of each response at each instant with the place, and the parameters, quantities and events
+    of every run: a million runs take some 100 MB (docs/larger-campaigns.md)."""
     minutes: Annotated[float, Rule(least=0, unit="min")] = 0.0
-    """How long a job shall take on its `processes`, in place of `runs_per_job`: clusters want jobs
-    of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an
-    estimate that is accurate to a factor of about two. 0: as many runs as `runs_per_job` says."""
+    """Duration of a job on its `processes`, instead of `runs_per_job`; clusters want jobs of 15
+    minutes or more. The number of runs is computed from `run_seconds`, or from an estimate that is
+    accurate to a factor of about two. 0: use `runs_per_job`."""
     run_seconds: Annotated[float, Rule(least=0, unit="s")] = 0.0
-    """Seconds of one core that a run takes, where they were measured; the log of a job tells them
-    if there are `minutes`. 0: estimated."""
+    """Measured seconds of one core for a run; the log of a job has them if there are `minutes`. 0:
+    estimated."""
     processes: Annotated[int, Rule(least=1, most=1024)] = 1
-    """Processes of a job, one for each core that it shall have; they share one compiled time loop.
-    On a cluster as many as a node has cores, so that a job fills it."""
+    """Processes of a job, one for each of its cores; they share one compiled time loop. On a
+    cluster use as many as a node has cores, so that a job fills it."""
 
 
 Times = Annotated[Pair, Rule(PAIR, unit="s")]
@@ -357,12 +355,12 @@ _Size = Annotated[float, Rule(above=0, unit="response")]
 
 @dataclass(frozen=True)
 class UnknownSensor:
-    """What is not known of the sensor, and eliminated within this test."""
+    """Unknown properties of the sensor, which are eliminated within this test."""
 
     delay: Times = (0.0, 0.0)
-    """How much later than the structure's the file's times are, at least and at most."""
+    """Least and largest delay of the file's times after the structure's."""
     offset: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
-    """Half width about 0 of what the sensor adds, in the response's unit, by response."""
+    """Half width about 0 of the sensor's offset, in the response's unit, by response."""
     gain: Annotated[dict[Name, Annotated[float, Rule(above=0, unit="1")]], _ByResponse] = field(
         default_factory=dict
     )
@@ -376,39 +374,39 @@ class UnknownSensor:
 
 @dataclass(frozen=True)
 class MeasuredTest:
-    """Measured curves of one test, and what held in it (docs/measured.md)."""
+    """Measured curves of one test, and its conditions (docs/measured.md)."""
 
     file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")]
-    """A CSV file, sought from the folder of the config: names with units, such as
-    `t [s],angle [rad]`, above rows of numbers; one column is the time."""
+    """A CSV file, with its path from the folder of the config. Names with units, such as `t
+    [s],angle [rad]`, stand above rows of numbers; one column is the time."""
     columns: Annotated[
         dict[str, Name], Rule("a mapping from names of columns to names of responses", least=1)
     ]
-    """Which column measures which response; the unit of the column may be any that fits."""
+    """The response that each column measures. A column may have any unit that fits."""
     band: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
-    """By how much the sensor may be wrong, beyond what `unknown` says, in the response's unit, by
-    response; or the file has a column `<column>_band`."""
+    """Largest error of the sensor besides `unknown`, in the response's unit, by response. Instead,
+    the file may have a column `<column>_band`."""
     model: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
-    """By how much the model may be wrong, which is added to the band."""
+    """Largest error of the model, which is added to the band."""
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
         dict[str, Annotated[Pair, Rule(PAIR, text="Interval in this test.", unit="parameter")]],
         Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
     ] = field(default_factory=dict)
-    """Parameters of the scene that only this test does not know, such as the angle and the rate at
-    its start: they are eliminated within it."""
+    """Parameters of the scene that are unknown in this test alone, such as the angle and the rate
+    at its start. They are eliminated within it."""
     window: Times = ABSENT
-    """First and last time of the file that count. Default: all behind the longest delay."""
+    """First and last time of the file to use. Default: all after the longest delay."""
     scene: SceneValues = field(default_factory=dict)
-    """Values that held in this test, by the scene's parameter names; an interval parameter among
-    them is not narrowed by it."""
+    """Values of the scene's parameters in this test, by name. The test does not narrow an interval
+    parameter among them."""
     use: Literal["calibrate", "check"] = "calibrate"
-    """`check`: it may refute what the other tests leave, and narrows nothing."""
+    """A `check` can refute what the other tests leave, but narrows nothing."""
 
 
 def _definition(noun: str, example: str, **units: str) -> Rule:
-    """The rule of a response's or quantity's definition, which the mechanics read; units: of its
-    numbers, by key."""
+    """Return the rule of a response's or quantity's definition, which the mechanics read. units:
+    units of its numbers, by key."""
     text, pairs = f"Definition of one {noun}.", tuple(units.items())
     return Rule(f"a mapping such as {example}", text=text, units=pairs, least=1)
 
@@ -438,8 +436,7 @@ class Config:
     design: DesignSection = DesignSection()
     bounds: BoundsChoice = BoundsChoice()
     held_out: Annotated[int, Rule(least=0, most=10_000)] = 4
-    """Extra runs that no surrogate is fitted to; the error estimate comes from them. Not used by
-    `sobol`."""
+    """Extra runs that are kept out of the fit, to estimate its error. `sobol` does not use them."""
     responses: Annotated[
         dict[
             Name,
@@ -451,8 +448,8 @@ class Config:
             "definitions"),
     ]  # fmt: skip
     """The curves to bound, by names of your own: distances, positions, velocities, openings,
-    tensions, energies, forces, stresses and others (docs/responses.md); at least one, unless there
-    are `margins`."""
+    tensions, energies, forces, stresses and others (docs/responses.md). At least one is needed,
+    unless there are `margins`."""
     quantities: Annotated[
         dict[
             Name,
@@ -469,9 +466,9 @@ class Config:
         ],
         Definitions,
     ] = field(default_factory=dict)
-    """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
-    values, values at a time, times of crossings and events and others, and arithmetic of these
-    (docs/quantities.md). A run in which it does not happen has none."""
+    """Numbers of a run to bound, by names of your own: peaks, final and mean values, values at a
+    time, times of crossings and events, and arithmetic of these (docs/quantities.md). A run in
+    which an event does not happen has no such number."""
     margins: Annotated[
         dict[
             Name,
@@ -487,20 +484,20 @@ class Config:
         Definitions,
     ] = field(default_factory=dict)
     """Torque or force margins over the travel of an opening moved quasi-statically, by names of
-    your own (docs/review-sheet.md). Each is a response over the opening, the quantity
-    `<name>_least`, and, unless `requirements` say otherwise, the requirement that this is at least
-    0. With margins and no other response or quantity, `duration` is 1 ms if nothing is said: it
-    moves no margin."""
+    your own (docs/review-sheet.md). Each adds a response over the opening, the quantity
+    `<name>_least`, and, unless `requirements` name it, the requirement that this is at least 0.
+    If a campaign has only margins, the default `duration` is 1 ms, since margins do not depend on
+    it."""
     published: Annotated[
         dict[str, Annotated[float, Rule(text="Published largest difference.", unit="response")]],
         Rule("a mapping from names of `responses` to numbers"),
     ] = field(default_factory=dict)
-    """Largest differences of the bounds that somebody has published, by response; the summary puts
-    ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
-    out: they are of another box."""
+    """Published largest differences of the bounds, by response; the summary compares ours with
+    them. If a later file or `--config` changes `scene` or `intervals`, they are left out, because
+    the box is another."""
     review: Literal["ecss-e-st-33-01c"] = ABSENT
-    """Standard of which a review sheet is made, in summary and page and as `review.csv` and
-    `review.md`: each clause with what was shown of it (docs/review-sheet.md)."""
+    """Standard of the review sheet in summary, page, `review.csv` and `review.md`, which has the
+    verdict on each clause (docs/review-sheet.md)."""
     error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[
@@ -508,14 +505,14 @@ class Config:
             dict[str, Annotated[Limits, Rule("a mapping with `at_least`, `at_most` or "
                 "`happens`, by quantity as in `{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
-                text="The limits of one requirement, by quantity; all of them must be kept. A "
-                "list `cases: [on ground]` beside them: it is of these cases alone."),
+                text="The limits of one requirement, by quantity; all of them must hold. A list "
+                "`cases: [on ground]` beside them restricts it to these cases."),
         ]],
         Rule("a mapping from names to limits of quantities, such as `{in_time: {t_shut: {at_most: "
             "0.32}}}`"),
     ] = field(default_factory=dict)  # fmt: skip
-    """What must hold all over the box, by names of your own: limits of quantities. The campaign
-    tells whether all, some or none of the box meets each and all together, with which margin, and
+    """Limits of quantities that must hold in the whole box, by names of your own. The campaign
+    reports whether all, some or none of the box meets each and all together, with which margin, and
     where it fails (docs/quantities.md)."""
     choose: Annotated[
         ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
@@ -526,8 +523,8 @@ class Config:
         ],
         Rule("a mapping from names of tests to mappings"),
     ] = field(default_factory=dict)
-    """Tests whose measured curves tell which part of the box is left, or that none is, by names of
-    your own."""
+    """Tests with measured curves, by names of your own. They narrow the box, or refute the
+    model."""
     figures: FigureChoice = FigureChoice()
     jobs: Jobs = Jobs()
     cases: Annotated[
@@ -539,6 +536,6 @@ class Config:
         ],
         Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
     ] = field(default_factory=dict)
-    """Variants of the campaign, by names of your own, such as `on ground` or `one spring out`: each
-    is run over the whole box, with results in `results/<campaign>/<name>/`, and a page tells which
-    requirement is met in all of them and which case decides (docs/cases.md)."""
+    """Variants of the campaign, by names of your own, such as `on ground` or `one spring out`. Each
+    is run over the whole box, with results in `results/<campaign>/<name>/`. A page shows which
+    requirement is met in all cases, and which case decides (docs/cases.md)."""

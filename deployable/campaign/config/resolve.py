@@ -134,7 +134,7 @@ _MARGIN = KINDS["margin"]._replace(optional=tuple(k for k in OPTIONAL if k != "w
 
 
 def _response_of_margin(name: str, definition: Mapping, config: Config) -> dict[str, Any]:
-    """The definition of the response that a margin, whose keys are checked, is."""
+    """Return the definition of the response that a margin, whose keys are checked, is."""
     conflicts = [f"responses.{name}"] * (name in config.responses)
     conflicts += [f"quantities.{name}_least"] * (f"{name}_least" in config.quantities)
     if conflicts:
@@ -200,7 +200,7 @@ def intervals_of(
 
 
 def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: Any) -> Interval:
-    """The interval of one parameter, inside the range that the scene allows."""
+    """Return the interval of one parameter, inside the range that the scene allows."""
     real, parameter = real_names(scene_type), scene_type.parameters.get(name)
     if parameter is None:
         raise RefusedError("", unknown(name, f"parameter of {scene_type.name}", real))
@@ -221,7 +221,7 @@ def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: 
 
 
 def _ends(spec: IntervalSpec, default: Any) -> Interval:
-    """The interval that is meant; `default` is the scene's value."""
+    """Return the interval that is meant; `default` is the scene's value."""
     lower, nominal, upper = spec.lower, spec.nominal, spec.upper
     if lower is not None:
         return Interval(lower, 0.5 * (lower + upper) if nominal is None else nominal, upper)
@@ -249,7 +249,7 @@ def unknown(name: str, noun: str, names: Iterable[str]) -> str:
 
 
 def allows(parameter: Any, value: Any) -> bool:
-    """Whether a parameter of an `fpm` structure (`Parameter`) may have a value."""
+    """Return whether a parameter of an `fpm` structure (`Parameter`) may have a value."""
     try:
         parameter.check("", value)
     except SceneError:

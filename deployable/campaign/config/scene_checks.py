@@ -91,7 +91,8 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
 
 
 def _build_problems(experiment: Experiment) -> list[str]:
-    """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
+    """Describe inconsistencies that the scene finds at the nominal values or at the first bad
+    corner."""
     first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
@@ -117,7 +118,8 @@ _LONG = 60.0  # s
 
 
 def _time_problems(experiment: Experiment) -> list[str]:
-    """Whether step and instants allow a run, judged at nominal values; the plan checks corners."""
+    """Return whether step and instants allow a run, judged at nominal values; the plan checks
+    corners."""
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
@@ -133,7 +135,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
 
 
 def _memory_problems(experiment: Experiment) -> list[str]:
-    """Whether the runs that are integrated side by side find room in memory."""
+    """Return whether the runs that are integrated side by side find room in memory."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
     count = count_values(scene, experiment.record) if experiment.record else 0
     most = MOST_NUMBERS // (8 * (6 * len(scene.points) + len(scene.hinges) + 10 + count))
@@ -164,7 +166,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
-    """Which travels the structure cannot make, at the nominal values and a few positions."""
+    """Describe travels that the structure cannot make, at the nominal values and a few
+    positions."""
     problems = []
     for curve in experiment.response_list:
         if curve.kind == "margin":
@@ -182,7 +185,8 @@ def _travel_problems(experiment: Experiment) -> list[str]:
 
 
 def _barrier_problems(scene: Any, curve: Any, path: Any) -> list[str]:
-    """Whether a latch or a stop keeps a joint well before the end of the travel of a margin."""
+    """Return whether a latch or a stop keeps a joint well before the end of the travel of a
+    margin."""
     from fpm.structures.plausible import GIVES, find_barrier, opening_text
 
     (number,) = (n for n, hinge in enumerate(scene.hinges) if hinge.name == path.openings[0])
@@ -194,7 +198,7 @@ def _barrier_problems(scene: Any, curve: Any, path: Any) -> list[str]:
 
 
 def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:
-    """Whether a margin by the factors of a spring that is out is without one, of several."""
+    """Return whether a margin by the factors of a spring that is out is without one, of several."""
     if "spring out" not in curve.subjects:
         return []
     drive = find_drives(work)
@@ -210,7 +214,7 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
 
 
 def _quantity_problems(experiment: Experiment) -> list[str]:
-    """What of the quantities cannot be read off a run of the scene."""
+    """Describe quantities that cannot be evaluated in a run of the scene."""
     if not experiment.quantities:
         return []
     elements = eventful(experiment.nominal_scene)
@@ -219,7 +223,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 
 
 def _design_problems(campaign: Campaign) -> list[str]:
-    """Whether what is kept goes with the design, and whether it can be made."""
+    """Return whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
     has_none = is_plain and campaign.bounds.model in ("auto", "polynomial")
@@ -241,7 +245,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
 
 
 def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
-    """Whether the runs of a plan are enough, and not too many, for a spline."""
+    """Describe the problem if a plan has too few or too many runs for a spline."""
     experiment, model, box = campaign.experiment, campaign.bounds.model, campaign.experiment.box
     if box.free.sum() > MOST_FULL:
         text = f"{model!r} is not allowed with {box.free.sum()} intervals; allowed: polynomial"
@@ -261,7 +265,7 @@ def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
 
 
 def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
-    """A scene's error as sentences: all that is wrong with a file, or the one of a known scene."""
+    """Turn a scene's error into sentences: all problems of a file, or the one of a known scene."""
     if problems := getattr(error, "problems", None):
         allowed = ""
         if not Path(error.source).exists():
@@ -293,7 +297,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
-    """The campaign, whose `accuracy` keeps the runs of its choice; what `max_runs` lacks."""
+    """Return the campaign, whose `accuracy` keeps the runs of its choice; what `max_runs` lacks."""
     experiment, reserve = campaign.experiment, 0
     if campaign.choose.parameters:
         reserve = len(design_points(widen_intervals(experiment, campaign.choose), campaign.choose))
@@ -345,7 +349,7 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
 
 
 def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
-    """What is wrong with the range of a parameter's choices; nothing where it is right."""
+    """Describe the problem with the range of a parameter's choices, if there is one."""
     scene, (low, high) = experiment.scene_type, choose.parameters[name]
     if name not in (real := real_names(scene)):
         return unknown(name, "real parameter", real)

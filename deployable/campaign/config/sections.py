@@ -70,7 +70,7 @@ def scene_type(name: str, file: str = "") -> Any:
 
 @lru_cache(maxsize=8)
 def _structure_from_text(text: str, source: str) -> Any:
-    """A structure's text is read once, however many stages and rounds want it."""
+    """Load a structure from its text, once for all stages and rounds that use it."""
     return structures.loads(text, source)
 
 
@@ -88,8 +88,9 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
-    """Yield parameter values by name to build the structure at: at the nominal point, then at all
-    corners of the box of up to four `intervals`; of more at each interval's two ends."""
+    """Yield parameter values by name at which to check the structure: the nominal point, then
+    all corners of the box of up to four `intervals`, or both ends of each interval if there are
+    more."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if len(intervals) <= 4:

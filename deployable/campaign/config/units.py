@@ -60,8 +60,8 @@ class StatedUnits:
     def _resolve(
         self, value: Any, key: ConfigKey, symbol: str, path: tuple, owner: str, parent: Any = None
     ) -> Any:
-        """A value at a path, whose numbers have the unit `symbol`, or that of the `owner`, a name;
-        parent: the mapping that has it."""
+        """Convert the numbers of a value at a path to the unit `symbol`, or to that of `owner`, a
+        name. parent: the mapping that has the value."""
         if isinstance(value, Mapping):
             result: dict[str, Any] = {}
             symbols = dict(key.rule.units)
@@ -93,7 +93,8 @@ class StatedUnits:
     def _number(
         self, text: str, number: str, name: str, symbol: str, path: tuple, key: ConfigKey
     ) -> Any:
-        """A number in the unit `symbol`; the text, which is noted, where its unit does not fit."""
+        """Return a number in the unit `symbol`. If its unit does not fit, note the problem and
+        return the text."""
         hint, words = "", ", or in %" if symbol == "1" else f" ({symbol})"
         try:
             target = _unit(symbol)
@@ -118,7 +119,7 @@ class StatedUnits:
     # -- units that depend on the structure ---------------------------------------------------
 
     def _symbol_of(self, symbol: str, path: tuple, owner: str, parent: Any) -> str:
-        """The unit of a key, by name."""
+        """Return the unit of a key, by name."""
         if symbol == "parameter":
             return self._structure(path).parameters[owner].unit
         if symbol == "quantity":
@@ -172,8 +173,8 @@ def _unit(text: str) -> Unit:
 
 
 def _fits(source: Unit, target: Unit) -> bool:
-    """Whether a number in one unit may stand for another: of the same dimension, no angle for a
-    plain number, no frequency for an angular one."""
+    """Return whether a number in one unit may stand for another: of the same dimension, no angle
+    for a plain number, no frequency for an angular one."""
     first, second = (bool(re.search("rad|degree|rpm", x.udunits)) for x in (source, target))
     is_same = source.dimension.powers == target.dimension.powers
     is_free = any(target.dimension.powers) and "Hz" not in source.udunits + target.udunits

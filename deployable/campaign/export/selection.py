@@ -206,7 +206,8 @@ def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _is_campaign(path: Path) -> bool:
-    """Whether a YAML file is a campaign's, not a structure's, whose reader says what is wrong."""
+    """Return whether a YAML file is a campaign's, not a structure's, whose reader says what is
+    wrong."""
     try:
         return "campaign" in read_file(path).data
     except ConfigError:

@@ -57,7 +57,8 @@ def tabulate_curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np
 
 
 def tabulate_runs(folder: Folder) -> list[list]:
-    """Make the table of a campaign's runs, headings first: id, role, parameters, quantities."""
+    """Make the table of a campaign's runs with a row of headings: id, role, parameters,
+    quantities."""
     with open_samples(folder) as samples:
         experiment, table = samples.experiment, samples.table
         fields = samples.ids(), samples.roles, table.values.tolist(), table.numbers

@@ -98,7 +98,7 @@ def frames(motion: xarray.Dataset, by_stress: bool = False) -> Iterator[np.ndarr
 
 
 def _palette(images: list) -> Any:
-    """A picture whose palette serves all frames: of some of them side by side."""
+    """Return a picture whose palette serves all frames: some of them side by side."""
     from PIL import Image
 
     sample = images[:: max(1, len(images) // 8)]

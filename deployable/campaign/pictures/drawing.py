@@ -64,5 +64,5 @@ def write_structure(scene: Any, path: str | Path) -> Path:
 
 
 def _place(scene: Any, beam: Any) -> np.ndarray:
-    """Where a virtual beam ends."""
+    """Return the global end point of a virtual beam."""
     return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm

@@ -21,7 +21,7 @@ def make_figure(**options: Any) -> Any:
 
 
 def to_png(figure: Any) -> bytes:
-    """Return a figure as the content of a PNG file, which the same data make the same."""
+    """Return a figure as the content of a PNG file, the same bytes for the same data."""
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
     return buffer.getvalue()

@@ -77,7 +77,8 @@ def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
 
 
 def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, Any]:
-    """The JSON part: the particles' node, the mesh, then a node for each particle and point."""
+    """Return the JSON part: the particles' node, the mesh, then a node for each particle and
+    point."""
     place = motion["position"].values @ TO_GLTF.T
     if small:
         quantum = np.ptp(place, axis=(0, 1)).max() / 65534 or 1.0
@@ -162,7 +163,7 @@ def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
 
 
 def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
-    """The visible faces of the bars, two triangles each."""
+    """Return the visible faces of the bars, two triangles each."""
     element, face = np.nonzero(solid.visible)
     corner = FACES[face]  # (f, 4)
     points = (solid.corners[0] @ TO_GLTF.T)[element[:, None], corner]

@@ -110,9 +110,9 @@ def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -
 
 
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
-    """Find the lowest and highest corner (2, 2) of a picture (m, in its plane) that holds all
+    """Find the lowest and highest corner (2, 2) of a picture (m, in its plane) that contains all
     positions. places (..., 3): m; view: direction to the eye; margin: added on each side, as a
-    fraction of the larger extent; the smaller counts as at least 0.35 of it."""
+    fraction of the larger extent. The smaller extent counts as at least 0.35 of the larger."""
     flat = places.reshape(-1, 3) @ view.page.T
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max((high - low).max(), 1e-9)

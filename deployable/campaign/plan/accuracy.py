@@ -44,10 +44,11 @@ _CANDIDATES = 4096  # points at which the spline is asked for more
 
 
 def start_plan(experiment: Experiment) -> Plan:
-    """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
-    width (fewer where `max_runs` allows no more and a check): the nominal one, the corners of the
-    box, if they are at most half of them, and points of a Sobol sequence. It has errors estimated
-    by mesh, or by step if no parameter sets the mesh, by both if there is no other check."""
+    """Make the plan of round 0 of an `accuracy` (config). It has eight runs for each interval that
+    has a width, fewer if `max_runs` leaves no room for them and a check: the nominal run, the
+    corners of the box if they are at most half of the runs, and points of a Sobol sequence. The
+    plan estimates errors of the mesh, or of the step if no parameter sets the mesh, or of both if
+    there is no other check."""
     box, count = experiment.box, count_first_runs(experiment)
     points = intervals.make_design("sobol", box, samples=max(count - 1, 1)).points
     check: tuple[str, ...] = ("mesh",) if _has_mesh(experiment) else ("step",)
@@ -97,7 +98,8 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
 def _plan(
     experiment: Experiment, points: list, rounds: tuple, check: tuple, time: TimeStep | None = None
 ) -> Plan:
-    """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
+    """Return the plan of runs at unit points (n, k), with the last step if mesh and safety are
+    kept."""
     places = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, points=places)
     plan = make_plan(replace(experiment, design=design), time=time)
@@ -105,19 +107,21 @@ def _plan(
 
 
 def _halve(solver: Solver, time: TimeStep) -> float:
-    """A safety that takes half the step, which instants may keep far below the stable one."""
+    """Return the safety factor that halves the step, which recorded instants may keep far below the
+    stable one."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
 
 
 def _has_mesh(experiment: Experiment) -> bool:
-    """Whether a parameter sets the mesh, be it free or given."""
+    """Return whether a parameter sets the mesh, be it free or given."""
     return experiment.scene_type.mesh is not None
 
 
 def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, dict[str, float]]:
-    """Errors by component, as fractions of widths: of responses by surrogate, step and mesh, of
-    quantities by step and mesh; these two as last checked. numbers (R, q): quantities in runs."""
+    """Return errors by component as fractions of widths: of responses by surrogate, step and mesh,
+    of quantities by step and mesh. Errors of step and mesh come from the last check. numbers (R,
+    q): quantities in runs."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
@@ -132,13 +136,13 @@ def _relative_errors(plan: Plan, bounds: Any, numbers: np.ndarray) -> dict[str, 
         all_shares = {**previous.get(name, {}), **shares}
         errors[name] = {"surrogate": shares["surrogate"]} if "surrogate" in shares else {}
         for component in (component for component in COMPONENTS if component in all_shares):
-            is_known = all_shares[component] < UNKNOWN  # not so NaN
+            is_known = all_shares[component] < UNKNOWN  # False for NaN
             errors[name][component] = all_shares[component] if is_known else UNKNOWN
     return errors
 
 
 def _count_new_runs(plan: Plan) -> int:
-    """Runs of a plan that are not those of the round before it."""
+    """Count the runs of a plan that the round before it did not have."""
     nodes, last = len(plan.unique_runs), plan.adaptive.rounds[-1:]
     return nodes if not last or last[0].action in ("mesh", "step") else nodes - last[0].nodes
 
@@ -173,8 +177,8 @@ def left_tolerances(plan: Plan) -> list[float]:
 def _refinement_state(
     plan: Plan, shares: Mapping, is_step_free: bool = True, check_count: int | None = None
 ) -> RefinementState:
-    """How things stand, with what the rounds up to this plan's took and the next one would; in the
-    check of this round that was `check_count` runs, if known."""
+    """Return the state of the rounds: errors, the cost of the rounds so far, and the cost of the
+    next one. check_count: number of check runs in this round, if known."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs)
     time = run_seconds(plan.experiment, plan.time)
     last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")

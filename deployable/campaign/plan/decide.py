@@ -103,7 +103,8 @@ class Errors:
 
     @property
     def surrogate(self) -> float:
-        """Error by the surrogate; 0 of quantities, whose bounds are sought after the rounds."""
+        """Return the error of the surrogate; 0 for quantities, which are bounded after the
+        rounds."""
         return self.parts.get("surrogate", 0.0)
 
     @property
@@ -228,7 +229,8 @@ class RefinementState:
         return (action, cause) if is_needed else ("runs", "")
 
     def _stagnation(self, error: Errors) -> str:
-        """Why no more runs help: the error hardly fell with four times as many; empty if it did."""
+        """Say why more runs do not help: the error hardly fell with four times as many. Empty if it
+        did."""
         nodes, value = self.cost.nodes, error.surrogate
         for record in self.state.rounds:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
@@ -242,7 +244,7 @@ class RefinementState:
         return ""
 
     def _exceeds_budget(self, action: str) -> str:
-        """Why the budget does not allow an action; nothing where it does."""
+        """Say why the budget does not allow an action; nothing if it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.need_of(action)
         if cost.runs + runs + cost.reserve > budget.max_runs:
@@ -270,7 +272,8 @@ class RefinementState:
         return min(max(rate, _RATES[0]), _RATES[1])
 
     def _is_last(self) -> bool:
-        """Whether the next runs should suffice, and a check is cheaper than a round of its own."""
+        """Return whether the next runs should suffice, and a check is cheaper than a round of its
+        own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
         return self.cost.need_of("check")[1] <= ROUND and all(
             error.surrogate * fall ** self._rate(error) <= error.allowance
@@ -285,7 +288,8 @@ class RefinementState:
         return Decision("stop", f"{cause}: {unmet}. {takes}")
 
     def _takes(self, error: Errors) -> str:
-        """What it would take to bring one error down to its tolerance, by how parts fell so far."""
+        """Estimate what would bring one error down to its tolerance, from how its parts fell so
+        far."""
         if self._stagnation(error):
             return f"more runs do not help {error.name}"
         nodes, seconds, texts = self.cost.nodes, self.cost.run_seconds, []
@@ -307,7 +311,8 @@ class RefinementState:
         return f"{error.name} would take {need}, about {time} of a core"
 
     def _is_not_converging(self, error: Errors) -> bool:
-        """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""
+        """Return whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly
+        fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))
@@ -323,7 +328,7 @@ class RefinementState:
 
 
 def _halvings(error: Errors, fall: float) -> int:
-    """How often a mesh must be halved for its error to take half of its tolerance."""
+    """Return how often a mesh must be halved for its error to be half of its tolerance."""
     return max(1, math.ceil(math.log(2 * error.discretization / error.tolerance) / math.log(fall)))
 
 

@@ -57,12 +57,12 @@ def job_megabytes(campaign: Campaign) -> int:
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
-    """Return the core seconds on this machine of a run that is one of eight side by side: the
-    config's `jobs.run_seconds`, else an estimate. time: step of the plan; None: chosen."""
+    """Return the core seconds of one of eight runs side by side on this machine: the config's
+    `jobs.run_seconds`, or an estimate. time: step of the plan; None: it is chosen."""
     experiment = campaign.experiment
     if seconds := campaign.jobs.run_seconds:
         return seconds
-    # Every call of Snakemake asks for this, and the step at the corners is much the same.
+    # Every call of Snakemake needs this, so the corners, with nearly the same step, are skipped.
     time = time or choose_step(experiment, corners=False)
     return effort.machine() * run_seconds(experiment, time)
 

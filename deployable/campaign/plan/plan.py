@@ -225,7 +225,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read a plan from `path`; raises `fpm.files.seals.DamagedError` if it is not as written."""
+    """Read a plan from `path`; raises `fpm.files.seals.DamagedError` if the file has changed."""
     data = read_json(path)
     with report_damage(path):
         experiment, mechanics = Experiment.from_results(data["config"]), str(data["mechanics"])

@@ -14,10 +14,10 @@ RULES = str(WORKFLOW / "rules" / "campaign.smk")
 
 
 def list_campaigns() -> dict[str, Path]:
-    """The paths of the shipped campaigns' configs (YAML), by file name without suffix."""
+    """Return the paths of the shipped campaigns' configs (YAML), by file name without suffix."""
     return {path.stem: path for path in sorted(CONFIG.glob("*.yaml"))}
 
 
 def list_structures() -> dict[str, Path]:
-    """The paths of the shipped structures' files (YAML), by file name without suffix."""
+    """Return the paths of the shipped structures' files (YAML), by file name without suffix."""
     return {path.stem: path for path in sorted(CONFIG.glob("structures/*.yaml"))}

@@ -79,7 +79,8 @@ def count_moving_runs(particles: int) -> int:
 def _label_runs(
     ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
 ) -> dict[int, str]:
-    """What runs are, by their places among values (R, k), of which equal ones are one run."""
+    """Label the nominal run and the runs at the ends of quantities, by their indices among values
+    (R, k). Runs with equal values share a label."""
     first = nominal or 0
     ends_by_run: dict[int, dict[str, list[str]]] = {}
     for name, runs in ends:

@@ -40,7 +40,7 @@ class _Arrays:
         self.data = bytearray()
 
     def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
-        """Append an array's bytes and return where it is, a dict for the page's script: kind, at
+        """Append an array's bytes and return their place as a dict for the page's script: kind, at
         (first byte), count (of numbers). kind: numpy's little-endian type, such as `f4`."""
         raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
         entry = {"kind": kind, "at": len(self.data), "count": raw.size}
@@ -144,7 +144,8 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
 
 
 def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any] | None:
-    """What was fitted; a polynomial's constant, which is most of it, in double precision."""
+    """Pack the fits for the page; a polynomial's constant, which is most of its value, in double
+    precision."""
     if (model := data.what_if) is None:
         return None
     rows = [row for row in data.facts["quantities"] if row["name"] in model.quantities]
@@ -180,8 +181,9 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
 
 
 def _choice_parameters(data: PageData) -> list[dict[str, Any]]:
-    """The parameters of the sliders with a choice: those of the box, then others that are chosen,
-    each with what the choice's runs span and, of those that are chosen, the best `value`."""
+    """Return the parameters of the sliders with a choice: those of the box, then others that are
+    chosen, each with what the choice's runs span and, of those that are chosen, the best
+    `value`."""
     values = {p["name"]: p["value"] for p in data.facts["choice"]["parameters"]}
     rows = {p["name"]: p for p in (*data.facts["fixed"], *data.parameters)}
     return [
@@ -216,7 +218,7 @@ def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[s
 
 
 def _motion(movers: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
-    """The moving runs as glTF files, and what their colours have in common."""
+    """Return the moving runs as glTF files, and what their colours have in common."""
     clips = [m.motion for m in movers]
     if frames:
         indices = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in clips)

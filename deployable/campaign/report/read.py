@@ -111,7 +111,7 @@ def _moving(
 
 
 def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdicts | None:
-    """The distinct runs and which meet the requirements, further ones too."""
+    """Return the distinct runs and which meet the requirements, further ones too."""
     if not summary["quantities"]:
         return None
     table = RunTable.join([samples.table, read_refinement(folder)[0]])
@@ -123,7 +123,7 @@ def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdi
 
 
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
-    """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
+    """Return the fits to quantities and, where bounds come from a polynomial, to responses."""
     limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:

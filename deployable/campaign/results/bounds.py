@@ -58,7 +58,8 @@ def include_runs(folder: Folder, runs: Any) -> None:
         wider = bounds
         if "models" in bounds.attrs:
             points = runs.experiment.box.to_unit(values)
-            samples = intervals.add_runs(samples, points, values, curves, runs.events)
+            events = runs.events, runs.event_margins
+            samples = intervals.add_runs(samples, points, values, curves, *events)
             design = _design(samples, runs.experiment)
             wider = intervals.bounds_dataset(samples, design, model="auto")
             parts = [part for part in bounds.attrs.get("error_parts", []) if part != "surrogate"]
@@ -71,8 +72,8 @@ def include_runs(folder: Folder, runs: Any) -> None:
 
 
 def _design(samples: Any, experiment: Experiment) -> Any:
-    """The design of the runs in `samples`: of a plain scan to make it again takes longer than its
-    bounds, and a file of runs may be elsewhere by now."""
+    """Return the design of the runs in `samples`: of a plain scan to make it again takes longer
+    than its bounds, and a file of runs may be elsewhere by now."""
     method, order = experiment.design.method, experiment.design.order
     if not (method == OWN_RUNS or (method == "sobol" and order is None)):
         return make_design(experiment)

@@ -73,14 +73,15 @@ def facts_of_cases(
 
 
 def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """The clearest next test of each case, where runs that measured curves leave differ most."""
+    """Return the clearest next test of each case, where runs that measured curves leave differ
+    most."""
     tests = {name: facts.get("measured", {}).get("next") for name, facts in summaries.items()}
     return [{**rows[0], "case": name} for name, rows in tests.items() if rows]
 
 
 def combine_met(verdicts: Iterable[str]) -> str:
-    """Return what several cases make of a requirement: `all` only where each meets it, `none` where
-    each fails everywhere, `some` where any fails, else `undecided`. verdicts: by case."""
+    """Combine the verdicts on a requirement in several cases: `all` if each case meets it, `none`
+    if each fails everywhere, `some` if any fails, otherwise `undecided`. verdicts: by case."""
     verdicts = set(verdicts)
     if len(verdicts) == 1:
         return verdicts.pop()
@@ -102,7 +103,7 @@ def _group(summaries: Mapping[str, Mapping], section: str) -> dict[str, dict[str
 
 
 def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """Of each requirement of any case, what it is in all of them."""
+    """Combine each requirement of any case over all of its cases."""
     rows = []
     for name, by_case in _group(summaries, "requirements").items():
         limits: dict[tuple, dict[str, Mapping]] = {}
@@ -125,7 +126,7 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 
 def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
-    """One limit in the cases that it is of, and the case that is worst."""
+    """Compare one limit over its cases, and find the worst of these."""
     worst = min(limits.values(), key=_severity)
     peers = {
         case: row for case, row in limits.items() if GROUPS[row["met"]] == GROUPS[worst["met"]]
@@ -140,20 +141,22 @@ def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
 
 
 def _margin(limit: Mapping) -> float:
-    """The margin of a limit; infinite where there is none, as it is kept or not."""
+    """Return the margin of a limit; infinite where there is none, as it is kept or not."""
     if limit["margin"] is not None:
         return limit["margin"]
     return math.inf if limit["kept"] else -math.inf
 
 
 def _severity(limit: Mapping) -> tuple:
-    """What decides first, the smallest: verdict, margin as a share of the level, share, name."""
+    """Return a sort key, the smallest for what decides: verdict, margin as a share of the level,
+    share, name."""
     size = abs(limit["level"]) or 1.0
     return GROUPS[limit["met"]], _margin(limit) / size, limit["share"], limit["case"]
 
 
 def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float]) -> bool:
-    """Whether the numbers of two rows differ by no more than both errors, or are infinite alike."""
+    """Return whether the numbers of two rows differ by no more than both errors, or are infinite
+    alike."""
     first, last = read(row), read(reference)
     if math.inf in (abs(first), abs(last)):
         return first == last
@@ -163,7 +166,7 @@ def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float])
 
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """The interval of each quantity in each case, and over all."""
+    """Return the interval of each quantity in each case, and over all."""
     keys = (
         "lower upper error units happens happens_uncertainty runs_without predicted_ends "
         "may_be_endless"
@@ -194,7 +197,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 
 def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:
-    """What a case changes, with units, as text."""
+    """Describe the changes of a case, with units."""
     units = {row["name"]: row["units"] for row in facts["fixed"]}
     spreads = {row["name"]: f"{quantity(row['nominal'], row['units'], 6)}, {spread(row)}"
                for row in facts["parameters"]}  # fmt: skip
@@ -209,7 +212,7 @@ def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:
 
 
 def _notes(facts: Mapping) -> list[str]:
-    """What makes the numbers of a case doubtful."""
+    """List what makes the numbers of a case doubtful."""
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))

@@ -49,7 +49,7 @@ def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
 
 
 def _state(facts: Mapping[str, Any]) -> dict[str, str]:
-    """What decides the results of a campaign, in words, by name."""
+    """Describe by name what determines the results of a campaign."""
     state = {"structure": facts["scene"], "duration": quantity(facts["duration"], "s", 6)}
     for row in facts["fixed"]:
         is_number = isinstance(row["value"], int | float)
@@ -60,8 +60,8 @@ def _state(facts: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _curve(rows: Mapping[str, ResponseBounds], labels: list[str]) -> dict[str, Any]:
-    """One response of several results: where its bounds are widest, and how far they are from those
-    of the first that has it, where both have values."""
+    """Compare one response of several results: where its bounds are widest, and their distance from
+    those of the first result that has the response, where both have values."""
     first, by_case = next(iter(rows.values())), dict.fromkeys(labels, None)
     for label, response in rows.items():
         place, units = response.widest, response.units

@@ -100,6 +100,8 @@ def facts_of(
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
+    if "unseen_from" in bounds.attributes:
+        facts["unseen_from"] = float(bounds.attributes["unseen_from"])
     if facts["overlap"] > SOFT:
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = {**runs, "all": sum(runs.values())}
@@ -107,8 +109,8 @@ def facts_of(
 
 
 def _late_parts(quantity: Any, rows: Mapping[str, Mapping]) -> list[str]:
-    """The times in an expression of quantities that go on beyond the end of the runs, or may have
-    no upper end. rows: of all quantities by name."""
+    """Return the times in an expression of quantities that go on beyond the end of the runs, or may
+    have no upper end. rows: of all quantities by name."""
     names = [part.name for part in getattr(quantity, "parts", ())]
     return [name for name in names if rows[name]["censored_at"] or rows[name]["may_be_endless"]]
 
@@ -156,8 +158,8 @@ def mark_constant(facts: dict) -> None:
 
 
 def varies(row: Mapping) -> bool:
-    """Whether a response or quantity depends on the parameters: its value does, or a quantity
-    occurs in some runs only. row: its dict in the results (`facts_of`)."""
+    """Return whether a response or quantity depends on the parameters: its value does, or a
+    quantity occurs in some runs only. row: its dict in the results (`facts_of`)."""
     if "constant" in row:
         return bool(row.get("runs_with") and row.get("runs_without"))
     return row.get("lower") is not None
@@ -198,7 +200,8 @@ def bounds_facts(
 
 
 def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
-    """What the structure is, its parameters that are no intervals, and what the others mean."""
+    """Describe the structure, its parameters that are not intervals, and the meaning of those that
+    are."""
     definitions = experiment.scene_type.parameters
     for parameter in parameters:
         parameter["description"] = definitions[parameter["name"]].text
@@ -213,7 +216,7 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
 
 
 def _contact_names(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
-    """Which parameters the stiffness of contacts is proportional to."""
+    """Return the parameters to which the stiffness of contacts is proportional."""
 
     def stiffness(**values: float) -> np.ndarray:
         return np.array([contact.stiffness for contact in Contact.find(experiment.build(values))])
@@ -275,7 +278,8 @@ def _response(
 
 
 def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict[str, float]:
-    """By how much the fit misses `runs` runs, and how many, if its error is far beyond."""
+    """Return how far the fit misses `runs` runs, and `runs`, if the decay of the coefficients
+    predicts a far larger error; else nothing."""
     if "polynomial" not in bounds.kind:
         return {}
     decay, residual = (float(bounds.errors[name][instant]) for name in ("decay", "held_out"))
@@ -283,13 +287,13 @@ def _extrapolated_error(bounds: ResponseBounds, instant: int, runs: int) -> dict
 
 
 def _mean(curve: np.ndarray, time: np.ndarray) -> float:
-    """The mean of a curve (T) over time (T)."""
+    """Return the mean of a curve (T) over time (T)."""
     return float(np.trapezoid(curve, time) / (time[-1] - time[0]))
 
 
 def _largest_trusted(bounds: ResponseBounds) -> dict[str, float] | None:
-    """The largest difference between the bounds of a response where these are drawn, with the
-    error of either and the time; None where there are no errors, or none is small enough."""
+    """Return the largest difference between the bounds of a response where these are drawn, with
+    the error of either and the time; None where there are no errors, or none is small enough."""
     width, error = bounds.width, bounds.error
     if error is None or not (is_sure := error < LARGE * width.max()).any():
         return None
@@ -308,8 +312,8 @@ def grade(error: float | None, width: float) -> str:
 
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
-    """Whether an accuracy is `met`, by the last errors of responses and quantities (rows), which
-    are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
+    """Return whether an accuracy is `met`, by the last errors of responses and quantities (rows),
+    which are `unmet`; why rounds and searches ended, as sentences; mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [
@@ -340,13 +344,14 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
 
 
 def _is_met(share: float | None, target: float, **_: Any) -> bool:
-    """As it is printed: with three digits."""
+    """Return whether a share meets its target, as printed with three digits."""
     return share is not None and float(f"{share:.3g}") <= target
 
 
 def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:
-    """How far the response of a crossing, or of a latch's joint, comes to its level over the box,
-    when (s), and whether it `moves` then, at the end of the run; nothing where there is none."""
+    """Return how close the response of a crossing, or of a latch's joint, comes to its level over
+    the box, when (s), and whether it still `moves` then, at the end of the run. Empty if there is
+    no such response."""
     response, level = quantity.response, quantity.level
     if quantity.event == "latches":
         scene = experiment.nominal_scene
@@ -388,7 +393,7 @@ def fitted_width(row: Mapping) -> float:
 
 
 def has_effect(influence: Mapping, row: Mapping, key: str) -> bool:
-    """Return whether a parameter that is known exactly (`key` "fixed"), or half as wide ("halved"),
+    """Return whether fixing a parameter (`key` "fixed"), or halving its interval ("halved"),
     narrows a quantity's interval by more than the error of these widths."""
     numbers = influence[key], influence["width_error"], row["surrogate_upper"]
     if "constant" in row or None in numbers:
@@ -411,8 +416,8 @@ def best_halvings(halved: Mapping[str, Mapping]) -> list[str]:
 
 
 def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
-    """Return the limit whose margin is the least for its error; None if none has both. limits: of
-    the best choice, dicts with `margin` and `error` in the unit of their quantity."""
+    """Return the limit with the smallest margin relative to its error; None if none has both.
+    limits: of the best choice, dicts with `margin` and `error` in the unit of their quantity."""
     rows = [limit for limit in limits if limit["margin"] is not None and limit.get("error")]
     return min(rows, key=lambda limit: limit["margin"] / limit["error"], default=None)
 
@@ -432,15 +437,16 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
 
 
 def worst_case(limit: Mapping, row: Mapping, quantities: Iterable[Mapping]) -> Mapping:
-    """Return a limit with the margin that summary and page tell, its error, its place and the run
-    there: where its quantity happens (`is_partial`), if its requirement `row` fails only where that
-    does not happen, else the limit as it is. quantities: dicts of all quantities."""
+    """Return a limit with the margin that summary and page show, its error, its place and the run
+    there. If the requirement `row` fails only where its quantity does not happen, these are the
+    values where it happens (`is_partial`); otherwise the limit is returned as it is. quantities:
+    dicts of all quantities."""
     name = happens_only(row, quantities)
     if limit["margin"] is not None or limit["quantity"] != name:
         return limit
     quantity = next(quantity for quantity in quantities if quantity["name"] == name)
     end, place = ("upper", "argmax") if limit["kind"] == "at_most" else ("lower", "argmin")
-    margin = abs(limit["level"] - quantity[end])  # is kept by the error
+    margin = abs(limit["level"] - quantity[end])  # the limit is kept where it happens
     worst = {"margin": margin, "error": whole_error(quantity), "at": quantity[place], "ran": True}
     return {**limit, **worst, "simulated": quantity[f"simulated_{end}"], "is_partial": True}
 
@@ -455,8 +461,8 @@ def keeps(row: Mapping, kind: str, level: float) -> bool:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Group closures of contacts by time, written as `0.3100 s`: lists of the contacts' names, each
-    once. rows: dicts of time (s) and contact."""
+    """Group closures of contacts by their times, written as `0.3100 s`: lists of the contacts'
+    names, each name once. rows: dicts of time (s) and contact."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

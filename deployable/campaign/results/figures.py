@@ -174,7 +174,7 @@ def shares(bounds: CampaignBounds, width: float = 7.0) -> Any:
 
 
 def _abscissa(bounds: ResponseBounds) -> tuple[np.ndarray, str]:
-    """Over what a response is drawn, (T), and what the axis is called."""
+    """Return the abscissa (T) of a response, and its label."""
     time, abscissa = bounds.time, bounds.abscissa
     if not abscissa:
         return time, "time (s)"

@@ -146,8 +146,8 @@ def standard_of(margin: Any) -> str:
 
 
 def evidence_of(margin: Any) -> str:
-    """What the uncertainty factors of a torque margin (its `Response`) rest on, such as `theory` or
-    `measurement`: a key of `resists` in its standard."""
+    """Return the evidence behind the uncertainty factors of a torque margin (its `Response`), such
+    as `theory` or `measurement`: a key of `resists` in its standard."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 

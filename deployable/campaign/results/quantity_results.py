@@ -59,7 +59,7 @@ class QuantityResults(NamedTuple):
 
 
 def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float) -> dict[str, Any]:
-    """The row of quantity `i`. data: all columns by name; duration: of the runs (s)."""
+    """Return the row of quantity `i`. data: all columns by name; duration: of the runs (s)."""
     texts = {"name": "quantity", "long_name": "quantity_long_name", "units": "quantity_units",
              "fit": "fit"}  # fmt: skip
     row: dict[str, Any] = {name: str(data[key][i]) for name, key in texts.items()}
@@ -89,8 +89,8 @@ def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float
 
 
 def whole_error(row: Mapping[str, Any]) -> float | None:
-    """Return the error of a quantity's interval, with those of mesh and step where these are known.
-    row: its dict (`QuantityResults`)."""
+    """Return the error of a quantity's interval, including mesh and step if these are known. row:
+    its dict (`QuantityResults`)."""
     return row.get("errors", {}).get("whole", row["error"])
 
 

@@ -70,7 +70,8 @@ class ResponseBounds:
         return None if self.error is None or self.is_unknown(self.error.max()) else self.error
 
     def is_unknown(self, error: float) -> bool:
-        """Whether an error of these bounds is not known: 0 by the growth of a scan's bounds."""
+        """Return whether an error of these bounds is not known: 0 by the growth of a scan's
+        bounds."""
         return self.kind.startswith("least") and not error
 
 
@@ -138,7 +139,7 @@ def read_parameters(file: Any) -> list[dict[str, Any]]:
 
 
 def _column(file: Any, name: str, default: Any = None) -> Any:
-    """A variable of an open file; the default where it is absent."""
+    """Return a variable of an open file, or the default if it is absent."""
     return file[name][:] if name in file.variables else default
 
 

@@ -158,8 +158,8 @@ class _Sheet:
         self._row_names: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
-        """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
-        analysed` where nothing answers it. clause: one of `CLAUSES`."""
+        """Return the sheet's rows that answer a clause, as dicts of texts; a single one that says
+        `not analysed` where nothing answers it. clause: one of `CLAUSES`."""
         if clause.topic in ANALYSES:
             rows: list = [ANALYSES[clause.topic](self)]
         else:
@@ -173,7 +173,7 @@ class _Sheet:
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
     def list_other_rows(self) -> list[dict[str, str]]:
-        """The rows that answer no clause: margins by other standards, and the campaign's own
+        """Return the rows that answer no clause: margins by other standards, and the campaign's own
         requirements; call it after `rows` of all clauses."""
         rows = []
         for name, row in self._quantities.items():
@@ -204,7 +204,7 @@ class _Sheet:
     # -- rows of quantities ------------------------------------------------------------------------
 
     def _quantity_rows(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
-        """What a quantity says of a topic, and of each own requirement of it."""
+        """Return the row of a quantity for a topic, and one for each own requirement of it."""
         name = row["name"]
         self._row_names.add(name)
         limits = self._limits.get(name, [])
@@ -227,7 +227,7 @@ class _Sheet:
         return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
 
     def _list_requirements(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
-        """A row for each requirement of a quantity that is the campaign's own."""
+        """Return a row for each of the campaign's own requirements of a quantity."""
         self._row_names.add(row["name"])
         rows = []
         for requirement, limit in limits:
@@ -280,7 +280,7 @@ class _Sheet:
     # -- verdicts ----------------------------------------------------------------------------------
 
     def _judge(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
-        """Whether a requirement's limit is kept, as assessed and by the printed interval."""
+        """Return whether a requirement's limit is kept, as assessed and by the printed interval."""
         if limit["met"] == "none":
             return ALL_FAIL
         if limit["met"] == "some":
@@ -298,7 +298,7 @@ class _Sheet:
         return self._met
 
     def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
-        """Whether a limit is kept that is an allowable; nothing where it is none."""
+        """Return whether a limit is kept that is an allowable; nothing where it is none."""
         if topic not in ALLOWABLES:
             return self._judge(row, limit)
         sides = {self._side(q, bound) for q in self._numbers for _, bound in self._limits.get(q, ())
@@ -314,7 +314,8 @@ class _Sheet:
         return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
 
     def _side(self, name: str, limit: Mapping[str, Any]) -> int:
-        """On which side (1 above, -1 below) a limit of a quantity bounds a response; 0: neither."""
+        """Return whether a limit of a quantity bounds its response from above (1), from below (-1),
+        or not (0)."""
         number = self._numbers[name]
         if number.response is None:
             return 0
@@ -326,12 +327,12 @@ class _Sheet:
         return -1 if lower and is_signed else 0
 
     def _limit_at_zero(self, name: str) -> Mapping[str, Any] | None:
-        """The limit of a requirement that is that of the standards."""
+        """Return the limit of a requirement that is that of the standards."""
         limits = (limit for _, limit in self._limits.get(name, ()))
         return next((x for x in limits if x["kind"] == "at_least" and x["level"] == 0), None)
 
     def _above_zero(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a margin is at least 0, by the requirement of that or by its interval."""
+        """Return whether a margin is at least 0, by the requirement of that or by its interval."""
         if limit := self._limit_at_zero(row["name"]):
             return self._judge(row, limit)
         if row["upper"] is not None and row["upper"] < 0:
@@ -343,7 +344,8 @@ class _Sheet:
         return _because(OPEN, "the least margin is within its error")
 
     def _margin(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a margin meets its standard; of one by factors of its own, what both say."""
+        """Return whether a margin meets its standard; of one by factors of its own, what both
+        say."""
         margin, verdict = self._margins[row["name"]], self._above_zero(row)
         if margin["own"]:
             name, standard_verdict = f"{margin['name']}{BY_STANDARD}_least", NO_VERDICT
@@ -367,7 +369,7 @@ class _Sheet:
         return verdict
 
     def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
-        """What of the travel a margin leaves open, in words."""
+        """List the reasons why a margin does not cover the whole travel."""
         reasons, unit = [], margin["unit"]
         if margin["travel"] is None:
             names = " or ".join(margin["openings"])
@@ -388,7 +390,7 @@ class _Sheet:
         return reasons
 
     def _margin_words(self, margin: Mapping[str, Any]) -> str:
-        """By what a margin is, and over which positions."""
+        """Describe how a margin was computed, and over which positions."""
         unit, travel = margin["unit"], margin["travel"]
         words = [f"positions {_stretch((margin['first'], margin['last']), unit)}"]
         words[0] += (f" of {_stretch(travel, unit)} analysed" if travel is not None else
@@ -407,7 +409,8 @@ class _Sheet:
         return "; ".join(words)
 
     def _failure(self, row: Mapping[str, Any]) -> Verdict:
-        """A margin with parts that are out, which is a failure where these drive."""
+        """Return the verdict on a margin without some parts, which is a failure case only if these
+        drive."""
         margin = self._margins[row["name"]]
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:
             text = f"{', '.join(idle)} drives nowhere: to leave it out is no failure"
@@ -415,7 +418,7 @@ class _Sheet:
         return self._margin(row)
 
     def _catches(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a latch catches."""
+        """Return whether a latch catches."""
         places = self._numbers[row["name"]].places
         limits = [limit for _, limit in self._limits.get(row["name"], ())]
         event_limits = [limit for limit in limits if _is_there(limit)]
@@ -428,7 +431,7 @@ class _Sheet:
         return verdict
 
     def _catches_later(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether a latch that misses catches later."""
+        """Return whether a latch that misses catches later."""
         if not row["runs_with"]:
             return _because(NOT_ANALYSED, "no run misses")
         places = self._numbers[row["name"]].places
@@ -439,7 +442,8 @@ class _Sheet:
         return _because(NOT_ANALYSED, "whether it latches later is no quantity")
 
     def _clearance(self, row: Mapping[str, Any]) -> Verdict:
-        """Whether the least clearance is three times its tolerance, the width of its interval."""
+        """Return whether the least clearance is three times its tolerance, the width of its
+        interval."""
         if self._numbers[row["name"]].kind != "smallest":
             return _because(NOT_ANALYSED, "of a clearance the `smallest` is asked")
         error = whole_error(row)
@@ -628,12 +632,12 @@ def _describe_limit(limit: Mapping[str, Any], units: str) -> str:
 
 
 def _is_there(limit: Mapping[str, Any]) -> bool:
-    """Whether only what happens keeps a limit."""
+    """Return whether a limit requires its quantity to happen."""
     return limit["kind"] != "happens" or bool(limit["level"])
 
 
 def _covers(margin: Mapping[str, Any]) -> bool:
-    """Whether the positions of a margin are all of its travel."""
+    """Return whether the positions of a margin are all of its travel."""
     c, d = sorted(margin["travel"])
     a, b = sorted((margin["first"], margin["last"]))
     room = 1e-6 * (d - c)

@@ -16,9 +16,9 @@ def summarise(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = (),
     review: str | None = None,
 ) -> str:  # fmt: skip
-    """Write a campaign's results as `summary.json` and `summary.md` into its folder; returns that
-    text. published, answers: as of `facts_of`; review: key of the standard by whose clauses
-    `review.csv` and `review.md` are written; None: neither."""
+    """Write a campaign's results as `summary.json` and `summary.md` into its folder, and return the
+    latter's text. published, answers: as in `facts_of`; review: key of the standard for
+    `review.csv` and `review.md`; None: these are not written."""
     facts = facts_of(folder, published, answers)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])

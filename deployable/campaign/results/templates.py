@@ -65,13 +65,14 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template over the facts, whose texts are escaped, but for backticks in a `doubt`."""
+    """Render a template with the facts. Texts are escaped, except for backticks in a `doubt`."""
     text = environment().get_template(template).render(facts=_escape(facts))
     return text.rstrip() + "\n"
 
 
 def _escape(facts: Any, code: str = "") -> Any:
-    """Facts, names among them, as Markdown that says just that; code: what is not escaped."""
+    """Escape facts and names in them, so that Markdown shows them literally; code: what is not
+    escaped."""
     if isinstance(facts, Mapping):
         return {
             _escape(key): _escape(value, "`" if key in ("doubt", "notes") else "")
@@ -84,7 +85,7 @@ def _escape(facts: Any, code: str = "") -> Any:
 
 def met_text(row: Mapping[str, Any]) -> str:
     """Write in which part of the box a requirement, or one of its limits (`row`), is met: `All`,
-    `None`, a percentage, or, where no share is known, that no run or every run fails."""
+    `None` or a percentage. If the share is not known, write that no run or every run fails."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     if row["met"] == "some" and not row["share"] and row["share_uncertainty"] >= 1:
@@ -118,5 +119,5 @@ def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
 
 @cache
 def _sentences() -> Any:
-    """The macros, compiled once."""
+    """Return the macros, compiled once."""
     return environment().get_template("sentences.jinja").module

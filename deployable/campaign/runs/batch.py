@@ -136,7 +136,8 @@ def _call(number: int) -> Any:
 def _simulate_groups(
     simulation: "Simulation", store: Any, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[FailedRun], np.ndarray]:
-    """Simulate and write what is missing of groups: how many, failures, seconds."""
+    """Simulate and write the missing runs of groups; return their number, the failures and the
+    seconds."""
     runner = Simulation(simulation.plan, simulation.size, simulation.threads)
     lots = [(missing, store.previous_columns(missing)) for _, missing in work]
     for (group, _), results in zip(work, runner.run_lots(lots), strict=True):

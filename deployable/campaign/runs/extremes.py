@@ -174,5 +174,5 @@ class ScanExtremes(common.Store):
 
 
 def _runs_in(path: Path) -> int:
-    """How many runs the file of a chunk has, by its name."""
+    """Return how many runs the file of a chunk has, by its name."""
     return int(path.stem.rsplit(".", 1)[1])

@@ -46,9 +46,9 @@ class Result:
 class RunRecord:
     """What `samples.nc` holds of one run. time (T): s; values (n, T): responses; events (e, 3):
     time (s), index into `contacts`, 1 if it closes and 0 if it opens; numbers (q): quantities, NaN
-    if absent; margins (q): above 0 if it exists, NaN if not known; overlap: largest one of the
-    faces of a contact (rad), 0 without contacts; step (s): below that of the plan where the run
-    failed with it."""
+    if absent; margins (q): above 0 if it exists, NaN if not known; event_margins (c): of the first
+    event at each of `contacts`, likewise; overlap: largest one of the faces of a contact (rad), 0
+    without contacts; step (s): below that of the plan where the run failed with it."""
 
     time: np.ndarray
     values: np.ndarray
@@ -56,6 +56,7 @@ class RunRecord:
     contacts: Sequence[str]
     numbers: np.ndarray
     margins: np.ndarray
+    event_margins: np.ndarray
     overlap: float
     step: float
 
@@ -113,8 +114,8 @@ class Store:
         return runs[[i for i, run in enumerate(runs) if run.id not in self._notes]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that runs to be simulated again must record besides
-        what responses need, since their files had them; in this base none."""
+        """Return the columns (variable, label) that repeated runs must record, besides those of
+        responses, because their files had them. In this base class there are none."""
         return set()
 
     def file_of(self, group: Runs) -> str:
@@ -179,8 +180,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 
 def complete_numbers(experiment: Experiment, numbers: np.ndarray) -> np.ndarray:
-    """Return all q quantities and event margins of an experiment (..., 2, q), in order, from those
-    that stores keep (..., 2, s): the others are expressions of these."""
+    """Return all q quantities and event margins of an experiment (..., 2, q) from those that stores
+    keep (..., 2, s), by evaluating the expressions of these."""
     quantities = experiment.quantity_list
     names = [quantity.name for quantity in quantities if quantity.kind != "expression"]
     if len(names) == len(quantities):
@@ -224,8 +225,8 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """Return the names of the responses and quantities of a store or chunk (`holder`), by
-    "response" and "quantity", the names of dimensions in its file."""
+    """Return the names of the responses and quantities of a store or chunk (`holder`), under the
+    keys "response" and "quantity", the dimensions in its file."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

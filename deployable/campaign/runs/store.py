@@ -22,6 +22,7 @@ from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
 from fpm.files.trajectory import Column
+from fpm.reading.event_margins import impact_margins
 from fpm.reading.variables import VARIABLES
 
 
@@ -104,6 +105,7 @@ class Trajectories(Store):
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
+                numbers = *numbers, np.array(impact_margins(curves))
                 fields = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
                 records[name] = RunRecord(*fields)
         return records
@@ -149,8 +151,8 @@ class Responses(Store):
         if not len(group) or not self.is_whole(path):
             return group
         with report_damage(path), netCDF4.Dataset(path) as file:
-            ids = list(file["run_id"][:])
-        return group[:0] if ids == [run.id for run in group] else group
+            is_old, ids = "event_margin" not in file.variables, list(file["run_id"][:])
+        return group if is_old or ids != [run.id for run in group] else group[:0]
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
         """Write the results of a group's runs to its file, no file if none succeeded. Raises
@@ -170,6 +172,7 @@ class Responses(Store):
             "run_id": (str, ("run",), ids, {}),
             "overlap": ("f8", ("run",), overlaps, {}),
             "step": ("f8", ("run",), [outcome.step for outcome in outcomes], {}),
+            "event_margin": ("f8", ("run", "contact"), [*map(impact_margins, outcomes)], {}),
         }
         for name, column in zip(EVENT_VARIABLES, np.moveaxis(events, -1, 0), strict=True):
             variables[name] = "f8", ("run", "event"), column, {"fill_value": np.nan}
@@ -194,13 +197,14 @@ class Responses(Store):
             time, contacts = file["time"][:], list(file["contact"][:])
             values, overlaps, steps = (file[name][:] for name in ("values", "overlap", "step"))
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
+            event_margins = file["event_margin"][:]
             empty = np.zeros((len(group), 2, 0))
             numbers = file["quantities"][:] if self.quantities else empty
             numbers = common.complete_numbers(self.experiment, numbers)
             records = {}
             for row, run in enumerate(group):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
-                last = *numbers[row], float(overlaps[row]), float(steps[row])
+                last = *numbers[row], event_margins[row], float(overlaps[row]), float(steps[row])
                 records[run.id] = RunRecord(time, values[row], run_events, contacts, *last)
         return records
 

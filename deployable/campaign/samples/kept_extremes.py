@@ -70,7 +70,7 @@ def gather(
 
 
 def _compression(runs: int, columns: int) -> dict:
-    """How a table of the runs is packed."""
+    """Return the compression of a table of the runs."""
     chunk = (min(_CHUNK_RUNS, runs), max(1, columns))
     return {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunk}
 

@@ -124,6 +124,7 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
     variables += ["role", "run_id", "response_units", "response_long_name"]
     variable.coordinates = " ".join(variables)
     create(file, _FILE, "overlap")
+    create(file, _FILE, "event_margin")
     for name in EVENT_VARIABLES:
         create(file, _FILE, name, fill_value=np.nan)
 
@@ -156,6 +157,7 @@ def _write_rows(file: Any, rows: list[int], records: Sequence[RunRecord]) -> Non
     """Write the responses and events of some runs."""
     file["values"][rows] = np.stack([record.values for record in records])
     file["overlap"][rows] = [max(0.0, record.overlap) for record in records]
+    file["event_margin"][rows] = np.stack([record.event_margins for record in records])
     events = pad_events([record.events for record in records])
     for column, name in enumerate(EVENT_VARIABLES):
         file[name][rows, : events.shape[1]] = events[..., column]

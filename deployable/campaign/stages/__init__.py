@@ -131,7 +131,7 @@ def drawings(experiment: Experiment) -> list[str]:
 
 
 def _list_answers(campaign: Campaign) -> list[str]:
-    """What sums up a campaign, and answers what it asks for."""
+    """List the files that sum up a campaign and answer its questions."""
     names = ["summary.json", "summary.md", BOUNDS]
     names += ANSWERS * bool(campaign.experiment.quantities)
     names += ["requirements.json"] * bool(campaign.requirements)

@@ -15,7 +15,7 @@ from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> None:
     """Do the work of the stage `page`: write the page (`report.html`) with moving pictures of some
     runs, of `frames` each, and draw some moments of the nominal run. Raises `CampaignError` for
-    less than 2 frames, `DamagedError` for results that are not as they were written."""
+    less than 2 frames, `DamagedError` for results that have changed since they were written."""
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
     if read_json(folder / "summary.json")["quantities"]:

@@ -106,8 +106,8 @@ class Workflow:
         return reasons
 
     def describe_foreign_results(self) -> list[str]:
-        """Say that results of other configs, which are still there, will be replaced: sentences
-        about what `stale` found."""
+        """Warn, in sentences about what `stale` found, that results of other configs will be
+        replaced."""
         place, texts = self.folder.path.parent, []
         for config in sorted(self.foreign_configs) if self.config else ():
             paths = [Path(os.path.relpath(place / name)) for name in config.split(", ")]
@@ -131,7 +131,7 @@ class Workflow:
         return names
 
     def is_whole(self, stage: Stage, stale: Mapping[str, str]) -> bool:
-        """Whether all files that a stage writes are there, and none is `stale`."""
+        """Return whether all files that a stage writes are there, and none is `stale`."""
         return all(path.exists() and str(path) not in stale for path in self.files_of(stage))
 
     def files_of(self, stage: Stage) -> list[Path]:
@@ -172,7 +172,7 @@ class Workflow:
 
 
 def _relative(path: str | Path) -> Path:
-    """The path as the user would write it, for messages."""
+    """Return the path as the user would write it, for messages."""
     path = Path(path)
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 

@@ -108,7 +108,7 @@ def interval(row: Mapping[str, Any]) -> str:
 
 
 def _ends(row: Mapping[str, Any]) -> list[str]:
-    """The ends of an interval as `interval` writes them, without their unit."""
+    """Return the ends of an interval as `interval` writes them, without their unit."""
     lower, upper = row["lower"], row["upper"]
     error, width = row.get("error") or 0.0, upper - lower
     size = max(abs(lower), abs(upper))
@@ -121,7 +121,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
 
 
 def _power(value: float) -> int:
-    """The power of ten of a number's first digit."""
+    """Return the power of ten of a number's first digit."""
     return int(np.floor(np.log10(value)))
 
 

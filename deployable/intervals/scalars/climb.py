@@ -58,8 +58,9 @@ class Climb:
 
     @property
     def remainder(self) -> float:
-        """By how much the bound may still be exceeded where the search did not come to its end:
-        what its last proposal promised, or the later half of its steps gained, if more; 0 else."""
+        """Return by how much the bound may still be exceeded if the search did not finish: the
+        promise of its last proposal, or the gain of the later half of its steps if that is more.
+        Otherwise 0."""
         if self.end is not None or not self.record:
             return 0.0
         gain = self.record[-1] - self.record[len(self.record) // 2]
@@ -164,8 +165,9 @@ class Climb:
     def _poll(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int, width: float
     ) -> np.ndarray | None:
-        """The extreme run's point (k) with one parameter moved half way or all the way to its
-        middle, where the model loses least; None where that is much, or a run is near."""
+        """Return the extreme run's point (k) with one parameter moved half way or all the way to
+        the centre of the box, where the model loses least. None if it loses much, or a run is
+        near."""
         free = np.flatnonzero(np.ptp(points, axis=0) > 0)
         trial = np.repeat(points[row][None], 2 * len(free), axis=0)
         for i, j in enumerate(free):
@@ -181,8 +183,8 @@ class Climb:
     def _model(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
     ) -> tuple[_Model, _Border | None, float]:
-        """The model of the runs near a run, the border beside it, if any, and by how much the model
-        is below that run."""
+        """Return the model of the runs near a run, the border beside it, if any, and by how much
+        the model is below that run."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
         count = _MODEL_RUNS + _PARAMETER_RUNS * int(free.sum())
         order = np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable")
@@ -205,8 +207,8 @@ class Climb:
     def _best(
         self, points: np.ndarray, heights: np.ndarray, is_valid: np.ndarray, row: int
     ) -> tuple[np.ndarray, float]:
-        """The best point (k) within the radius of a run, and what the model promises there; next to
-        a run just beyond the border, once there is one (a second-order correction)."""
+        """Return the best point (k) within the radius of a run, and what the model promises there;
+        next to a run just beyond the border, once there is one (a second-order correction)."""
         origin, free = points[row], np.ptp(points, axis=0) > 0
         model, border, offset = self._model(points, heights, is_valid, row)
         cloud = spread_points(free, _CLOUD, seed=3) * free
@@ -238,8 +240,8 @@ class Climb:
 
 
 def _clip_to_border(trial: np.ndarray, border: _Border, level: float) -> np.ndarray:
-    """Of points (P, k) those inside a level of a border, and points just inside it, each between
-    one of the others and the next one inside."""
+    """Return the trial points (P, k) inside a level of a border. Each point outside is replaced by
+    one just inside, by bisection towards the nearest point inside."""
     is_inside = border.decision(trial) >= level
     inner, low = trial[is_inside], trial[~is_inside]
     if not len(inner) or not len(low):

@@ -227,7 +227,7 @@ def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
 
 
 def _through_runs(fit: Fit) -> Fit:
-    """A polynomial with a correction through the runs, where it misses them by enough."""
+    """Add a correction through the runs to a polynomial, if it misses them by enough."""
     points, rest = fit.points, fit.values - fit.evaluate(fit.points)
     correctable = len(points) <= _MAX_KRIGING_RUNS
     if not correctable or np.abs(rest).max() <= _RESIDUAL * np.ptp(fit.values):
@@ -263,9 +263,10 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
 
 
 def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
-    """A sum of quadratic polynomials of one parameter each, with the products of two parameters and
-    the higher degrees that the residuals ask for (`_pursue`). Their number predicts folds of runs
-    best, each run left out with that at the opposite point, of the same products."""
+    """Fit a sum of quadratic polynomials of one parameter each, with the products of two parameters
+    and the higher degrees that the residuals suggest (`_pursue`). Their number is the one that
+    predicts folds of runs best. Each run is left out together with the run at the opposite point,
+    which has the same products."""
     axes = np.eye(points.shape[1], dtype=int)[np.ptp(points, axis=0) > 0]
     first, second = np.triu_indices(len(axes), 1)
     groups = [0 * axes[:1], axes, 2 * axes, axes[first] + axes[second], 3 * axes, 4 * axes]

@@ -172,7 +172,8 @@ class Occurrence:
         return np.ptp(self.points, axis=0) > 0
 
     def _border(self, x: np.ndarray) -> np.ndarray:
-        """The smoothest function that tells the runs apart."""
+        """Evaluate the smoothest function that separates the runs with the event from those
+        without."""
         points, weights = self._support_vectors
         return matern(x, points) @ weights
 
@@ -186,8 +187,9 @@ class Occurrence:
 
     @cached_property
     def _support_vectors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Unit points (n, k) and weights (n) of that function, by its dual: the least |L' a - b|
-        with a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
+        """Return unit points (n, k) and weights (n) of the border's function. They solve the dual
+        problem: minimise |L' a - b| with a >= 0, where L L' is the kernel with the runs' signs and
+        L b = 1."""
         points, signs = self._training_runs()
         kernel = matern(points, points) * signs * signs[:, None]
         root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
@@ -208,7 +210,7 @@ class Occurrence:
 
     @cached_property
     def _decision(self) -> np.ndarray:
-        """Size (N) of the border's function at the runs, below 0 on its wrong side."""
+        """Return the border's function (N) at the runs, negative at runs on its wrong side."""
         return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
     def _training_runs(self) -> tuple[np.ndarray, np.ndarray]:
@@ -256,8 +258,8 @@ class FittedOccurrence(Occurrence):
     latest: float | None = None
 
     def agrees(self, tolerance: float = 0.0) -> bool:
-        """Whether the decision function agrees with every run: it is at least minus `error` in runs
-        with the event, and below `tolerance` (in its unit) in those without."""
+        """Return whether the decision function agrees with every run: it is at least minus `error`
+        in runs with the event, and below `tolerance` (in its unit) in those without."""
         decision = self.decision(self.points)
         agreement = decision[self.happens] >= -self.error
         return bool(agreement.all() and (decision[~self.happens] < tolerance).all())

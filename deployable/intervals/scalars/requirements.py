@@ -364,8 +364,8 @@ def _compare(
 
 
 def _rivals(limits: Sequence[Limit]) -> tuple[list[Limit], float]:
-    """The limits with the other kind of fits, none where no limit has such, and the most that one
-    of these has to say (`Limit.rivalry`)."""
+    """Return the limits with the other kind of fits, none where no limit has such, and the most
+    that one of these has to say (`Limit.rivalry`)."""
     rivals = [limit.rival for limit in limits]
     rivalry = max((limit.rivalry for limit in limits if limit.rival), default=0.0)
     if not rivalry:
@@ -377,9 +377,9 @@ def _met(
     limits: Sequence[Limit], points: np.ndarray, cache: dict, count: int, signs: Sequence[int],
     weights: np.ndarray | None = None,
 ) -> list[np.ndarray]:  # fmt: skip
-    """Parts (L) of lines of `count` points each, of points (L count, k), on which all limits plus
-    `sign` errors are satisfied, for each of the `signs`; with `weights` (count - 1, m) of the
-    stretches, which else count alike, sums (L, m)."""
+    """Return the parts (L) of lines on which all limits, plus `sign` errors, are satisfied, for
+    each of the `signs`. points (L count, k): `count` points on each line. With `weights` (count -
+    1, m) of the stretches, which otherwise count equally, return sums (L, m)."""
     weights = np.full(count - 1, 1.0 / (count - 1)) if weights is None else weights
     conditions = _conditions(limits, points, cache, count, any(signs))
     return [_parts_met(conditions, sign) @ weights for sign in signs]
@@ -414,7 +414,7 @@ def _parts_met(conditions: Sequence[tuple[np.ndarray, ...]], sign: int) -> np.nd
 
 
 def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
-    """The direction along which what decides changes most, as shares of all its change."""
+    """Return the direction along which what decides changes most, as shares of all its change."""
     rows, total = np.flatnonzero(free), np.zeros(len(free))
     ends = np.zeros((2 * len(rows), len(free)))
     ends[np.arange(len(rows)), rows], ends[len(rows) + np.arange(len(rows)), rows] = -1.0, 1.0
@@ -563,10 +563,11 @@ class ChoiceProblem:
         return replace(choice, goals=goal_array, margins=margin_array, margin=least, safety=safety)
 
     def find_best(self) -> tuple[Choice, list[Choice]]:
-        """Choose values that satisfy every limit by its error with the best first goal; if none do,
-        those with the largest margins over their errors, or, if no choice satisfies all limits,
-        that violate them least. Returns that choice, and all choices of the first grid. Tried are a
-        grid (from three values on a Sobol sequence), then finer ones about the best."""
+        """Choose the values with the best first goal that satisfy every limit by its error. If
+        there are none, choose those with the largest margins over their errors, or, if no choice
+        satisfies all limits, those that violate them least. A grid of choices (from three values on
+        a Sobol sequence) is searched, then finer ones about the best. Returns the choice, and all
+        choices of the first grid."""
 
         def rank(choice: Choice) -> tuple[int, float]:
             if not choice.is_allowed:
@@ -628,7 +629,8 @@ class ChoiceProblem:
         return ends[:, 0] + points * (ends[:, 1] - ends[:, 0])
 
     def _refine(self, trials: Sequence[Choice], rank: Callable[[Choice], tuple]) -> Choice:
-        """The choice of the lowest rank: the best of `trials`, then of finer and finer grids."""
+        """Return the choice of the lowest rank: the best of `trials`, then of finer and finer
+        grids."""
         ends = np.array(self.ranges, dtype=float)
         wide = ends[:, 1] > ends[:, 0]
         best = min(trials, key=rank)

@@ -93,9 +93,9 @@ def _estimate(
     tolerance: float,
     misprediction: float = 0.0,
 ) -> BoundEstimate:
-    """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. attained: extreme
-    value of all runs, its unit point (k). Gains below `tolerance` do not count. misprediction: see
-    `estimate_bounds`."""
+    """Return the upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. attained:
+    extreme value of all runs, its unit point (k). Gains below `tolerance` do not count.
+    misprediction: see `estimate_bounds`."""
     value, argument = attained
     end, peak = surrogate_range.low, surrogate_range.argmin
     if sign > 0:
@@ -129,8 +129,8 @@ def _estimate(
 
 
 def _is_endless(surrogate: ScalarSurrogate, argument: np.ndarray) -> bool:
-    """Whether a time, largest at a point (k), grows with every bisection of the way to where it
-    ceases, as beside a separatrix: when a run without it is four times as near, about as much as
+    """Return whether a time, largest at a point (k), grows with every bisection of the way to where
+    it ceases, as beside a separatrix: when a run without it is four times as near, about as much as
     by the four times before, where beside a root's edge it grows by half of that."""
     occurrence, fit, width = surrogate.occurrence, surrogate.fit, np.ptp(surrogate.fit.values)
     misses = scipy.spatial.cKDTree(occurrence.points[~occurrence.happens])

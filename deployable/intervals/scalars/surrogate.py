@@ -79,7 +79,7 @@ def extreme(
     rows = np.flatnonzero(free)
 
     def loss(local: np.ndarray) -> tuple[float, np.ndarray]:
-        """Minus the value and its slopes, all by one call; differences point into the part."""
+        """Return minus the value and its slopes, from one call; differences point into the part."""
         steps = np.where(local > 0, -_STEP, _STEP)
         points = np.repeat(middle[None], len(rows) + 1, axis=0)
         points[:, rows] += half[rows] * local
@@ -135,8 +135,8 @@ class ScalarSurrogate:
 
     @property
     def bound_error(self) -> float:
-        """Error that bounds of adaptively sampled runs have at least: half of `usual_error`,
-        which is of values all over the box, most of them far from bounds; NaN without a fit."""
+        """Return the least error of bounds of adaptively sampled runs: half of `usual_error`, which
+        covers the whole box, mostly far from bounds. NaN without a fit."""
         return 0.5 * self.usual_error
 
     @property
@@ -203,15 +203,15 @@ class ScalarSurrogate:
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
-        """Upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the box from
-        `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; both NaN
-        without values. climbs: number of best points from which a search goes on."""
+        """Return the upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the
+        box from `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained;
+        both NaN without values. climbs: number of best points from which a local search starts."""
         part = self._part(lower, upper)
         return self._find_once(self.evaluate, sign, *part, self._trial_points, climbs)
 
     def _find_once(self, function: Function, sign, lower, upper, points, climbs):
-        """What `extreme` finds of a function of this surrogate; limits of the same quantity ask for
-        the same."""
+        """Return the result of `extreme` for a function of this surrogate, computed once, since
+        limits of the same quantity ask for the same."""
         key = (function.__name__, sign, lower.tobytes(), upper.tobytes(), climbs)
         if key not in self._extremes:
             self._extremes[key] = extreme(function, sign, lower, upper, points, climbs)
@@ -231,7 +231,7 @@ class ScalarSurrogate:
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The part of the box, without extent along parameters that do not vary."""
+        """Return the part of the box, without extent along parameters that do not vary."""
         side = np.ones(self.occurrence.points.shape[1])
         free = np.ptp(self.occurrence.points, axis=0) > 0
         lower = np.where(free, -side if lower is None else lower, 0.0)
@@ -369,8 +369,9 @@ def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence
 def _width_error(
     surrogate: ScalarSurrogate, rival: ScalarSurrogate | None, lower: np.ndarray, upper: np.ndarray
 ) -> float:
-    """By how much the width over a part of the box changes with the other kind of fits, and as the
-    border of where the quantity exists moves through its undecided band; NaN if it has none."""
+    """Return the largest change of the width over a part of the box, with the other kind of fits
+    and with the border of the quantity's existence moved through its undecided band; NaN if the
+    quantity has no such border."""
     if not surrogate.occurrence.is_mixed:
         return np.nan
     part, width = surrogate._part(lower, upper), surrogate.range(lower, upper).width

@@ -127,7 +127,7 @@ class BarDamping(ElementType):
 
 
 def _times(scene) -> np.ndarray:
-    """Rayleigh's beta (m, 1) of every beam element, s."""
+    """Return Rayleigh's beta (m, 1), s, of every beam element."""
     times = [np.full(len(b.length), b.material.stiffness_damping) for b in Beams.find(scene)]
     return np.concatenate(times)[:, None]
 

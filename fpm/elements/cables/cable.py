@@ -152,8 +152,8 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """Unstrained length (m) outside the winch at a `time` (s), outside the drum at the start.
-        scene: has the winch's curve, and the drum's hinge."""
+        """Return the unstrained length (m) outside the winch at a `time` (s), or outside the drum
+        at the start. scene: has the winch's curve and the drum's hinge."""
         factor = scene.curve(self.curve).value(time)
         turn = scene.hinges[self.drum].opening - self.start if self.drum >= 0 else 0.0
         return float(self.rest - self.reel * factor - self.radius * turn)
@@ -319,7 +319,8 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
 
 
 def _with_friction(part, batch):
-    """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
+    """Return the arrays of cables of which some rub: unstrained lengths of all stretches as
+    well."""
     from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE

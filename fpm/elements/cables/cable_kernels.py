@@ -97,9 +97,9 @@ def measure_path(part, state, c):
 
 @kernel
 def find_unstrained_length(part, world, timing, c):
-    """Return the unstrained length (m, lanes) of cable c (index) now, less what its drum, or, as a
-    mean over the kick, its winch has taken in; keep by how much it is longer at timing.time. part:
-    Cables or RubbingCables; world: with curves."""
+    """Return the unstrained length (m, lanes) of cable c (index) now, less the length on its drum,
+    or less the mean length that its winch takes in over the kick. Store its excess at timing.time.
+    part: Cables or RubbingCables; world: with curves."""
     mean, reel = kick_mean(world, part.curve[c], timing), load(part.cables, c, REEL)
     store(part.state, c, SURPLUS_BEFORE, load(part.state, c, SURPLUS))
     store(part.state, c, SURPLUS, (mean - curve_value(world, part.curve[c], timing.time)) * reel)
@@ -224,8 +224,8 @@ def energy_of(part, world, c):
 
 @kernel
 def crowding_of(part, c):
-    """Return the crowding of cable c: its elongation over the length of its shortest stretch, 0
-    where it is slack; a run fails above 1. part: arrays of all cables (Cables or RubbingCables)."""
+    """Return the crowding of cable c: its elongation over the length of its shortest stretch, 0 if
+    it is slack. A run fails above 1. part: arrays of all cables (Cables or RubbingCables)."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -235,8 +235,8 @@ def crowding_of(part, c):
 
 @kernel
 def drum_ratio(part, c):
-    """Return the length down to which the drum of cable c may wind it, over that which is outside
-    now, 0 without a drum; a run fails above 1. part: Cables or RubbingCables."""
+    """Return the least length that the drum of cable c may leave, over the length outside it now; 0
+    without a drum. A run fails above 1. part: Cables or RubbingCables."""
     return load(part.cables, c, LEAST) / load(part.state, c, UNSTRAINED)
 
 

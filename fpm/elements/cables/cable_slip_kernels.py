@@ -34,7 +34,7 @@ FLOOR = 1e-200
 
 @kernel
 def positive(x):
-    """The larger of x and 0; x: a number or lanes."""
+    """Return the larger of x and 0; x: a number or lanes."""
     return where_negative(x, 0.0, x)
 
 

@@ -176,7 +176,8 @@ def gas_table(force: float, length: float, stroke: float, ratio: float, exponent
 
 
 def _start(scene) -> np.ndarray:
-    """State of a scene's struts at t = 0: lengths (m), mean rate in the step before (m/s)."""
+    """Return the state of a scene's struts at t = 0: lengths (m), mean rate in the step before
+    (m/s)."""
     from fpm.elements.cables.strut_kernels import LENGTH, RATE, STATE
 
     motion = moving_at_start(scene)

@@ -252,8 +252,8 @@ class Hinge(JointBase):
 
 
 def list_names(scene) -> set[str]:
-    """Return the names in use by all hinges and joints of a scene, of universal joints also of
-    their two angles: a new joint's name must differ from them."""
+    """Return the names in use by all hinges and joints of a scene, including the two angles of
+    universal joints. A new joint needs another name."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {name for hinge in scene.hinges for name in (hinge.name, hinge.joint)}
 
@@ -337,7 +337,8 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 
 @lru_cache(1024)  # there are few cases, and each of many runs asks several times
 def _is_regular(support: str, *masks: bytes) -> bool:
-    """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
+    """Return whether a lone hinge's matrix is regular. support: letters of the axes along which its
+    point is held; masks: axes along and about which its two particles are held."""
     fixed1, fixed2 = (np.frombuffer(axes, bool) for axes in masks)
     point = np.array(mask_axes(support))
     double_axes = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)

@@ -129,8 +129,8 @@ def move_bodies(part, world, repeat, step):
 @kernel
 def nudge(state, i, r, b, step):
     """Change velocity and angular momentum of particle i in `state` (World.state) by row r of `b`,
-    the bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn it by what
-    these give over a step (s), to close small gaps."""
+    the bodies' working memory: DV (m/s) and DP (N m s) (`push`). Shift and rotate it by their
+    effect over a step (s), to close small gaps."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
     closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
@@ -192,9 +192,9 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges also one step before the start, in the first step only: changes the momenta
-    in world.start_state, those half a step before the start (why: joint_kernels.look_back). part:
-    arrays of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
+    """In the first step, close the hinges also one step before the start. This changes the momenta
+    half a step before the start, in world.start_state (why: joint_kernels.look_back). part: arrays
+    of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for r in range(ends.shape[0]):

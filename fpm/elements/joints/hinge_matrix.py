@@ -68,11 +68,11 @@ def response(b, h, axis):
 
 @kernel
 def speed_of(part, h, axis, force, mp, mq):
-    """Return the velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h
-    give its point on body 1, which a support may hold. force (3): impulse (N s) on body 1; mp, mq:
-    moment impulses (N m s) on body 2, against body 1, about p and q, both normal to the hinge's
-    axis; part: all hinges (Hinges). By symmetry, what a unit of mp or mq gives is also the rate of
-    the tilt about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
+    """Return the velocity (m/s), along a global axis, of the point of hinge h on body 1 that
+    impulses at the hinge cause. axis: 0, 1, 2 for x, y, z; force (3): impulse (N s) on body 1; mp,
+    mq: moment impulses (N m s) on body 2, against body 1, about p and q, both normal to the hinge's
+    axis; part: all hinges (Hinges). By symmetry, the result for a unit of mp or mq is also the rate
+    of the tilt about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
     w = part.hinge_scratch
     p, q = load(w, h, hinge.TILTS + 2 * axis), load(w, h, hinge.TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -134,7 +134,7 @@ def world_inverse(axes, j):
     """Return the inverse inertia of a body in global components (xx, yy, zz, xy, xz, yz), 1/(kg
     m²). axes: its three principal axes, global; j: inverse inertias about them (3)."""
     a, b, _ = axes
-    # The dyads of the three axes add up to the unit matrix, which spares the third.
+    # The dyads of the three axes sum to the unit matrix, so that two of them suffice.
     ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
     return (
         (ja.x * a.x + j.z) + jb.x * b.x,

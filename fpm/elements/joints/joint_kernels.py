@@ -94,8 +94,8 @@ def store_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Return the velocity (m/s, 3) that a `point` (m, 3, global) moving with body s has after the
-    impulses, which are not yet applied. part: all joints (Joints); state: World.state."""
+    """Return the velocity (m/s, 3) of a `point` (m, 3, global) fixed to body s after the impulses,
+    which are not applied yet. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -137,8 +137,8 @@ def find_spin(part, state, s):
 @kernel
 def find_rates(part, state):
     """Store in RESIDUAL of part.rows, for every constraint equation, the rate (m/s, rad/s) that
-    impulses have to cancel: that of its gap, plus MISS, the sum over all steps before of the gap
-    that was left after the motion, over the time step. part: Joints; state: World.state."""
+    impulses must cancel: the rate of its gap plus MISS. MISS is the sum over all earlier steps of
+    the gap left after the motion, divided by the time step. part: Joints; state: World.state."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
         put3(b, s, joint.SPIN, find_spin(part, state, s))
@@ -370,7 +370,7 @@ def work_after(part, world, timing):
             v, spin = get3(state, i, V), get3(state, i, P)
             force, moment = get3(b, s, joint.ALL_FORCE), get3(b, s, joint.ALL_MOMENT)
             # An impulse acts over the half steps before and after an instant, the first one only
-            # after: what it did before is due at the instant, which is recorded already.
+            # after: its earlier part would belong to an instant that is recorded already.
             work = -1.0 * (dot(force, v) + dot(moment, spin))
             work_due = 0.0 * work
             if timing.kick == timing.step:

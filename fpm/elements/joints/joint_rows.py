@@ -187,8 +187,8 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j, which holds a joint coordinate: all zero in samples
-    where that is free. part: all joints (Joints); state: World.state."""
+    """Store the constraint equation of joint j, which holds a joint coordinate. The row is zero in
+    samples where the coordinate is free. part: all joints (Joints); state: World.state."""
     t, r = part.turn_of[j], part.pattern.first[j]
     x1, first, _ = place(part, state, j, 0)
     axis, _, _ = directions(part, j, first)

@@ -33,8 +33,8 @@ class Turn(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """Return the elements (ExactConnector) of a scene, of all types, that hold a joint
-        coordinate exactly; its indices are those of conditions in Turns.state."""
+        """Return the elements (ExactConnector) of all types in a scene that hold a joint coordinate
+        exactly. Their indices are those of the conditions in Turns.state."""
         kinds = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
         return [element for kind in kinds for element in scene.kinds[kind] if element.is_exact]
 

@@ -75,9 +75,9 @@ def _describe_lock(values: dict[str, float]) -> tuple[str, str]:
 
 
 def _describe_imbalance(element: str) -> str:
-    """The remedy of a bearing whose friction goes with a force that changes much in a step. Beyond
-    self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve, Lecons
-    sur le frottement, 1895); a start there may come upon the wrong one."""
+    """Return the remedy of a bearing whose friction goes with a force that changes much in a step.
+    Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
+    Lecons sur le frottement, 1895); a start there may come upon the wrong one."""
     if not element.startswith("bearing"):
         return ""
     return (
@@ -96,14 +96,14 @@ class Friction(ExactConnector):
     None: constant."""
 
     hinge: int = on_hinge()
-    moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
+    moment: float = number("N m", 0.0, text="moment at which it slips; below this it sticks")
     bristle_deflection: float | None = number(
         "rad", above=0.0, default=DEFLECTION, is_shown=False, optional=True,
-        text="by how much it gives before it slips",
+        text="how far it yields before it slips",
     )  # fmt: skip
     damping: float | None = damping(
         default=None,
-        text="while it sticks; left out: 0.3 of critical for the joint's own two particles",
+        text="damping while it sticks; default: 0.3 of critical for the joint's two particles",
     )
     angles: tuple[float, ...] = ()  # increasing (rad), with the shares of `moment` there, straight
     shares: tuple[float, ...] = ()  # between; without them all of it everywhere
@@ -225,7 +225,7 @@ class Friction(ExactConnector):
 
 
 def _bearing_force(batch, kind):
-    """The forces of the joints of a kind's elements; None where none goes with them."""
+    """Return the forces of the joints of a kind's elements; None where none goes with them."""
     from fpm.elements.openings.losses_kernels import JointForce
 
     scene, elements = batch.scene, kind.find(batch.scene)

@@ -183,12 +183,14 @@ def slow_down(part, world, i, timing):
 
 @hook(Frictions)
 def forces(part, world, timing):
-    """Add the moments (N m) of friction, bristles and dampers, to the forces on particles, and what
-    slip and dampers lose in the step (J) to World.accounts; update part.state. part: arrays of all
+    """Add the moments (N m) of friction, bristles and dampers to the particles, and the losses (J)
+    of slip and dampers in the step to World.accounts; update part.state. part: arrays of all
     friction elements (Frictions); world (World): solver state, changed; timing (StepTime): times of
-    the step (s). Where slip begins within a step, the mean of the moments at both ends is not that
-    over the way between; `edge` corrects it as for a spring that begins at the point of slip. The
-    time of an impact, part.turns.impact, counts from its start from now on."""
+    the step (s).
+
+    Where slip begins within a step, the mean of the moments at both ends differs from the mean over
+    the way between. `edge` corrects it as for a spring that begins at the point of slip. From now
+    on the time of an impact, part.turns.impact, counts from its start."""
     impact = load(part.turns.impact, 0, 0)
     store(part.turns.impact, 0, 0, where_negative(-1.0 * impact, impact - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
@@ -209,7 +211,7 @@ def forces(part, world, timing):
         new_foot = where_negative(slips, psi - bend, foot)
         extra = -1.0 * stiffness * edge(-slips, sign * last - old_most)
         spring = -1.0 * (stiffness * bend + sign * extra)
-        # The damper acts while it sticks, and takes the moment to M at most.
+        # The damper acts while it sticks; it never raises the moment above M.
         damper = -1.0 * load(part.numbers, i, DAMPING) * rate
         room = stiffness * most
         upper, lower = room - spring, -1.0 * room - spring
@@ -252,10 +254,11 @@ register_losses(Frictions, WORKS)
 
 @kernel
 def stop_of(part, i, timing):
-    """Return, for each lane where the rate of element i would reverse in this kick, the fraction of
-    the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then: by
-    the parabola of its motion if its rate fell before, else as braked from the middle of the kick
-    on. part: all friction elements (Frictions); timing (StepTime): times of the step (s)."""
+    """Find when the rate of element i reverses within this kick. Return for each lane the fraction
+    of the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then. A
+    rate that fell before is extrapolated by the parabola of its motion; otherwise braking is
+    assumed to start in the middle of the kick. part: all friction elements (Frictions); timing
+    (StepTime): times of the step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -345,8 +348,8 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(Frictions)
 def work_after(part, world, timing):
-    """Add half of the friction loss (J) of the moments found in this step, over the step that ends
-    now, to part.account in world.accounts (`work_before` adds the rest). part: all friction
+    """Add half of the friction loss (J) over the step that ends now, by the moments found in this
+    step, to part.account in world.accounts (`work_before` adds the rest). part: all friction
     elements (Frictions); world (World): solver state; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:

@@ -56,9 +56,10 @@ class Journal(Connector):
     load: float = number(
         "N",
         above=0.0,
-        text="at which the pin goes in by `depth`; about the largest, as the stable step is for it",
+        text="force at which the pin sinks in by `depth`; state about the largest, since the "
+        "stable step is for it",
     )
-    depth: float = number("m", above=0.0, text="how far it goes into the bearing at `load`")
+    depth: float = number("m", above=0.0, text="how far the pin sinks into the bearing at `load`")
     law: str = word(
         {"hertz": 1.0, "linear": 0.0},
         default="hertz",
@@ -74,7 +75,7 @@ class Journal(Connector):
         above=0.0,
         default=1e-5,
         is_shown=False,
-        text="how far its surfaces give along each other before they slip, at `load`",
+        text="how far its surfaces yield before they slip, at `load`",
     )
 
     stores = Energy("pin", "pin_energy", "energy of the pins with play")
@@ -112,7 +113,7 @@ class Journal(Connector):
 
     @property
     def hysteresis(self) -> float:
-        """The factor c of the damping that gives the restitution."""
+        """Return the damping factor c that gives the restitution."""
         from scipy.optimize import brentq
 
         r = self.restitution
@@ -155,7 +156,8 @@ class Journal(Connector):
 
     @classmethod
     def _springs(cls, scene, values) -> Deformations:
-        """What stands for values (N/m) of the press and of the slip of each pin."""
+        """Make springs (or dampers) on x, y and turn of each pin, for the stable step, from
+        `values`: one for the pressing and one for the slipping direction."""
         hinges = [h for pin in cls.find(scene) for h in pin.acts_on()]
         factors = [
             x

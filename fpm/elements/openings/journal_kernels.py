@@ -82,10 +82,10 @@ def extrapolate(part, i, field, change, timing):
 
 @kernel
 def press(part, i, change, timing):
-    """Return two forces (N) that push pin i to its bearing's axis: all of it, at least 0 but where
-    `edge` corrects the step in which a linear one leaves; and that without the correction. part:
-    arrays of all pins (Journals), whose state changes; change: of the eccentricity in the step that
-    ends now (m); timing: step times (s)."""
+    """Return two forces (N) that push pin i to its bearing's axis. The first is corrected by `edge`
+    in the step in which a linear pin leaves the bearing, and is at least 0 otherwise; the second
+    has no correction. part: arrays of all pins (Journals), whose state changes; change: of the
+    eccentricity in the step that ends now (m); timing: step times (s)."""
     rate = extrapolate(part, i, RATE, change, timing)
     ratio, root = depth_of(part, i)
     spring, size = load(part.numbers, i, LOAD) * ratio * root, absolute(rate)
@@ -102,7 +102,7 @@ def press(part, i, change, timing):
 
 @kernel
 def rub(part, i, slip, normal, timing):
-    """Return the force (N) of friction on pin i against its slip, at most that of friction by the
+    """Return the force (N) of friction on pin i against its slip, limited to the friction of the
     force `normal` (N). slip: in the step that ends now (m); part: arrays of all pins (Journals),
     whose state changes; timing: step times (s)."""
     rate = extrapolate(part, i, SLIP_RATE, slip, timing)
@@ -119,9 +119,10 @@ def rub(part, i, slip, normal, timing):
 
 @hook(Journals)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of pins on their bearings to those on particles, and
-    what dampers and friction lose in the step that ends now (J) to World.accounts. part: arrays of
-    all pins (Journals), whose state changes; world: solver state, changed; timing: times (s)."""
+    """Add the forces (N) and moments (N m) between pins and their bearings to the particles, and
+    the losses (J) of their dampers and friction in the step that ends now to World.accounts. part:
+    arrays of all pins (Journals), whose state changes; world: solver state, changed; timing: times
+    (s)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         h, angles, state = part.hinge[i], part.openings.angles, part.state

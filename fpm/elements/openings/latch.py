@@ -61,12 +61,12 @@ class Latch(ExactConnector):
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
-    stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")
-    damping: float = damping(default=0.0, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="of its hold; default: it is exact")
+    damping: float = damping(default=0.0, text="of its hold")
     capture_range: float = number(
-        "rad", 0.0, default=0.0, zero=False, text="how far from `angle` it catches as well"
+        "rad", 0.0, default=0.0, zero=False, text="distance from `angle` at which it still catches"
     )
-    side: str = word(SIDES, default="either", text="from where the opening comes when it is caught")
+    side: str = word(SIDES, default="either", text="side from which the opening comes to `angle`")
     max_capture_rate: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}",
         text="rate above which it does not catch",

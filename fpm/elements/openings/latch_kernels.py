@@ -101,13 +101,15 @@ def reach_of(part, i, start, end):
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether latch i of one sample catches or misses in a step, and write to part.state
-    that it has caught, at which joint coordinate (rad), rate (rad/s) and time (s), or that it
-    missed. part: all latches (Latches); s: index of the sample (its lane); psi_start, psi_end:
-    coordinate at the start and end of the step (rad), linear between; last_rate: rate in the step
-    before (rad/s); end: time of its end (s), 0 at the start of a run, where both coordinates are
-    the same, and the rate is `last_rate`; step: its length (s). `first` and `last` in the code
-    (rad): coordinates at start and end, from the edge of the capture range that is met first."""
+    """Decide whether latch i of one sample catches or misses in a step. For a catch write its joint
+    coordinate (rad), rate (rad/s) and time (s) to part.state, otherwise that it missed.
+
+    part: all latches (Latches); s: index of the sample (its lane); psi_start, psi_end: coordinate
+    at the start and end of the step (rad), linear between; last_rate: rate in the step before
+    (rad/s); end: time of the step's end (s); step: its length (s). At the start of a run `end` is
+    0, both coordinates are the same, and the rate is `last_rate`. `first` and `last` in the code
+    (rad) are the coordinates at start and end, measured from the edge of the capture range that is
+    met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     approach, half = part.numbers[i, APPROACH, s], (psi_end - psi_start) / step
     if end == 0.0:

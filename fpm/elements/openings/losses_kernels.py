@@ -102,10 +102,10 @@ def onset(new, old):
 
 @kernel
 def dead_band(backlash, i, value, old):
-    """Return two lanes: by how much `value` is outside the dead band of element i, below 0 where it
-    is below, and the same with what `edge` adds as it enters or leaves the band. value, old: now
-    and a step ago (rad or m, as the results); backlash (elements, 1, lanes): width of each band, 0:
-    `value` itself twice; None: no element has one, and so too."""
+    """Return for element i how far `value` is outside the dead band (lanes), negative below it, and
+    the same plus the correction by `edge` in a step that enters or leaves the band. value, old: now
+    and a step ago (rad or m, as the results); backlash (elements, 1, lanes): width of each band.
+    With a width of 0, or if backlash is None, both results are `value`."""
     excess, force_excess = value, value
     if backlash is not None:
         half = 0.5 * load(backlash, i, 0)

@@ -71,7 +71,8 @@ class Motor(AnyMotor, ExactConnector):
 
     hinge: int = on_hinge()
     stiffness: float | None = stiffness(
-        default=None, text="of its drive train; left out: it prescribes exactly"
+        default=None,
+        text="stiffness of its drive train; default: it prescribes the opening exactly",
     )
     damping: float = damping(default=0.0, text="of its drive train")
     start: float = number(
@@ -85,7 +86,7 @@ class Motor(AnyMotor, ExactConnector):
         "rad",
         0.0,
         default=None,
-        text="of its drive train: all its play, within which no moment acts; left out: none",
+        text="whole play of its drive train, within which no moment acts; default: none",
     )
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")

@@ -259,10 +259,10 @@ def backlashes(batch, kind: type[ElementType]) -> np.ndarray | None:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Return the linear strains of springs on joint coordinates by small motions of their hinges'
-    particles, for the stable time step (Deformations). hinges: index in `scene` of each spring's
-    hinge; stiffness: of each spring (N m/rad, on slides N/m). A spring has one row, on the angle of
-    a universal joint up to three."""
+    """Return how small motions of the particles strain springs on joint coordinates, for the stable
+    time step (Deformations). hinges: index in `scene` of each spring's hinge; stiffness: of each
+    spring (N m/rad, on slides N/m). A spring has one row, on the angle of a universal joint up to
+    three."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -349,8 +349,8 @@ def moving_at_start(scene) -> SimpleNamespace:
 
 
 def turning_at_start(scene, hinges) -> list[float]:
-    """Return the rates (rad/s, of slides m/s) of the joint coordinates of some hinges at t = 0,
-    where driven particles move as prescribed. hinges: indices of the hinges in the scene."""
+    """Return the rates (rad/s, on slides m/s) of some joint coordinates at t = 0, including the
+    motion of driven particles. hinges: indices of the hinges in the scene."""
     motion = moving_at_start(scene)
     return [rate_at(scene, scene.hinges[h], motion) for h in hinges]
 

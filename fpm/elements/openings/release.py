@@ -24,10 +24,10 @@ class Release(ExactConnector):
     the latch of the name `latch` ("": none) catches."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(default=None, text="with which it holds; left out: exactly")
-    damping: float = damping(default=0.0, text="with which it holds")
+    stiffness: float | None = stiffness(default=None, text="of its hold; default: it is exact")
+    damping: float = damping(default=0.0, text="of its hold")
     hold: float | None = number(
-        "rad", default=None, text="opening at which it holds; left out: that at the start"
+        "rad", default=None, text="opening at which it holds; default: that at the start"
     )
     time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it releases")
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)

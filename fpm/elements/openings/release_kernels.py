@@ -100,9 +100,9 @@ def let_go(part, timing, i):
 
 @hook(Releases)
 def forces(part, world, timing):
-    """Add the moments (N m) of releases that hold to the forces on particles, and in the step in
-    which one lets go the rest of its moment; update part.state. part: arrays of all releases
-    (Releases); world: solver state (World), whose forces change; timing: times of this step (s)."""
+    """Add the moments (N m) of releases that hold to the particles, and the rest of the moment of
+    one that lets go in this step; update part.state. part: arrays of all releases (Releases);
+    world: solver state (World), whose forces change; timing: times of this step (s)."""
     for i in range(part.hinge.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -114,7 +114,7 @@ def forces(part, world, timing):
         steps = where_negative(hold, steps, -1.0)
         gap = load(part.numbers, i, HOLD) - psi
         change = psi - load(part.openings.angles, h, OLD)
-        angle = gap + where_negative(steps, 0.0, steps) * change  # when it let go, or now
+        angle = gap + where_negative(steps, 0.0, steps) * change  # time of letting go, or now
         speed = follow_rate(part.openings, part.rates, i, h, timing)
         moment = load(part.numbers, i, STIFFNESS) * angle - load(part.numbers, i, DAMPING) * speed
         moment = moment * where_negative(steps, 1.0, 0.5 - steps)

@@ -28,7 +28,7 @@ class SyncLoop(ConnectorElement):
     name: str = topology()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", only_angles=True)
     radii: tuple[float, float] = number(
-        "m", count=2, text="of the pulleys; opposite in sign where the loop is crossed"
+        "m", count=2, text="radii of the pulleys, with opposite signs for a crossed loop"
     )
     stiffness: float = stiffness(
         "N/m", "{title} stiffness", text="pull at the rims for each metre of slip: 2 EA/l"
@@ -37,13 +37,13 @@ class SyncLoop(ConnectorElement):
         "rad", default=(0.0, 0.0), count=2, text="openings without slip"
     )
     preload: float = number(
-        "N", 0.0, finite=False, default=np.inf, text="tension of each strand; left out: never slack"
+        "N", 0.0, finite=False, default=np.inf, text="tension of each strand; default: never slack"
     )
     backlash: float | None = number(
         "m",
         0.0,
         default=None,
-        text="at the rims, as between teeth: all its play; without `preload`; left out: none",
+        text="whole play at the rims, as between teeth; without `preload`; default: none",
     )
 
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
@@ -85,11 +85,13 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def deformations(cls, scene):
-        """Return the springs (Deformations) that stand for a scene's loops in the stable time step,
-        with how particles' motions strain them: one on each hinge of a loop, both together at least
-        as stiff as the loop; None without any that can move. By Cauchy and Schwarz (r1 psi1 - r2
-        psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with s1 : s2 as r² w, w being each
-        hinge's `mobility`, nothing is lost where they share no body."""
+        """Return springs (Deformations) that represent a scene's loops in the stable time step: one
+        on each hinge of a loop, both together at least as stiff as the loop. None if no loop can
+        move.
+
+        By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1.
+        With s1 : s2 as r² w, where w is each hinge's `mobility`, the bound is exact if they share
+        no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
             soft = [mobility(scene, hinge) for hinge in loop.hinges]

@@ -19,10 +19,10 @@ class TorqueMotor(AnyMotor):
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")
-    curve: int = index("curves", -1, default=-1, text="scales it with time; left out: constant")
+    curve: int = index("curves", -1, default=-1, text="scales it with time; default: constant")
     no_load: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="no-load speed of {title}",
-        text="speed at which no torque is left; left out: it does not fall",
+        text="speed at which no torque is left; default: it does not fall",
     )  # fmt: skip
 
     noun = "torque motor"

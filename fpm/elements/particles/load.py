@@ -24,7 +24,8 @@ class ArmElement(ElementType):
 
     @property
     def arm(self) -> np.ndarray:
-        """Vector (3,) m, in the particle's own axes, from the particle to where it acts."""
+        """Return the vector (3,) m, in the particle's own axes, from the particle to the load's
+        point."""
         return self.beam.arm
 
 

@@ -38,7 +38,7 @@ class Support(ElementType):
     @classmethod
     def find(cls, scene):
         """Return the indices of a scene's particles that are held along one or two of the global
-        axes, or about one or two (not none or three), whatever holds of the other three."""
+        axes, or about one or two of them, but not along (or about) all three or none."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 

@@ -29,7 +29,9 @@ def _of_slide(key: Any) -> Number:
 SPRING = {
     "stiffness": key_of(elements.TorsionSpring, "stiffness"),
     "rest": key_of(elements.TorsionSpring, "rest"),
-    "preload": Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
+    "preload": Number(
+        None, "moment at the start, > 0 where it opens, instead of `rest`", unit="N m"
+    ),
     **CLASS,
 }
 
@@ -67,7 +69,7 @@ DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
     elements.Friction,
     bristle_deflection=replace(
         DEFLECTION_KEY,
-        text=f"{DEFLECTION_KEY.text}; left out: {DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm",
+        text=f"{DEFLECTION_KEY.text}; default: {DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm",
     ),
     sticks=Word("bristle", "`exactly`: without any deflection", values=("bristle", "exactly")),
 )
@@ -92,7 +94,7 @@ def _deflection(scene, hinge: int) -> float:
 
 BEARING_LOAD = (
     "force that the joint bears as a rule, at which it gives by `bristle_deflection` before it "
-    "slips; left out: it counts in margins only, and a motion has none of it"
+    "slips; default: it counts in margins only, and a motion has none of it"
 )
 
 
@@ -101,9 +103,9 @@ BEARING_LOAD = (
     "bearing",
     joint=JOINT,
     mu=Number(text="coefficient of friction", least=0),
-    radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
+    radius=Number(None, "radius at which it rubs; for hinges only", unit="m", above=0),
     load=Number(None, BEARING_LOAD, unit="N", above=0),
-    bristle_deflection=replace(DEFLECTION_KEY, text="left out: as that of friction"),
+    bristle_deflection=replace(DEFLECTION_KEY, text="default: as that of friction"),
 )
 def bearing(build, args):
     """Friction by the force that a joint itself bears; a couple that it bears is not counted."""
@@ -153,11 +155,11 @@ MOMENTS = ListKey(
     angles=ListKey(kind=Number(unit="rad"), least=2, text="openings, increasing"),
     moments=MOMENTS,
     back=replace(
-        MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
+        MOMENTS, default=None, text="moments on the way back, at least `moments`; default: the same"
     ),
     bristle_deflection=replace(
         DEFLECTION_KEY,
-        text="half of the way from one branch to the other; left out: as that of friction",
+        text="half of the distance between the branches; default: that of friction",
     ),
     **CLASS,
 )
@@ -183,9 +185,9 @@ def tabulated_spring(build, args):
         elements.SyncLoop,
         "rest",
         default=None,
-        text="openings without slip; left out: those at the start",
+        text="openings without slip; default: those at the start",
     ),
-    joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two on which its pulleys sit"),
+    joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two joints of its pulleys"),
 )
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
@@ -199,9 +201,9 @@ def loop(build, args):
         elements.Motor,
         "start",
         default=None,
-        text="opening before the turn; left out: that at the start",
+        text="opening before the turn; default: that at the start",
     ),
-    turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
+    turn=Number(None, "angle of its turn, times `curve`; this or `rate`", unit="rad"),
     rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
     curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
 )
@@ -218,7 +220,8 @@ def motor(build, args):
 @connector(
     elements.Release,
     watch=WatchKey(
-        None, "another joint, whose opening passes `level` then, or a latch, which catches then"
+        None,
+        "another joint, whose opening passes `level` at the release, or a latch that catches then",
     ),
     level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )

@@ -32,7 +32,7 @@ OPENING_TOL = 1e-6
 
 
 def _per_part(build, args, key: str, noun: str) -> list:
-    """The values of a key for each of a joint's parts, stated for each or one for all."""
+    """Return the values of a key for each of a joint's parts, stated for each or one for all."""
     value, names = getattr(args, key), [part.name for part in args.parts]
     if not isinstance(value, dict):
         return [value] * len(names)
@@ -42,7 +42,7 @@ def _per_part(build, args, key: str, noun: str) -> list:
 
 
 def _meet(build, args) -> tuple[list[int], np.ndarray]:
-    """The particles of a joint's parts, and their points there (k, 3); for every joint."""
+    """Return the particles of a joint's parts, and their points there (k, 3); for every joint."""
     points = _per_part(build, args, "at", "a point")
     particles = [part.particle(p.name) for part, p in zip(args.parts, points, strict=True)]
     for (part1, p), (part2, q) in pairwise(zip(args.parts, points, strict=True)):
@@ -155,7 +155,7 @@ def fixed(build, args):
     openings=ListKey(
         None,
         "its angles at the start: of the cross about `axis` against the first part, and of the "
-        "second part about `other` against the cross; left out: 0",
+        "second part about `other` against the cross; default: 0",
         kind=Number(unit="rad"), least=2, most=2,
     ),
 )  # fmt: skip
@@ -216,8 +216,7 @@ def _add_slider(build, args, type: str, lead: float = 0.0) -> int:
 
 
 PITCH = Number(
-    text="by how much the second part goes along the axis in a turn, not 0; below 0: a left-handed "
-    "thread",
+    text="travel of the second part along the axis in a turn, not 0; below 0: a left-handed thread",
     unit="m",
 )
 AXIS = DirectionKey(text="about which the second part turns against the first, fixed to both")
@@ -275,7 +274,7 @@ del _JOURNAL["hinge"]
     PIN,
     AXIS.text,
     **_JOURNAL,
-    x=DirectionKey(None, "normal to `axis`, fixed to the first part; left out: any"),
+    x=DirectionKey(None, "normal to `axis`, fixed to the first part; default: any"),
 )
 def pin_with_play(build, args):
     """A pin of the second part turns in a bearing of the first with clearance, and rubs on it."""

@@ -35,10 +35,10 @@ ZERO = np.zeros(3)
 MASSLESS = 1e-30
 """Mass (kg) and inertia (kg m2) of a particle that only leads a point."""
 
-PART = ReferenceKey(group="parts", text="what it is about")
+PART = ReferenceKey(group="parts", text="the part with its points")
 POINT = ReferenceKey(group="points", text="one of its points")
 CURVE_KEYS = ["times", "values", "file", "column", "expression", "over"]
-CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="curves")
+CURVE = ReferenceKey(None, "scales it with time; default: constant", group="curves")
 
 
 @statement(
@@ -49,16 +49,16 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
         kind=Number(unit="s"),
     ),
     values=ListKey(None, "one for each time", kind=Number()),
-    file=CurvesKey(None, "of curves of time, with units"),
-    column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
+    file=CurvesKey(None, "file of curves of time, with units"),
+    column=TextKey(None, "the column whose numbers, in SI units, are the values"),
     smooth=Word(
-        "false", "whether it is a smooth cubic between the values, never beyond two neighbours, "
-        "with no slope at its ends", values=("true", "false"),
+        "false", "whether monotone cubics join the values, with zero slope at both ends",
+        values=("true", "false"),
     ),
     expression=CurveExpressionKey(
-        None, "of u, which goes from 0 to 1 over `over`, or of t, the time"
+        None, "a function of u, which goes from 0 to 1 over `over`, or of t, the time"
     ),
-    over=ListKey(None, "start and end of it", Number(unit="s"), 2, 2),
+    over=ListKey(None, "start and end of the expression", Number(unit="s"), 2, 2),
 )  # fmt: skip
 def curve(build, args):
     """A curve of time: through values, or by an expression; constant before and after."""
@@ -95,8 +95,8 @@ def _curve_by_expression(build, args) -> Any:
 
 @lru_cache(maxsize=64)
 def _fit(expression: Expression, numbers: tuple, start: float, end: float) -> Curve:
-    """The curve that an expression is from a time `start` to another, `end` (s). numbers: names
-    and values, numbers or vectors, as bytes, which can be hashed."""
+    """Return the curve that an expression is from a time `start` to another, `end` (s). numbers:
+    names and values, numbers or vectors, as bytes, which can be hashed."""
     arrays = {name: np.frombuffer(data) for name, data in numbers}
     numbers_by_name = {name: a if a.size > 1 else float(a[0]) for name, a in arrays.items()}
 
@@ -142,7 +142,7 @@ def load(build, args):
     coefficient=Number(least=0, text="drag coefficient: force over density/2 area speed**2"),
     density=Number(unit="kg/m3", least=0, text="of the air"),
     normal=DirectionKey(
-        None, "of a plate: only the velocity along it drags; left out: that across a line, and all "
+        None, "of a plate: only the velocity along it drags; default: that across a line, and all "
         "of that of a point"
     ),
     wind=VectorKey(ZERO, unit="m/s", text="velocity of the air"),
@@ -174,7 +174,7 @@ def drag(build, args):
     reel=Number(None, "length that a winch at the first point takes in, times `curve`", unit="m"),
     curve=ReferenceKey(None, "of the winch", group="curves"),
     friction=Number(
-        None, "coefficient of friction at the points between its ends; left out: they turn", least=0
+        None, "coefficient of friction at the points between its ends; default: they turn", least=0
     ),
     drum=OpeningKey(
         None, "joint whose opening winds it at the first point", types=("revolute", "universal")
@@ -182,7 +182,7 @@ def drag(build, args):
     radius=Number(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
     shortest=Number(
         None,
-        "length without tension down to which the drum may wind it; left out: a quarter of "
+        "length without tension down to which the drum may wind it; default: a quarter of "
         "that at the start",
         unit="m",
         above=0,
@@ -222,7 +222,9 @@ def cable(build, args):
     spin=VectorKey(ZERO, unit="rad/s", text="its angular velocity"),
     curve=CURVE,
     translations=LettersKey("xyz", "axes along which it is driven; along others it is free"),
-    rotations=LettersKey("xyz", "axes about which it is driven: all, if along all, or none"),
+    rotations=LettersKey(
+        "xyz", "axes about which it is driven: all (if it is driven along all), or none"
+    ),
 )
 def drive(build, args):
     """Prescribes how a point of a part moves and turns, or how it moves along some global axes."""
@@ -299,8 +301,9 @@ def motion(build, args):
     rate=Number(unit="rad/s", text="of its opening"),
 )
 def opening_rate(build, args):
-    """How fast an opening changes at the start; what else moves is as after an impact in these
-    joints."""
+    """The rate of an opening at the start.
+
+    Unstated velocities follow as after an impact in these joints."""
     if args.joint in build.scene.opening_rates:
         build.refuse("joint", build.scene.hinges[args.joint].name, "joints that have no other rate")
     build.scene.opening_rates[args.joint] = args.rate

@@ -35,8 +35,8 @@ def _size(text: str, unit: str = "m") -> Number:
     nu=Number(0.3, "Poisson's ratio"),
     rho=_size("density", "kg/m3"),
     stiffness_damping=Number(
-        0.0, "damping over stiffness (Rayleigh's beta): 2 zeta/omega damps what swings at omega by "
-        "the share zeta of critical", unit="s", least=0,
+        0.0, "damping over stiffness (Rayleigh's beta): 2 zeta/omega damps a vibration at "
+        "omega by the share zeta of critical", unit="s", least=0,
     ),
 )  # fmt: skip
 def material(build, args):
@@ -92,16 +92,18 @@ for _type, _text, _sizes, _build in SECTIONS:
     material=ReferenceKey(group="materials", text="its material"),
     elements=replace(COUNT, text="beam elements of each stretch between two points"),
     up=DirectionKey(
-        None, "where the section's height points; needed where it matters, and for `curvature`"
+        None, "direction of the section's height; needed unless the section is the same in all "
+        "directions, and for `curvature`"
     ),
     carries=MapKey(
         None, "points off its axis, each rigidly held at one of its points",
         group="points", kind=POINT,
     ),
     inertia_scale=Number(1.0, "factor on the section's rotational inertia", least=1),
-    strain=Number(0.0, "of what is free of stress, as by heat; with `assemble`", above=-0.5),
+    strain=Number(0.0, "strain without stress, as by heat; with `assemble`", above=-0.5),
     curvature=Number(
-        None, "likewise, > 0 where the side of `up` is longer: difference of strains over height",
+        None, "curvature without stress: difference of strains over height, > 0 "
+        "if the side of `up` is longer",
         unit="/m",
     ),
 )  # fmt: skip
@@ -144,7 +146,8 @@ def _directions(build, names, points) -> list[np.ndarray]:
 
 
 def _height_axis(build, args, directions) -> np.ndarray:
-    """The vector in the plane of the section's height; a choice of ours where it is no matter."""
+    """Return the vector in the plane of the section's height; a choice of ours where it is no
+    matter."""
     if args.up is not None:
         cosine = max(abs(direction @ args.up) for direction in directions)
         if cosine > 1 - 1e-12:
@@ -295,11 +298,11 @@ def _add_body(build, args, mass, centre, inertia, axes, points) -> Body:
 
 MASS = {
     "mass": replace(_size("its mass, evenly in it; this or `density`", "kg"), default=None),
-    "density": replace(_size("of its material, in the place of `mass`", "kg/m3"), default=None),
+    "density": replace(_size("of its material, instead of `mass`", "kg/m3"), default=None),
 }
 END_TEXTS = {"from": "one of its points, an end of its axis", "to": "the other end"}
 LINE = {**{key: replace(POINT, text=text) for key, text in END_TEXTS.items()}, **MASS}
-ROD_DIAMETER = "of a solid round rod; left out: a line, which nothing may turn about itself"
+ROD_DIAMETER = "of a solid round rod; default: a line, about whose axis nothing may act"
 
 
 def _mass_of(build, args, volume: float, remedy: str) -> float:

@@ -33,7 +33,7 @@ REACH = 0.25
 the function that separates them is at least in proportion to it."""
 
 # By which volume fractions are uncertain, so that 95 % of those of known boxes lie within.
-_CONFIDENCE = 1.6
+_CONFIDENCE = 1.8
 _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
@@ -86,7 +86,7 @@ class Occurrence:
         uncertain: less than `band`, as stretches of the border err to either side, each by itself;
         there are as many as runs that hold it (support vectors) and are apart from each other, but
         fewer where runs stand beside others: times the square of the share that does not.
-        1.6 over the root of their number times as much."""
+        1.8 over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
         return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self._stretch_count))

@@ -126,6 +126,7 @@ def test_velocity_and_distance_belong_together(angles):
         assert curves["velocity_Bz"][i] == pytest.approx(slope, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_paper_linkage_closes_first_near_a_third_of_a_second():
     times = np.linspace(0.0, 1.0, 201)
     closings = {k: linkage(spring_stiffness=k).simulate(5.0, times)["closings"] for k in (4.8, 5.0)}

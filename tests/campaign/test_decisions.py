@@ -175,6 +175,7 @@ def test_something_that_must_happen(tmp_path):
     assert found["together"]["met"] == "none"
 
 
+@pytest.mark.slow
 def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it."""
     wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}

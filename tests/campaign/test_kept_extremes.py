@@ -71,6 +71,7 @@ def test_a_new_expression_of_quantities_makes_no_run_again(scan, tmp_path, keep)
     assert table["quantity_units"].values.tolist() == ["m s-1", "m s-1", "m s-1", "1"]
 
 
+@pytest.mark.slow
 def test_bounds_of_the_scan_and_answers_are_those_of_all_curves_bit_for_bit(scan, tmp_path):
     found = campaign.run(scan, tmp_path, figures=False, notify=silent)
     folder = tmp_path / "test"

@@ -104,7 +104,7 @@ def test_inertia_is_that_of_the_moving_bars(angles):
 
 
 @pytest.mark.parametrize(
-    ("angles", "supports"), [*((angles, "plane") for angles in FRAMES), (FRAMES[-1], "free")]
+    ("angles", "supports"), [(FRAMES[0], "plane"), (FRAMES[2], "plane"), (FRAMES[-1], "free")]
 )
 def test_energy_is_constant_through_the_contact(angles, supports):
     curves = linkage(angles, supports=supports).simulate(5.0, np.linspace(0.0, 0.5, 51))

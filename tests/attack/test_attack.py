@@ -27,7 +27,7 @@ def victims(tmp_path_factory):
 @pytest.mark.slow
 def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
     rng, ledger = random.Random(20), Ledger()
-    for number in range(5):
+    for number in range(3):
         attack_by_kill(rng.choice(victims), tmp_path / f"kill{number}", ledger, rng)
         attack_by_full_disk(rng.choice(victims), tmp_path / f"disk{number}", ledger, rng)
     assert not ledger.bad, ledger.bad[0]

@@ -43,7 +43,8 @@ def test_a_mutant_is_changed_in_one_place():
     assert ("`a < b` to `a <= b`", ast.unparse(tree).replace("a < b", "a <= b")) in found
 
 
-@pytest.mark.parametrize("text", ["x = 2\n", "x = 3\n", "y = 1\n"])
+@pytest.mark.slow
+@pytest.mark.parametrize("text", ["x = 2\n", "y = 1\n"])
 def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path, text):
     code = tmp_path / "mine.py"
     code.write_text("x = 2\n", encoding="utf-8")

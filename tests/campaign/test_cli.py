@@ -141,6 +141,7 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_the_page_moves_in_as_many_frames_as_are_asked_for(finished, file, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(finished.path, copy)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from unittest.mock import ANY
 
 import numpy as np
@@ -174,6 +175,7 @@ def test_something_that_must_happen(tmp_path):
     assert found["together"]["met"] == "none"
 
 
+@pytest.mark.slow
 def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it."""
     wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
@@ -241,15 +243,14 @@ def test_what_never_happens_is_told_with_how_far_it_came(tmp_path, quantity, wor
 
 
 def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsys, judged):
-    raw = panel(campaign="status", quantities=QUANTITIES, requirements=REQUIREMENTS)
+    solver = {"duration": 2.2, "instants": 441}
+    raw = panel(campaign="judged", quantities=QUANTITIES, requirements=REQUIREMENTS, solver=solver)
     config = tmp_path / "status.yaml"
     config.write_text(yaml.safe_dump(raw))
+    shutil.copytree(judged.path, tmp_path / "judged")
     call = ["run", str(config), "--results", str(tmp_path), "--no-figures"]
     assert main(call) == 0
     assert main([*call, "--require"]) == UNMET == 3
-    raw["requirements"] = {"not_early": REQUIREMENTS["not_early"]}
-    config.write_text(yaml.safe_dump(raw))
-    assert main([*call, "--require"]) == 0
     del raw["requirements"]
     config.write_text(yaml.safe_dump(raw))
     assert main([*call, "--require"]) == 1

@@ -89,6 +89,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         assert words in text
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_path):
     found = []
     for place in ("first", "second"):
@@ -128,6 +129,7 @@ ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "l
        "run", "position", "nominal", "box_lower", "moments", "campaign")  # fmt: skip
 
 
+@pytest.mark.slow
 def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
     kinds = [{"distance": ["B", "D"]}, {"velocity": "B", "component": "z"}, {"opening": "A"},
              {"energy": "kinetic"}, {"position": "C", "component": "x"}]  # fmt: skip

@@ -31,6 +31,7 @@ def simulated(folder: Folder) -> int:
     return sum(json.loads(path.read_text())["simulated"] for path in folder.path.glob("batches/*"))
 
 
+@pytest.mark.slow
 def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     said = []
     raw["intervals"]["E"] = {"relative": 0.05}

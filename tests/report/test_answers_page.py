@@ -56,8 +56,8 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index("all requirements are met in ") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
-                   "The nearest failure is of in_time", "Choose k = ", 'id="choice"',
-                   "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
+                   "The nearest failure is of <code>in_time</code>", "Choose <code>k</code> = ",
+                   'id="choice"', "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
         assert words_ in page
     ends = re.findall(r"<dd>(k = [^<]*)</dd>", page)
     assert len(ends) == 2 and all(re.fullmatch(r"k = [\d.]+ N m/rad", end) for end in ends)
@@ -71,10 +71,10 @@ def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     assert "predicted" not in render(opened).split("</style>")[1]
     row = row | {"predicted_ends": ["lower"], "lower": row["lower"] - 0.01}
     data = replace(opened, facts=opened.facts | {"quantities": [row]})
-    assert "is 1.858 to 1.964 s, lower end predicted." in sentence("ranges", data.facts)
+    assert "is 1.858 to 1.964 s (lower end predicted)." in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
     assert 'class="big range predicted"' in page
-    assert "over the box; lower predicted, attained by a run to 1.868" in page
+    assert "over the box; lower end predicted, a run gives 1.868" in page
 
 
 def test_the_part_of_the_box_that_fails_is_drawn(opened):

@@ -65,6 +65,17 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     assert "does not happen in any run" in page
 
 
+def test_sentences_of_the_page_are_short(opened):
+    """Without what stands in brackets, and lists."""
+    body = re.sub(r"<(script|style|svg|pre).*?</\1>", "", render(opened), flags=re.S)
+    texts = re.findall(r"<(?:p|dd|div class=\"caution\")\b[^>]*>(.*?)</(?:p|dd|div)>", body, re.S)
+    plain = [" ".join(re.sub(r"<[^>]+>|\([^()]*\)", "", text).split()) for text in texts]
+    sentences = [s for text in plain for s in re.split(r"(?<=[.!?]) (?=[A-Z])", text)]
+    counts = {s: len(s.split()) for s in sentences if ": " not in s}
+    assert not {s: n for s, n in counts.items() if n > 25}
+    assert len(counts) > 50 and sum(counts.values()) / len(counts) < 15
+
+
 def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     """Not in bold, and said in the headline: without rounds, say, it may be below all runs."""
     (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
@@ -118,9 +129,9 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
     nominal, *others = data.moving
     assert nominal.label == "nominal run"
     with xarray.open_dataset(folder / "quantities.nc") as found:
-        for what in ("least", "largest"):
+        for what in ("earliest", "latest"):
             (shown,) = [each for each in others if f"{what} t_open" in each.label]
-            end = found["argmin" if what == "least" else "argmax"].sel(quantity="t_open").values
+            end = found["argmin" if what == "earliest" else "argmax"].sel(quantity="t_open").values
             run = data.runs[shown.run]
             np.testing.assert_allclose(run.values, end, rtol=1e-12)
             (opening,) = curves_in(folder / "trajectories")[run.id].openings.values()

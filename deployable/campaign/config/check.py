@@ -103,8 +103,8 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
         ])  # fmt: skip
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}
-    raw, name_problems = correct_sections(raw)
-    raw, case_lists = without_cases(raw)
+    sections_by_name, name_problems = correct_sections(raw)
+    raw, case_lists = without_cases(sections_by_name)
     original, units = raw, StatedUnits(raw)
     raw = units.raw
     config, user_config, problems = read(raw)

@@ -167,7 +167,7 @@ def number_in(symbol: str, text: Any) -> Any:
     or has a unit that does not fit, as it is."""
     if isinstance(text, str) and (match := _TEXT.fullmatch(text.strip())):
         with suppress(UnitError, OverflowError):
-            value = _convert(*match.groups(), symbol)
+            value = _convert(match[1], match[2], symbol)
             return text if value is None else value
     return text
 

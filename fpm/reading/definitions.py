@@ -21,6 +21,8 @@ def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str =
         allowed = " and ".join(filter(None, (name, ", ".join(mandatory))))
         allowed += f", perhaps with {', '.join(optional)}" if optional else ""
         allowed += "" if mandatory or optional else " alone"
+        if {"unit", "units"} & {*unknown_keys}:
+            allowed += ", in the SI unit of its kind: leave the unit out"
         hints = ((entry, hint_new(entry, optional)) for entry in unknown_keys)
         allowed += "".join(f"; {entry}{hint}" for entry, hint in hints if hint)
         if len(unknown_keys) == 1:  # whose line is told

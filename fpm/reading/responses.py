@@ -164,6 +164,9 @@ def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: st
 
 def _bar(spec: Definition) -> Response:
     names, unit = spec.variable.names, spec.variable.unit
+    if not names(spec.scene):
+        allowed = f"a structure with bars: only these have {spec.kind}, and bodies are rigid"
+        raise SceneError(f"responses.{spec.name}.{spec.kind}", spec.data[spec.kind], allowed)
     return _by_name(spec, unit, f"equivalent {spec.kind} in {{}}", names, spec.kind)
 
 

@@ -375,11 +375,11 @@ def test_the_budget_tells_the_tolerance_that_counts():
 def test_how_it_ends_and_over_which_box_stands_first():
     stated, limits, numbers, margins = least(-0.2, 0.3, [limit("m_least", met="some", share=0.6)])
     ends, box, how = sheets.head(sheets.facts_of(stated, limits, margins), numbers)
-    outcome = "12 of 18 clauses not analysed."
+    outcome = "with 12 of 18 clauses not analysed."
     begin = "Of 18 rows: 2 not met (4.7.5.3 m_least, 4.8.2.6); 0 undecided; "
-    assert ends.startswith(f"Not met; {outcome} {begin}")
+    assert ends.startswith(f"The sheet says “not met”, {outcome} {begin}")
     met, *_ = sheets.head(sheets.facts_of(margins={}))
-    assert met.startswith("Met; 16 of 18 clauses not analysed. Of")
+    assert met.startswith("The sheet says “met”, with 16 of 18 clauses not analysed. Of")
     assert "1 met (4.8.2.6)" in ends and "12 not analysed (4.7.5.2, 4.7.5.3" in ends
     assert sum(map(int, re.findall(r"[:;] (\d+)", ends[ends.index("Of") :]))) == 18
     assert "stiffness (k) from 0.36 to 0.44 N m/rad" in box and "probability" in how

@@ -22,6 +22,7 @@ from deployable.campaign.config.keys import table
 from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import Campaign, scene_type
+from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, wrap_error, write_text
@@ -30,6 +31,7 @@ from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts, summary_text
 from deployable.campaign.runs.progress import MessagePrinter
 from deployable.campaign.stages.workflow import Workflow, complete
+from fpm.errors import number_hint
 
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
@@ -98,9 +100,11 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
     export.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE",
-        help="a parameter of a config or structure, in its unit; may be repeated",
+        help="a parameter, in its unit or with one, such as 'k=2 N/mm'; may be repeated",
     )  # fmt: skip
-    export.add_argument("--duration", type=float, help="s, of a config's or structure's run")
+    export.add_argument(
+        "--duration", type=_seconds, help="of a config's or structure's run, such as 2, or 2 s"
+    )
     export.add_argument("--frames", type=int, help="number of frames, evenly spread")
     export.add_argument(
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
@@ -222,10 +226,13 @@ def _schema(options: argparse.Namespace) -> int:
 
 
 def _seconds(text: str) -> float:
-    seconds = float(text)
-    if not 0 < seconds < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not allowed; allowed: a time above 0 (s)")
-    return seconds
+    with suppress(ValueError, TypeError):
+        seconds = float(number_in("s", text))
+        if 0 < seconds < math.inf:
+            return seconds
+    raise argparse.ArgumentTypeError(
+        f"{text!r} is not allowed{number_hint(text)}; allowed: a time above 0, as 2 or 2 s"
+    )
 
 
 def _structure(options: argparse.Namespace) -> int:

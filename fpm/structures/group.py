@@ -1,23 +1,16 @@
 """Samples of a structure file that differ in some parameters: what they have in common, once.
 
 Where values differ in what acts only (springs, cables, motions), all else is built once, for a
-first sample, and the others share it. Else numbers and keys that no such parameter changes are the
-first sample's."""
+first sample, and the others share it. Else each is built on its own."""
 
 from collections.abc import Collection, Mapping
-from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass, field
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
-from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
-from fpm.structures.builder import Builder
 from fpm.structures.model import FileStatements
-from fpm.structures.reading import Problems, SkippedError
+from fpm.structures.reading import Problems
 from fpm.structures.sample import (
     LATE_GROUPS,
     MOTIONS,
@@ -32,39 +25,28 @@ from fpm.structures.statement import Entry
 class SampleGroup:
     """Builds samples of a structure file whose values differ from those of a first in some
     parameters only, to the bits of one by one. model: the file's statements; values: those of the
-    first (SI units); parameters: their names. Attribute `entries`: what depends on these; None:
-    more than what acts does, or the first sample is refused."""
+    first (SI units); parameters: their names."""
 
     def __init__(
         self, model: FileStatements, values: Mapping[str, float], parameters: Collection[str]
     ):
         names, numbers = model.names, model.names.dependents(parameters)
         self._model, self._numbers = model, [name for name in names.order if name in numbers]
-        self._first = build_sample(model, values, problems := Problems(""))
-        self._is_sound = not problems
-        self.entries = None if problems else _dependents(model, numbers)
-        if self.entries is None:
-            first = self._first.numbers
-            self._fixed_numbers = {name: first[name] for name in first.keys() - numbers}
-            self._model = _read_once(model, self._fixed_numbers)
+        self._entries = _dependents(model, numbers)
+        if self._entries is None:
             return
+        self._first = build_sample(model, values, problems := Problems(""))
+        self._entries = None if problems else self._entries
         for array in vars(self._first.scene).values():
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
 
     def build(self, values: Mapping[str, float]) -> Scene | None:
         """Return the scene at values of the file's parameters by name (SI units), of which those
-        that are not varied are the first sample's. Where `entries` are all that differs, its arrays
-        are those of all samples. None where it is to be built on its own, as one that is refused,
-        or has other elements."""
-        if self.entries is not None:
-            return self._build_entries(values, self.entries)
-        if not self._is_sound:
+        that are not varied are the first sample's; its arrays are those of all samples. None where
+        it is to be built on its own, as one that is refused, or has other elements."""
+        if (entries := self._entries) is None:
             return None
-        build = build_sample(self._model, values, problems := Problems(""), self._fixed_numbers)
-        return None if problems else build.scene
-
-    def _build_entries(self, values: Mapping[str, float], entries: list[Entry]) -> Scene | None:
         build, problems, first_scene = copy(self._first), Problems(""), self._first.scene
         build.problems, build.additions = problems, {}
         build.numbers, scene = dict(build.numbers), copy(first_scene)
@@ -91,34 +73,6 @@ class SampleGroup:
             if is_moved:
                 finish(build, self._model)
         return None if problems or scene.doubts != first_scene.doubts else scene
-
-
-def _read_once(model: FileStatements, numbers: Mapping[str, Any]) -> FileStatements:
-    """The statements of a file, of which keys that depend on some `numbers` only, by full name, and
-    on nothing that is built, are read."""
-    build, result = Builder(Problems("")), copy(model)
-    build.numbers |= numbers
-
-    def read_once(entry: Entry) -> Entry:
-        values = {"name": entry.name, "key": entry.key}
-        for name, key in entry.statement.keys.items():
-            with suppress(SkippedError, SceneError):
-                values[name] = entry.read[name](build) if name in entry.read else key.default
-        return _ReadEntry(**vars(entry), key_values=values)
-
-    result.overall, result.entries = read_once(model.overall), [*map(read_once, model.entries)]
-    return result
-
-
-@dataclass(frozen=True)
-class _ReadEntry(Entry):
-    """An entry of a structure file of which some keys are read. key_values: these, by name."""
-
-    key_values: Mapping[str, Any] = field(default_factory=dict)
-
-    def values(self, build: Builder) -> SimpleNamespace:
-        rest = {k: read(build) for k, read in self.read.items() if k not in self.key_values}
-        return SimpleNamespace(**self.key_values, **rest)
 
 
 def _dependents(model: FileStatements, numbers: set[str]) -> list[Entry] | None:

@@ -32,21 +32,13 @@ MOTIONS = "initial_velocities"
 """Group that is built last: as rigid bodies, from where the parts are."""
 
 
-def build_sample(
-    model: FileStatements,
-    values: Mapping[str, float],
-    problems: Problems,
-    fixed_numbers: Mapping[str, Any] | None = None,
-) -> Builder:
+def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
     """Build the scene of one sample of a structure file, at one set of parameter values; returns
     its Builder, whose `scene` is complete if `problems` is empty. model: the file's statements;
-    values: of its parameters by name (SI units); problems: where errors are noted; fixed_numbers:
-    values of named numbers by full name that are known already."""
+    values: of its parameters by name (SI units); problems: where errors are noted."""
     build = Builder(problems)
-    build.numbers |= fixed_numbers or {}
     with np.errstate(all="ignore"):
-        names = [name for name in model.names.order if name not in build.numbers]
-        find_numbers(build, model, values, names)
+        find_numbers(build, model, values, model.names.order)
         points = _place(build, model)
         build.scene = _scene(build, model)
         build.scene.doubts += find_far_point(points)

@@ -15,9 +15,14 @@ from deployable.campaign.export import export
 from deployable.campaign.pictures.animation import frames, write_moving
 from deployable.campaign.pictures.colours import stress_colours
 from deployable.campaign.pictures.drawing import draw_structure
-from deployable.campaign.pictures.paint import limits_of, paint_cables, visible_faces
+from deployable.campaign.pictures.paint import (
+    View,
+    limits_of,
+    nice_length,
+    paint_cables,
+    visible_faces,
+)
 from deployable.campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
-from deployable.campaign.pictures.view import View, nice_length
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 SQUARE = 0.5 * np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]])

@@ -205,9 +205,9 @@ def _compare(options: argparse.Namespace) -> int:
 
 def _schema(options: argparse.Namespace) -> int:
     """Print the JSON Schema of a campaign's config, or of a structure, for editors."""
-    from fpm.structures import schema
+    from fpm.structures.text_file import schema
 
-    print(json.dumps((schema if options.of == "structure" else read).schema(), indent=1))
+    print(json.dumps((schema if options.of == "structure" else read.schema)(), indent=1))
     return 0
 
 

@@ -160,11 +160,12 @@ def _note_dead_end(previous_failure, failure, division: Division) -> None:
             failure.as_final()
 
 
-def _integrate(scenes, width, dtype, instants, division, tolerance, room=pack.MOST_EVENTS):
+def _integrate(scenes, width, dtype, instants, division, tolerance, room=0):
     """Integrate a batch of scenes; returns Batch, arrays of its element types, World and Record. It
     is repeated where there are more events than there is room for."""
     from fpm.kernels.compiled_loop import prepare_call
 
+    room = room or pack.MOST_EVENTS
     batch = pack.pack(scenes, width, dtype, instants, room)
     step, output_steps, check_steps = division
     steps = output_steps * (instants - 1)

@@ -222,7 +222,7 @@ def test_a_write_that_breaks_off_leaves_nothing(dataset, tmp_path, monkeypatch):
         path.write_bytes(b"half")
         raise OSError("disk full")
 
-    monkeypatch.setattr(fpm.files.trajectory, "write", break_off)
+    monkeypatch.setattr(fpm.files.trajectory, "write_arrays", break_off)
     with pytest.raises(OSError, match="disk full"):
         fpm.trajectory.write(dataset, tmp_path / "run.nc")
     assert not list(tmp_path.iterdir())

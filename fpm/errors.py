@@ -61,11 +61,6 @@ class InstabilityError(RuntimeError):
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )
 
-    @property
-    def is_of_step(self) -> bool:
-        """Whether a shorter step may mend it: the balance broke, or the remedy names the step."""
-        return self.words is None or "solver.step" in self.words[1]
-
     def __reduce__(self):
         return type(self), (
             self.time, self.element, self.step, self.limit, self.balance, self.scale,

@@ -42,7 +42,7 @@ def run_all(config, folder, keep):
 
 
 def test_runs_are_found_in_the_files_of_another_design(raw, tmp_path):
-    """Whichever file has them; files of earlier versions are told of, and not used."""
+    """Whichever file has them; files that are none of the store are told of, and not used."""
     plan, _ = run_all(check_config(raw), tmp_path, "trajectories")
     raw["held_out"] += 3
     stray = tmp_path / "trajectories/0123456789abcdef.nc"
@@ -53,7 +53,7 @@ def test_runs_are_found_in_the_files_of_another_design(raw, tmp_path):
     run_batch(larger, 0, 1, jobs, tmp_path / "trajectories", manifest, said.append)
     new = len(larger.unique_runs) - len(plan.unique_runs)
     assert json.loads(manifest.read_text())["simulated"] == new > 0
-    assert "has 1 files of an earlier version, one a run, which are not used" in said[0]
+    assert "cannot be used: it is run 0123456789abcdef; its runs are made again" in said[0]
     stray.unlink()
     assert len(curves_in(tmp_path / "trajectories")) == len(larger.unique_runs)
 

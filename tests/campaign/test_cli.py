@@ -74,7 +74,7 @@ def test_help_names_all_commands(capsys, arguments):
         main(arguments)
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    commands = "check", "run", "compare", "convert", "keys", "schema", "structure", "export"
+    commands = "check", "run", "compare", "convert", "schema", "structure", "export"
     for name in (*commands, *STAGES):
         assert f"\n  {name} " in told
     assert "config/" not in told  # files that only a checkout has

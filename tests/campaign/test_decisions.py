@@ -20,8 +20,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan
-from deployable.campaign.plan.runs import Runs
+from deployable.campaign.plan.plan import Plan, Runs
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice, Limit

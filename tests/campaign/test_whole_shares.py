@@ -16,7 +16,7 @@ from deployable.campaign.answers.discretization import (
 )
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.answers.quantity_bounds import converge_bounds
-from deployable.campaign.plan.runs import RunAccount
+from deployable.campaign.plan.plan import RunAccount
 from deployable.campaign.text.numbers import interval
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points

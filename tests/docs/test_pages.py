@@ -223,7 +223,7 @@ def _check_campaign(words):
     """Run it, but for a form, and campaigns, of which `CAMPAIGNS` tells."""
     if any(word.isupper() or "|" in word or "<" in word for word in words):
         return  # a form, not a command
-    if len(words) == 1 and words[0] not in ("keys", "schema"):
+    if len(words) == 1 and words[0] != "schema":
         assert words[0] in {"new", "check", "run", "structure", "export", *STAGES}
         return  # a name, not a command
     words = [w for w in words if w != ">" and not w.startswith("docs/")]

@@ -12,9 +12,9 @@ from stored_runs import curves_in
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
-from deployable.campaign.report.data import REFINEMENT
-from deployable.campaign.report.failing_region import meets, panels
+from deployable.campaign.report.failing_region import panels
 from deployable.campaign.report.page import render
+from deployable.campaign.report.read import REFINEMENT, meets
 from deployable.campaign.results.templates import sentence
 
 

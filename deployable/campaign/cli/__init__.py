@@ -24,7 +24,7 @@ PROGRAM = "deployable"
 GROUPS = {
     "campaigns": ("new", "check", "run", "compare", "export"),
     "structures": ("structure", "convert"),
-    "reference": ("keys", "schema"),
+    "reference": ("schema",),
     "stages, which `run` calls one after another": tuple(STAGES),
 }
 """Commands by what they are about, as the help lists them."""

@@ -18,7 +18,6 @@ from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config import read
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.keys import table
 from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import Campaign, scene_type
@@ -61,11 +60,10 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
         "--require", action="store_true",
         help="end with status 3 unless all of the box meets all requirements",
     )  # fmt: skip
-    for name, function in (("keys", _keys), ("schema", _schema)):
-        keys = command(commands, name, function.__doc__ or "", function)
-        keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
+    keys = command(commands, "schema", _schema.__doc__ or "", _schema)
+    keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
     structure = command(commands, "structure", _structure.__doc__, _structure)
-    structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
+    structure.add_argument("structure", help="a file, .yaml, or the name of one that is shipped")
     structure.add_argument(
         "--duration", type=_seconds, default=1.0, help="of a run (%(default)s s)"
     )
@@ -209,19 +207,11 @@ def _compare(options: argparse.Namespace) -> int:
     return 0
 
 
-def _keys(options: argparse.Namespace) -> int:
-    """Print all keys of a campaign's config, or of a structure, as Markdown."""
-    from fpm.structures.keys_page import keys_page
-
-    print(keys_page() if options.of == "structure" else table(read.whole()), end="")
-    return 0
-
-
 def _schema(options: argparse.Namespace) -> int:
     """Print the JSON Schema of a campaign's config, or of a structure, for editors."""
-    from fpm.structures import keys_page
+    from fpm.structures.text_file import schema
 
-    print(json.dumps((keys_page if options.of == "structure" else read).schema(), indent=1))
+    print(json.dumps((schema if options.of == "structure" else read.schema)(), indent=1))
     return 0
 
 

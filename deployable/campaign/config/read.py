@@ -84,24 +84,29 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
             if child is None:
                 faults.append((place, _no_key([*path], name, key)))
                 raise RefusedError
+            inner = is_entry or name not in key.children
             if name not in key.children and not key.names.fits(name):
                 allowed = f"not a name that can be used; allowed: {key.names.allowed}"
                 faults.append((place, f"{'.'.join(place)}: {allowed}"))
                 raise RefusedError
-            inner = is_entry or name not in key.children
             result[name] = _load(child, value[name], place, faults, inner)
         except RefusedError:
             if not is_entry:
                 del value[name]
     mandatory = [name for name, child in key.children.items() if child.default is MISSING]
-    for name in mandatory:
-        if name not in names:
-            place = (*path, name)
-            text = f"{'.'.join(place)}: missing; allowed: {key.children[name].allowed}"
-            faults.append((place, text))
+    for name in {*mandatory} - {*names}:
+        place = (*path, name)
+        text = f"{'.'.join(place)}: missing; allowed: {key.children[name].allowed}"
+        faults.append((place, text))
     is_sound = len(result) == len(names)
     if (is_entry and not is_sound) or not result.keys() >= {*mandatory}:
         raise RefusedError
+    return _section_of(key, result, value, path, faults if is_sound else [])
+
+
+def _section_of(key: ConfigKey, result: dict, value: Any, path: tuple, faults: list) -> Any:
+    """The section that a key's values make together; where they must not be, `faults` gets the path
+    and a sentence, and RefusedError is raised."""
     try:
         if not key.rule.fits(result):
             raise RefusedError
@@ -109,7 +114,7 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
     except RefusedError as error:
         place = (*path, error.key) if error.key else path
         text = f"{'.'.join(place)}: {error.text}" if error.text else _refusal(key, path, value)
-        faults += [(place, text)] * is_sound
+        faults.append((place, text))
         raise
 
 

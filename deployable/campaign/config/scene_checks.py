@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.config.disk import LARGE, room_problems
 from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.own_runs import OwnRunsError, key_problems
@@ -27,6 +26,7 @@ from deployable.campaign.config.resolve import (
 )
 from deployable.campaign.config.sections import (
     BY_STANDARD,
+    LARGE,
     OWN_RUNS,
     Campaign,
     Choose,
@@ -35,6 +35,7 @@ from deployable.campaign.config.sections import (
     count_first_runs,
     design_points,
     make_design,
+    room_problems,
     scene_type,
     steps_problems,
     widen_intervals,

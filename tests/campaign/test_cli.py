@@ -223,7 +223,7 @@ def test_a_fault_of_the_program_is_in_the_log(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("call", "meant"),
     [("export latch --to glbb", "glb"), ("export latch --to gltf", "glb"),
-     ("keys structur", "structure"), ("exprt latch", "export")],
+     ("schema structur", "structure"), ("exprt latch", "export")],
 )  # fmt: skip
 def test_a_word_that_is_no_choice_is_answered_with_the_likely_one(call, meant, capsys):
     with pytest.raises(SystemExit):

@@ -102,8 +102,8 @@ class Trajectories(Store):
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                numbers = *numbers, np.array(impact_margins(curves))
-                fields = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
+                rows = *numbers, np.array(impact_margins(curves))
+                fields = (curves.time, values, events, contacts, *rows, overlap, curves.step)
                 records[name] = RunRecord(*fields)
         return records
 

@@ -61,11 +61,6 @@ class InstabilityError(RuntimeError):
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )
 
-    @property
-    def is_of_step(self) -> bool:
-        """Whether a shorter step may mend it: the balance broke, or the remedy names the step."""
-        return self.words is None or "solver.step" in self.words[1]
-
     def __reduce__(self):
         return type(self), (
             self.time, self.element, self.step, self.limit, self.balance, self.scale,
@@ -141,6 +136,7 @@ _WORDS = {
     "pipe": "tube", "round": "circle", "box": "rectangle", "lock": "latch", "damping": "damper",
     "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
     "monte_carlo": "sobol", "lhs": "sobol", "latin_hypercube": "sobol",
+    "gltf": "glb", "paraview": "vtk", "mujoco": "mjcf", "png": "figures", "pdf": "figures",
     "tol": "relative", "tolerance": "relative", "plusminus": "absolute", "time": "duration",
 }  # fmt: skip
 """Words of other programs and of everyday, and those of this one for the same."""
@@ -163,6 +159,10 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     """Return a hint for the message on a text that is no allowed number: " (did you mean x?)" for a
     percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number alone,
     ...)" for a unit where none may be; else "". with_unit: whether it may have a unit."""
+    if any(sign in text for sign in "\u2212\u2013\u2014"):  # as copied from a page
+        plain = re.sub("[\u2212\u2013\u2014]", "-", text)
+        sign = re.findall("[\u2212\u2013\u2014]", text)[0]
+        return f" (“{sign}” is not a minus sign: write {plain})"
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

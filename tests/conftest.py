@@ -1,9 +1,15 @@
-"""Keeps the quick tests quick: none compiles the kinds of element that take long."""
+"""Keeps the quick tests quick: none compiles the kinds of element that take long. Runs a shipped
+campaign once, whichever tests ask for it."""
 
 from __future__ import annotations
 
+import fcntl
 import os
+import resource
+import subprocess
 import sys
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -26,6 +32,35 @@ def pytest_runtest_teardown(item: pytest.Item) -> None:
     _seen.update(needed)
     if needed and not item.get_closest_marker("slow"):
         pytest.fail(f"needs compiled kernels of {', '.join(sorted(needed))}: mark it slow")
+
+
+WITH_FIGURES = {"latch", "deploys"}
+"""Shipped campaigns of which a test asks what all of it costs."""
+
+
+@pytest.fixture(scope="session")
+def shipped(tmp_path_factory) -> Callable[[str], tuple[Path, float]]:
+    """A function that runs a shipped campaign, once for all tests in all processes: its folder of
+    results, and the processor time (s) that it took."""
+    home = tmp_path_factory.getbasetemp()
+    results = (home.parent if "PYTEST_XDIST_WORKER" in os.environ else home) / "shipped"
+    results.mkdir(exist_ok=True)
+
+    def run(name: str) -> tuple[Path, float]:
+        config = Path(__file__).parents[1] / f"config/{name}.yaml"
+        command = [sys.executable, "-m", "deployable", "run", config, "--results", results]
+        with open(results / f"{name}.seconds", "a+", encoding="utf-8") as told:
+            fcntl.flock(told, fcntl.LOCK_EX)
+            told.seek(0)
+            if not (seconds := told.read()):
+                begun = resource.getrusage(resource.RUSAGE_CHILDREN)
+                subprocess.run(command + ["--no-figures"] * (name not in WITH_FIGURES), check=True)
+                ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+                seconds = str(ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime)
+                told.write(seconds)
+        return results / name, float(seconds)
+
+    return run
 
 
 @pytest.hookimpl(wrapper=True)

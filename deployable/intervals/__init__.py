@@ -4,14 +4,7 @@ Given a box of interval parameters, `make_design` says where to run the model, `
 responses into polynomials, and `find_surrogate_range` or `bounds_dataset` bound them at every
 instant. The package knows nothing of the model: it takes arrays, or netCDF files as datasets."""
 
-from .bounds import (
-    add_errors,
-    bounds_dataset,
-    compare_bounds,
-    compare_runs,
-    hausdorff,
-    include_runs,
-)
+from .bounds import add_errors, bounds_dataset, hausdorff, include_runs
 from .box import Box, held_out_points, match_points
 from .chebyshev import Surrogate
 from .designs import METHODS, Design, fit, make_design

@@ -123,11 +123,10 @@ def draw_examples(folder: Path) -> list[str]:
 
 def make(app):
     """Make pictures and pages before the sources are read, and tell which structure's are made."""
+    from key_tables import keys_page, table
     from sphinx.util.display import status_iterator
 
-    from deployable.campaign.config.keys import table
     from deployable.campaign.config.read import whole
-    from fpm.structures.keys_page import keys_page
 
     folder, moves = Path(app.srcdir) / "made", bool(int(app.config.gallery_moves))
     folder.mkdir(exist_ok=True)

@@ -19,7 +19,7 @@ from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import converge_bounds
 from deployable.campaign.answers.requirements import judge
-from deployable.campaign.plan.runs import RunAccount
+from deployable.campaign.plan.plan import RunAccount
 from deployable.intervals import make_design
 from deployable.intervals.box import Box, held_out_points
 from evidence.results import Report, table

@@ -7,6 +7,7 @@ import fpm
 from deployable.campaign.config.sections import scene_type
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.rotation import crossings
+from fpm.elements import Contact
 from fpm.structures import loads
 
 MASS, INERTIA, ARM = 2.0, 0.3, 0.5  # kg; kg m² about the centre; m from the hinge to the centre
@@ -72,7 +73,7 @@ def contact_bounce(bench: Bench) -> None:
     scenes = []
     for stiffness in stiffnesses:
         scene = swinging_body(0.1, rate=-rate)
-        scene.add_contact(0, stiffness)
+        scene.add(Contact(0, stiffness))
         scenes.append(scene)
     outcomes = bench.simulate(scenes, duration=0.25, instants=2501, step=2e-5)
     source = "half sine: π √(I / k), ω₀ √(I / k)"

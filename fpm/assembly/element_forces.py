@@ -54,7 +54,8 @@ class ElementForces:
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         # As at the start: kernels take means of curves over a step.
-        part_scene.curves = [curve.constant_at(0.0) for curve in scene.curves]
+        zero = np.zeros(1)
+        part_scene.curves = [type(c).table(zero, c.value(zero)) for c in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
         batch = Batch([part_scene], kinds, width(np.dtype(np.float64)), np.float64, 1, 1)
         self.parts, self._history = batch.parts(), batch.filled_blocks()

@@ -29,7 +29,7 @@ from fpm.assembly.conditions import ParticlePoses, conditions_of, tilts
 from fpm.assembly.element_forces import BalanceForces, displacement
 from fpm.assembly.matrices import largest_entry, scale_matrix
 from fpm.assembly.newton import linearise
-from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.bars.beam import BEND, STRAIN
 from fpm.elements.batch import GAP_TOL
 from fpm.elements.openings.opening import opening_at
 from fpm.errors import SceneError

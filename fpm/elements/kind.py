@@ -5,6 +5,7 @@ beams, one for a group of elements), and a kernel file (fpm/kernels/hooks.py). E
 neutral default. `docs/mechanics.md` shows how to add an element type."""
 
 from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
@@ -17,6 +18,17 @@ import numpy as np
 from fpm.declare import Index, Key, Number, Word, numbers_in, specs
 from fpm.elements.batch import Batch, SceneData
 from fpm.errors import SceneError
+
+
+@dataclass(frozen=True)
+class VirtualBeam:
+    """Rigid, massless arm from a particle to a point, as of a joint off the link's axis. particle:
+    index; arm (3,), m: vector to the point, in the particle's own axes. The paper uses stiff beam
+    elements; the limit of infinite stiffness costs no element, and does not shorten the step."""
+
+    particle: int
+    arm: np.ndarray
+
 
 AXES = "xyz"
 """Names of the global axes."""

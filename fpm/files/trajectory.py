@@ -14,8 +14,41 @@ import numpy as np
 from fpm.elements import KINDS, energies_of
 from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful, Gate
-from fpm.files import netcdf, seals
-from fpm.files.netcdf import NetcdfVariable
+from fpm.files import seals
+
+
+class NetcdfVariable(NamedTuple):
+    """A netCDF variable. dims: names of its dimensions; values: array of numbers or text;
+    attributes: by name, such as "units"; options: of `netCDF4.Dataset.createVariable`, and `kind`,
+    the type in the file, if it is not that of the values."""
+
+    dims: tuple[str, ...]
+    values: np.ndarray
+    attributes: Mapping[str, Any] = {}
+    options: Mapping[str, Any] = {}
+
+
+def write_arrays(
+    path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
+) -> None:
+    """Write a new netCDF-4 file. path: of the file; attributes: global ones by name; variables: by
+    name; a dimension is as long as the first variable along it."""
+    import netCDF4
+
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(attributes)
+        for name, (dims, values, attrs, options) in variables.items():
+            values = np.asarray(values)
+            for dim, size in zip(dims, values.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            is_text = values.dtype.kind in "OU"
+            options = {"kind": str if is_text else values.dtype, **options}
+            column = file.createVariable(name, options.pop("kind"), dims, **options)
+            column.setncatts(attrs)
+            if values.size:
+                column[...] = values.astype(object) if is_text else values
+
 
 if TYPE_CHECKING:
     import xarray
@@ -285,14 +318,6 @@ def _is_coordinate(name: str, variable: NetcdfVariable) -> bool:
     return variable.dims == (name,) or text or name.startswith(_PARAMETER)
 
 
-def check_finite(variables: Mapping[str, NetcdfVariable]) -> None:
-    """Check that all values of `variables` (NetcdfVariable by name) are finite; raises ValueError
-    that names the first with one that is not."""
-    for name, variable in variables.items():
-        if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
-            raise ValueError(f"{name} has values that are not finite; nothing is written")
-
-
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **facts: str) -> None:
     """Write trajectories (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
     appears when it is complete. facts: texts by name for the seal, where `name` is what they are
@@ -303,12 +328,14 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **fa
             for key, v in trajectory.variables.items()
         }
         trajectory = Contents(dict(trajectory.attrs), variables)
-    check_finite(trajectory.variables)
+    for name, variable in trajectory.variables.items():
+        if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
+            raise ValueError(f"{name} has values that are not finite; nothing is written")
     # By this attribute xarray tells coordinates that are no dimensions.
     names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
     trajectory.attributes["coordinates"] = " ".join(names)
     with seals.whole_file(path, {"name": "a trajectory", **facts}) as temporary:
-        netcdf.write(temporary, *trajectory)
+        write_arrays(temporary, *trajectory)
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
@@ -327,15 +354,14 @@ def read_curves(
     """Return curves and events of the runs in the trajectory file at `path`, by their names; all
     are views of arrays of the file. name: what it must be called in its seal, None: anything; runs:
     names of those to return, None: all. Raises OSError if there is no file,
-    seals.DamagedError (a subclass) if it is not as it was written, or has no dimension of runs, as
-    in an earlier version."""
+    seals.DamagedError (a subclass) if it is not as it was written, or has no dimension of runs."""
     import netCDF4
 
     seals.check(path, name)
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         if RUN not in file.variables:
-            raise seals.DamagedError(path, "it is of one run, as earlier versions wrote files")
+            raise seals.DamagedError(path, "it is of one run alone")
         variables = {key: (v.dimensions, v[...], v.__dict__) for key, v in file.variables.items()}
     values = {key: array for key, (_, array, _) in variables.items()}
     names = values[RUN].tolist()

@@ -13,7 +13,7 @@ Geometric Numerical Integration, VII.5."""
 
 import math
 
-from fpm.kernels.lanes import any_negative, floor, sqrt, where_negative
+from fpm.kernels.lanes import absolute, any_negative, floor, sqrt, where_negative
 from fpm.kernels.layout import D2, D3
 from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 
@@ -76,3 +76,37 @@ def normalise(state):
         skew = -0.5 * dot(b, c)
         put3(state, i, D2, skew * c + (1.5 - 0.5 * dot(b, b)) * b)
         put3(state, i, D3, skew * b + (1.5 - 0.5 * dot(c, c)) * c)
+
+
+HALF_PI = math.pi / 2
+QUARTER_PI = math.pi / 4
+
+
+@kernel
+def arctan(x):
+    """Return the arc tangent (rad) of lanes x in [0, 1], to 2e-16; rational form (Moshier 1989)."""
+    high = where_negative(0.66 - x, 1.0, 0.0 * x)
+    x = where_negative(0.66 - x, (x - 1.0) / (x + 1.0), x)
+    z = x * x
+    p = -8.750608600031904122785e-1 * z - 1.615753718733365076637e1
+    p = p * z - 7.500855792314704667340e1
+    p = p * z - 1.228866684490136173410e2
+    p = p * z - 6.485021904942025371773e1
+    q = z + 2.485846490142306297962e1
+    q = q * z + 1.650270098316988542046e2
+    q = q * z + 4.328810604912902668951e2
+    q = q * z + 4.853903996359136964868e2
+    q = q * z + 1.945506571482613964425e2
+    return QUARTER_PI * high + (x + x * z * (p / q))
+
+
+@kernel
+def arctan2(s, c):
+    """Return the angle (rad, lanes) in (-pi, pi] of sine and cosine in the ratio s : c (lanes)."""
+    a, b = absolute(s), absolute(c)
+    steep = b - a  # negative beyond 45 degrees
+    t = where_negative(steep, b, a) / where_negative(steep, a, b)
+    angle = arctan(t)
+    angle = where_negative(steep, HALF_PI - angle, angle)
+    angle = where_negative(c, math.pi - angle, angle)
+    return where_negative(s, -angle, angle)

@@ -2,23 +2,213 @@
 
 A trajectory holds a few named points. Here the run is made again with a named point at every
 particle and at two arms of one metre along its axes; points do not influence the motion, so that it
-is the trajectory's bit for bit. Strains follow outside the time loop."""
+is the trajectory's bit for bit. Strains follow outside the time loop. As a dataset it has CF-like
+names and units; its elements are those of bars, and rigid bodies: one particle at both ends,
+without strain."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements import Cable, Strut
 from fpm.elements.bars.beam import elements_of
-from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.kind import VirtualBeam
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
-from fpm.files.trajectory import Column
-from fpm.motions.motion_dataset import BOX_CORNERS, RecordedMotion, to_dataset
+from fpm.files.trajectory import CONVENTIONS, Column
 from fpm.reading.bars import bends_of
+from fpm.reading.stress import element_stress
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
+
+if TYPE_CHECKING:
+    import xarray
+
+
+BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+"""Corners of a section along its width and height, as shares of them."""
+
+
+class RecordedMotion(NamedTuple):
+    """Motion of a scene's n particles and m beam elements in one run, at all t recorded instants or
+    at k of them. scene: the scene; outcome: the run's, with its named points and events; rows (k,):
+    indices of the k instants; position (t, n, 3): m; velocity (k, n, 3): m/s; frame (t, n, 3, 3):
+    own axes as columns; axial (k, m): strains, above 0 in tension; bending (k, m): largest strains
+    by bending at the surface, at least 0."""
+
+    scene: Scene
+    outcome: Outcome
+    rows: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    frame: np.ndarray
+    axial: np.ndarray
+    bending: np.ndarray
+
+
+class Shapes(NamedTuple):
+    """The s shapes to draw of a scene: beam elements, then rigid bodies as boxes. names: of each;
+    nodes (s, 2): indices of the particles at both ends, bodies' twice; length (s,): m; half (s, 2):
+    half width and height (m); corners (s, 2, 4, 3), m: of ends, from the particle in its axes."""
+
+    names: list[str]
+    nodes: np.ndarray
+    length: np.ndarray
+    half: np.ndarray
+    corners: np.ndarray
+
+
+def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
+    """Return the shapes to draw of a scene. corners (m, 2, 4, 3): of the sections at both ends of
+    its m beam elements, from the end's particle in its own axes, m (`section_corners`). A rigid
+    body is a particle that is on no bar, and free to move in some way or named as a body. It is
+    drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m etc."""
+    nodes, length, half = elements_of(scene.beams)
+    names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
+    free = np.flatnonzero(~scene.fixed.all(axis=1))
+    bodies = np.setdiff1d([*free, *scene.bodies.values()], nodes).astype(int)
+    inertia = scene.inertia[bodies]
+    squares = 6.0 * (inertia.sum(axis=1, keepdims=True) - 2.0 * inertia)
+    edges = np.sqrt(np.maximum(squares / scene.mass[bodies, None], 0.0))
+    ends = np.zeros((len(bodies), 2, 4, 3))
+    ends[..., 0] = 0.5 * edges[:, None, None, 0] * np.array([-1.0, 1.0])[:, None]
+    ends[..., 1:] = (edges[:, None, 1:] * BOX_CORNERS)[:, None]
+    return Shapes(
+        [*names, *(f"body {particle}" for particle in bodies)],
+        np.concatenate([nodes, np.stack([bodies, bodies], axis=1)]),
+        np.concatenate([length, edges[:, 0]]),
+        np.concatenate([half, 0.5 * edges[:, 1:]]),
+        np.concatenate([corners, ends]),
+    )
+
+
+def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
+    """Return a motion at its instants `rows` as an xarray.Dataset, rigid bodies among the elements.
+    corners (m, 2, 4, 3): `section_corners` of its scene (m); attributes: further global ones."""
+    import xarray
+
+    scene, outcome, rows = motion.scene, motion.outcome, motion.rows
+    shapes = shapes_of(scene, corners)
+    zeros = np.zeros((len(rows), len(shapes.names) - motion.axial.shape[1]))
+    motion = motion._replace(  # rigid bodies are not strained
+        axial=np.hstack([motion.axial, zeros]), bending=np.hstack([motion.bending, zeros])
+    )
+    names = {
+        "element": shapes.names,
+        "point": list(scene.points),
+        "hinge": [hinge.name for hinge in scene.hinges],
+        "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
+    }
+    time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
+    variables = _changes(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
+    if lines := strands_of(scene):
+        names["cable"] = [line.title(scene).removeprefix("cable ") for line in lines]
+        variables |= _cables(motion, lines)
+    return xarray.Dataset(
+        {
+            name: (dims, values, {"units": unit, "long_name": text})
+            for name, (dims, values, unit, text) in variables.items()
+        },
+        coords={
+            "time": ("time", outcome.time[rows], time),
+            "axis": ("axis", list("xyz"), {"long_name": "axis, global or of the particle"}),
+            **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
+        },
+        attrs={
+            "Conventions": CONVENTIONS,
+            "title": f"whole motion of scene {scene.name}",
+            "source": "finite particle method",
+            "history": f"fpm.motions.motion.whole_motion: steps of {outcome.step:.9g} s",
+            "scene": scene.name,
+            "time_step": outcome.step,
+            **attributes,
+        },
+    )
+
+
+def _changes(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
+    """What changes in time: name -> dimensions, values, units, long name."""
+    rows = motion.rows
+    stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
+    if beams := motion.scene.beams:
+        poses = lambda p: motion.position[:, p], lambda p: motion.frame[:, p]
+        stresses = element_stress(motion.scene, beams, *poses)
+        stress[:, : stresses.shape[1]] = stresses
+    vector, element = ("time", "particle", "axis"), ("time", "element")
+    points = [motion.outcome.points[name][0][rows] for name in motion.scene.points]
+    places = np.stack(points, axis=1) if points else np.zeros((len(rows), 0, 3))
+    peak_time = motion.outcome.time[stress.argmax(axis=0)]
+    return {
+        "position": (vector, motion.position[rows], "m", "position of the particles"),
+        "velocity": (vector, motion.velocity, "m s-1", "velocity of the particles"),
+        "frame": ((*vector, "director"), motion.frame[rows], "1", "particle's axes, in columns"),
+        "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
+        "axial_strain": (element, motion.axial, "1", "stretch over unstrained length"),
+        "bending_strain": (element, motion.bending, "1", "largest bending strain at surface"),
+        "stress": (element, stress[rows], "Pa", "largest equivalent stress (von Mises)"),
+        "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
+        "largest_stress_time": ("element", peak_time, "s", "instant of the largest stress"),
+    }
+
+
+def _layout(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
+    """Connections and sizes; vectors in the frames of the particles."""
+    points, hinges = list(scene.points.values()), scene.hinges
+
+    def rows(values: list, *shape: int) -> np.ndarray:
+        return np.array(values, float).reshape(-1, *shape)
+
+    def whole(values: object) -> np.ndarray:
+        return np.asarray(values).astype(np.int32)
+
+    particles = whole(rows([hinge.particles for hinge in hinges], 2))
+    arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
+    corner, side = ("element", "end", "corner", "axis"), ("element", "side")
+    return {
+        "element_particle": (("element", "end"), whole(shapes.nodes), "1", "particles of the ends"),
+        "element_length": ("element", shapes.length, "m", "unstrained length"),
+        "section_size": (side, 2.0 * shapes.half, "m", "width and height of the section"),
+        "section_corner": (corner, shapes.corners, "m", "corner of the section from the particle"),
+        "point_particle": ("point", whole([p.particle for p in points]), "1", "point's particle"),
+        "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "arm of a point"),
+        "hinge_particle": (("hinge", "end"), particles, "1", "particles of the hinge"),
+        "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "first particle to the hinge point"),
+        "hinge_axis": (("hinge", "axis"), rows(axes, 3), "1", "axis in the first particle's frame"),
+    }
+
+
+def strands_of(scene) -> list[Cable | Strut]:
+    """Return what is drawn as lines through points of a scene: its cables, then its struts."""
+    return [*scene.cables, *Strut.find(scene)]
+
+
+def _cables(motion: RecordedMotion, cables: list[Cable | Strut]) -> dict[str, tuple]:
+    """Tensions (of struts the size of the force), and the points of all, one after the other."""
+    beams = [beam for cable in cables for beam in cable.beams]
+    owner = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
+    ids = np.array([beam.particle for beam in beams])
+    arms = np.array([beam.arm for beam in beams])
+    records = motion.outcome.records
+    columns = [records[k].values for k in ("cable_tension", "strut_force") if k in records]
+    tension = np.abs(np.concatenate(columns, axis=1))[motion.rows]
+    return {
+        "cable_tension": (("time", "cable"), tension, "N", "tension of cables, force of struts"),
+        "cable_point_cable": ("cable_point", owner.astype(np.int32), "1", "cable of the point"),
+        "cable_point_particle": ("cable_point", ids.astype(np.int32), "1", "particle of the point"),
+        "cable_point_arm": (("cable_point", "axis"), arms, "m", "particle to point, in its frame"),
+    }
+
+
+def _events(outcome: Outcome) -> dict[str, tuple]:
+    time, contact, closing = outcome.impacts({"closes": "opens"}).events.T
+    return {
+        "contact_event_time": ("event", time, "s", "time at which a contact closes or opens"),
+        "contact_event_contact": ("event", contact.astype(np.int32), "1", "index of the contact"),
+        "contact_event_closing": ("event", closing.astype(np.int8), "1", "1: closes, 0: opens"),
+    }
+
 
 MAX_RECORDS = 1e8  # numbers of one pass; larger scenes are run in several passes
 

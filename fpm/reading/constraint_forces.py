@@ -14,9 +14,9 @@ import numpy as np
 from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.assembly.matrices import scale_matrix
 from fpm.elements import kinds_of
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
+from fpm.elements.kind import VirtualBeam
 from fpm.elements.openings.journal import PIN
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import Gravity

@@ -15,7 +15,7 @@ from fpm.elements import Journal
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.travel import Travel, component_classes, find_reels, sweep
-from fpm.travel.balance import TINY
+from fpm.travel.path import TINY
 from fpm.travel.positions import interpolate
 
 WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"

@@ -14,13 +14,51 @@ from fpm import elements
 from fpm.declare import SLIDE_UNITS, NumberLimits
 from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
-from fpm.errors import SceneError
+from fpm.errors import SceneError, did_you_mean, fold_name, hint_new
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
-from fpm.reading.definitions import check_choice, kind_of
 from fpm.reading.margins import Abscissa
 from fpm.reading.variables import VARIABLES, Variable
 from fpm.scenes.scene import Scene
+
+
+def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str = "") -> str:
+    """Return the kind that a definition is of, its one key that is among `kinds`; SceneError for
+    none or several, and for keys that are not those of the kind. key: dotted path of the
+    definition; kinds: types with `mandatory` and `optional` keys, by name; addition: what else a
+    definition may be, in words."""
+    names = [name for name in kinds if isinstance(definition, Mapping) and name in definition]
+    if len(names) != 1:
+        raise SceneError(key, definition, f"exactly one of {', '.join(kinds)}{addition}")
+    (name,) = names
+    mandatory, optional = kinds[name].mandatory, kinds[name].optional
+    unknown_keys = [entry for entry in definition if entry not in {name, *mandatory, *optional}]
+    if unknown_keys or not definition.keys() >= {*mandatory}:
+        allowed = " and ".join(filter(None, (name, ", ".join(mandatory))))
+        allowed += f", perhaps with {', '.join(optional)}" if optional else ""
+        allowed += "" if mandatory or optional else " alone"
+        if {"unit", "units"} & {*unknown_keys}:
+            allowed += ", in the SI unit of its kind: leave the unit out"
+        hints = ((entry, hint_new(entry, optional)) for entry in unknown_keys)
+        allowed += "".join(f"; {entry}{hint}" for entry, hint in hints if hint)
+        if len(unknown_keys) == 1:  # whose line is told
+            key = f"{key}.{unknown_keys[0]}"
+        raise SceneError(key, ", ".join(map(str, unknown_keys)) or dict(definition), allowed)
+    return name
+
+
+def check_choice(key: str, value: object, choices: Iterable[str], addition: str = "") -> str:
+    """Return a `value` that is one of `choices`; else SceneError, which tells what is likely meant.
+    key: of the value; addition: what else is allowed, in words."""
+    names = list(choices)
+    if isinstance(value, int | str) and fold_name(str(value)) in names:
+        return fold_name(str(value))
+    if not isinstance(value, str) or value not in names:
+        hint = did_you_mean(value, names) if isinstance(value, str) else ""
+        allowed = f"one of {', '.join(names) or '(there is none)'}{addition}{hint}"
+        raise SceneError(key, value, allowed)
+    return value
+
 
 AXES = ("x", "y", "z")
 ALL = {"all": "all bars"}
@@ -164,6 +202,9 @@ def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: st
 
 def _bar(spec: Definition) -> Response:
     names, unit = spec.variable.names, spec.variable.unit
+    if not names(spec.scene):
+        allowed = f"a structure with bars: only these have {spec.kind}, and bodies are rigid"
+        raise SceneError(f"responses.{spec.name}.{spec.kind}", spec.data[spec.kind], allowed)
     return _by_name(spec, unit, f"equivalent {spec.kind} in {{}}", names, spec.kind)
 
 

@@ -139,10 +139,6 @@ class Curve:
         degree = np.flatnonzero(table.any(axis=0)).max(initial=1)
         return Curve(start + places * (end - start), values, table[:, : degree + 1])
 
-    def constant_at(self, time: float) -> "Curve":
-        """Return the curve that always has the value of this one at a time (s)."""
-        return Curve.table(np.zeros(1), self.value(np.full(1, time)))
-
     def value(self, time: float | np.ndarray) -> np.ndarray:
         """Return the values at times (s), in the shape of `time`."""
         value = np.interp(time, self.times, self.values)

@@ -30,8 +30,8 @@ from fpm.elements import (
 )
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cross import length as size
+from fpm.elements.kind import VirtualBeam
 from fpm.errors import SceneError
 from fpm.scenes.curve import CONSTANT, Curve
 
@@ -347,11 +347,6 @@ class Scene:
         rest: opening (rad) without moment; on a slide m."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
-    def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a revolute hinge (index): faces resist openings below 0. stiffness: N
-        m/rad, at least 0. Raises SceneError for another joint or value."""
-        self.add(Contact(int(hinge), float(stiffness)))
-
     def add_cable(
         self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None, **drum
     ):
@@ -451,8 +446,8 @@ class Scene:
         position, frame = self.unstrained_position, self.unstrained
         if position is None or frame is None:
             position, frame = self.position, self.frame
-        point = position[particle] if point is None else point
-        return VirtualBeam.to_point(particle, position[particle], frame[particle], point)
+        point = position[particle] if point is None else np.asarray(point)
+        return VirtualBeam(particle, frame[particle].T @ (point - position[particle]))
 
     # -- names -----------------------------------------------------------------------
 

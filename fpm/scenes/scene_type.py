@@ -8,7 +8,7 @@ from typing import Any
 
 from fpm.declare import Number
 from fpm.elements import energies_of, kinds_of
-from fpm.errors import SceneError
+from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
 
 LEAST_GROUP = 4
@@ -124,6 +124,7 @@ class SceneType:
         for name, value in parameters.items():
             if name not in self.parameters:
                 key, allowed = f"parameter {name} of scene {self.name}", ", ".join(self.parameters)
-                raise SceneError(key, value, f"one of {allowed}")
+                hint = did_you_mean(name, self.parameters)
+                raise SceneError(key, value, f"one of {allowed}{hint}")
             self.parameters[name].check(name, value)
         return {name: p.default for name, p in self.parameters.items()} | dict(parameters)

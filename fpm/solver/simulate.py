@@ -13,8 +13,8 @@ from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, find_curve_step, find_stable_step
 from fpm.solver import pack
+from fpm.solver.pack import outcomes_of
 from fpm.solver.start import consistent_scene, consistent_scenes
-from fpm.solver.unpack import outcomes_of
 
 CHECK_EVERY = 50
 """Number of steps from one check of the energy balance to the next, at most."""
@@ -87,18 +87,20 @@ def simulate(
         else 0."""
     from fpm.kernels.lanes import width as lanes_of
 
+    width = lanes_of(dtype)
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
     if not scenes:
         return []
     record = tuple(dict.fromkeys(record))
     if record:
         scenes = [add_probe(scene, record) for scene in scenes]
-    if not 0 < duration < np.inf:
-        raise SceneError("duration", duration, "a positive number (s)")
-    if instants < 2:
-        raise SceneError("instants", instants, "at least 2")
-    if step is not None and not 0 < step < np.inf:
-        raise SceneError("step", step, "a positive number (s), or None")
+    for key, value, is_allowed, allowed in (
+        ("duration", duration, 0 < duration < np.inf, "a positive number (s)"),
+        ("instants", instants, instants >= 2, "at least 2"),
+        ("step", step, step is None or 0 < step < np.inf, "a positive number (s), or None"),
+    ):
+        if not is_allowed:
+            raise SceneError(key, value, allowed)
     pack.check_topology(scenes)
     scenes = consistent_scenes(scenes)
     limits: list[Any] = [None] * len(scenes)
@@ -115,13 +117,7 @@ def simulate(
     rows = list(range(len(scenes)))
     previous_failures: dict[int, Any] = {}
     for count in range(1 + max(halvings, AT_START)):
-        groups: dict[tuple, list[int]] = {}
-        for i in rows:
-            groups.setdefault(pack.curve_bytes(scenes[i]), []).append(i)
-        width = lanes_of(dtype)
-        batches = [g[first : first + width] for g in groups.values()
-                   for first in range(0, len(g), width)]  # fmt: skip
-        for lanes in batches:
+        for lanes in _batches(scenes, rows, width):
             group = [scenes[i] for i in lanes]
             run = _integrate(group, width, dtype, instants, division, energy_tolerance)
             lane_limits = [limits[i] for i in lanes]
@@ -136,9 +132,20 @@ def simulate(
     return [outcomes[i] for i in range(len(scenes))]
 
 
+def _batches(scenes: Sequence[Scene], rows: Iterable[int], width: int) -> list[list[int]]:
+    """Indices, among `rows`, of scenes that are integrated side by side: of the same curves."""
+    groups: dict[tuple, list[int]] = {}
+    for i in rows:
+        groups.setdefault(pack.curve_bytes(scenes[i]), []).append(i)
+    return [g[first : first + width] for g in groups.values() for first in range(0, len(g), width)]
+
+
 def _is_repeated(failure, halvings: int, count: int) -> bool:
-    """Whether a run is repeated with half the step, after `count` times, halvings being allowed."""
-    if not isinstance(failure, InstabilityError) or not failure.is_of_step:
+    """Whether a run is repeated with half the step, after `count` times, halvings being allowed, as
+    that may mend it: the balance broke, or the remedy names the step."""
+    if not isinstance(failure, InstabilityError):
+        return False
+    if failure.words is not None and "solver.step" not in failure.words[1]:
         return False
     return count < halvings or (halvings > 0 and failure.time <= IN_STEPS * failure.step)
 
@@ -153,25 +160,21 @@ def _note_dead_end(previous_failure, failure, division: Division) -> None:
             failure.as_final()
 
 
-def _integrate(scenes, width, dtype, instants, division, tolerance):
-    """Integrate a batch of scenes; returns Batch, arrays of its element types, World and Record."""
-    run = _integrate_once(scenes, width, dtype, instants, division, tolerance, pack.MOST_EVENTS)
-    event_count = int(run[0].event_count[: len(scenes)].max())
-    if event_count > pack.MOST_EVENTS:
-        room = min(event_count, pack.MOST_ROOM)
-        run = _integrate_once(scenes, width, dtype, instants, division, tolerance, room)
-    return run
-
-
-def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
+def _integrate(scenes, width, dtype, instants, division, tolerance, room=0):
+    """Integrate a batch of scenes; returns Batch, arrays of its element types, World and Record. It
+    is repeated where there are more events than there is room for."""
     from fpm.kernels.compiled_loop import prepare_call
 
+    room = room or pack.MOST_EVENTS
     batch = pack.pack(scenes, width, dtype, instants, room)
     step, output_steps, check_steps = division
     steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
-    division = steps, output_steps, check_steps
-    prepare_call("run", parts, world, record, float(step), *division, float(tolerance))()
+    counts = steps, output_steps, check_steps
+    prepare_call("run", parts, world, record, float(step), *counts, float(tolerance))()
+    event_count = min(int(batch.event_count[: len(scenes)].max()), pack.MOST_ROOM)
+    if event_count > room:
+        return _integrate(scenes, width, dtype, instants, division, tolerance, event_count)
     return batch, parts, world, record
 
 

@@ -8,12 +8,11 @@ import numpy as np
 
 from fpm.declare import specs
 from fpm.elements import Drag, kinds_of
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.kind import ElementType
+from fpm.elements.kind import ElementType, VirtualBeam
 from fpm.elements.openings.release import Release
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
@@ -46,7 +45,7 @@ def list_parts(scene: Scene) -> list[str]:
     """Return lines on the points, parts, joints and what acts on them in a scene."""
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
     lists = [("points", points or ["none"]), *_lists(scene)]
-    return [line for title, names in lists if names for line in _list_names(title, names)]
+    return [line for title, names in lists if names for line in (title, *(f"  {n}" for n in names))]
 
 
 def to_html(*lines: str) -> str:
@@ -89,7 +88,8 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     energy = report.kinetic_energy(start, start.velocity, start.spin)
     yield "at the start", f"kinetic energy {energy:.4g} J" if energy else ""
     yield "stable step", _step(cost)
-    yield "", _damped_step(scene)
+    if any(beams.material.stiffness_damping for beams in scene.beams):
+        yield "", f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
     yield "", _remedy(structure, scene, cost)
     steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"
     seconds = f"about {cost.seconds:.2g} s of a core (one of eight side by side)"
@@ -113,13 +113,6 @@ def _step(cost: report.RunCost) -> str:
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"
-
-
-def _damped_step(scene: Scene) -> str:
-    """What damping in proportion to stiffness does to the stable step."""
-    if not any(beams.material.stiffness_damping for beams in scene.beams):
-        return ""
-    return f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
 
 
 def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:
@@ -246,8 +239,3 @@ def _table(rows: list[list[str]]) -> list[str]:
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-
-
-def _list_names(title: str, names: Iterable[str]) -> list[str]:
-    """Names under a title, one a line."""
-    return [title, *(f"  {name}" for name in names)]

@@ -16,13 +16,14 @@ import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError, parse
 from fpm.arithmetic.units import NUMBER, Unit, UnitError, unit
+from fpm.declare import NO_VALUE
 from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.group import SampleGroup
-from fpm.structures.model import KEYS, TEXTS, FileStatements
+from fpm.structures.keys import STRING
+from fpm.structures.model import KEYS, TEXTS, UNIT_KEYS, FileStatements, overall
 from fpm.structures.names import Names
 from fpm.structures.reading import (
     OF_CAMPAIGNS,
@@ -35,8 +36,54 @@ from fpm.structures.reading import (
     read,
     read_text,
 )
-from fpm.structures.sample import build_sample, find_numbers
-from fpm.structures.turns import find_turns
+from fpm.structures.sample import SampleGroup, build_sample, find_numbers
+from fpm.structures.statement import Statement
+from fpm.structures.statements import GROUPS
+
+MOST_VALUES, FINEST, COARSEST = 200_000, 1025, 65
+"""Largest number of values of all expressions, and of values of the parameter, most and least."""
+
+SHARP = 10.0
+"""By how much the change of slope at a bend exceeds that of both sides."""
+
+ROUNDING = 1e-9
+"""Share of an expression's size below which a change is none."""
+
+
+def find_turns(
+    evaluate: Callable[[float], np.ndarray], count: int, lower: float, upper: float
+) -> list[float]:
+    """Return the values of a parameter between `lower` and `upper` at which any of m expressions
+    has an extreme, then those at which the slope of one jumps (a knot of a table), each in order.
+    evaluate: function of the parameter's value that returns those of the expressions (m,), NaN
+    where there is none; count: m. A feature narrower than a thousandth of the interval is not seen,
+    of more than 200 expressions one of up to a 65th."""
+    from scipy.optimize import minimize_scalar
+
+    if not count:
+        return []
+    grid = np.linspace(lower, upper, int(np.clip(MOST_VALUES // count, COARSEST, FINEST)))
+    values = np.array([evaluate(x) for x in grid])
+    extremes, bends = set(), set()
+    for column, (series, size) in enumerate(zip(values.T, np.abs(values).max(axis=0), strict=True)):
+        steps = np.diff(series)
+        rows = np.flatnonzero(np.abs(steps) > ROUNDING * size)  # not where it is flat
+        turns = np.flatnonzero(np.diff(np.sign(steps[rows])))
+        for first, last in zip(rows[turns], rows[turns + 1] + 1, strict=True):
+            sign, ends = -np.sign(steps[first]), grid[[first, last]]
+            loss = lambda x, k=column, s=sign: s * evaluate(x)[k]  # noqa: E731
+            options = {"xatol": 1e-9 * (upper - lower)}
+            extremes.add(minimize_scalar(loss, bounds=ends, method="bounded", options=options).x)
+        change = np.abs(np.diff(steps))
+        sides = np.abs(change[:-4]) + np.abs(change[4:])
+        sharp = change[2:-2] > SHARP * sides + ROUNDING * size
+        bends |= set(grid[np.flatnonzero(sharp & ~np.append(False, sharp[:-1])) + 3])
+    places: list[float] = []
+    for x in map(float, [*sorted(extremes), *sorted(bends)]):
+        if lower < x < upper and all(abs(x - y) > 2 * (grid[1] - grid[0]) for y in places):
+            places.append(x)
+    return places
+
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")
 NAME_RULE = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
@@ -282,3 +329,39 @@ def _range(key: str, node: Node | None, problems: Problems) -> tuple[float, floa
         problems.refuse(node.line, key, node.plain, "the lowest value first")
         return None
     return low, high
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of structure files, by which editors complete and check them. What
+    depends on names and units is left to the program."""
+    tables: dict[str, Any] = {
+        group: {"additionalProperties": {"anyOf": [_entry(kind) for kind in kinds.values()]}}
+        for group, kinds in GROUPS.items()
+    }
+    parameter = {"properties": {k: {} for k in PARAMETER_KEYS}, "additionalProperties": False}
+    tables |= {"let": {}, "points": {}, "parameters": {"additionalProperties": parameter}}
+    unit_keys = {key: tables.get(key, {}) for key in UNIT_KEYS}
+    unit = {"properties": unit_keys, "additionalProperties": False, "required": ["count"]}
+    tables["repeat"] = {"additionalProperties": unit}
+    tops = dict.fromkeys(TEXTS, STRING) | _entry(overall)["properties"]
+    tops |= {key: {"type": ["object", "null"], **table} for key, table in tables.items()}
+    properties = {key: tops[key] for key in KEYS}
+    return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def _entry(statement: Statement) -> dict[str, Any]:
+    """What JSON Schema says of an entry, on a hinge or a slide."""
+    keys = {name: key for slides in ((), ("joint",)) for name, (_, key) in
+            statement.for_slides(slides).items()}  # fmt: skip
+    properties = {name: key.schema | {"description": key.text} for name, key in keys.items()}
+    common = keys.keys() & statement.keys & statement.for_slides(["joint"]).keys()
+    mandatory = [name for name in common if keys[name].default is NO_VALUE]
+    if statement.type:
+        properties["type"], mandatory = {"const": statement.type}, [*mandatory, "type"]
+    return {
+        "type": "object",
+        "description": statement.text,
+        "properties": properties,
+        "additionalProperties": False,
+        "required": sorted(mandatory),
+    }

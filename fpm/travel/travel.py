@@ -10,9 +10,8 @@ import numpy as np
 from fpm.assembly.newton import mass_blocks
 from fpm.elements import Contact, Friction, Latch, Stop, TableSpring
 from fpm.errors import SceneError
-from fpm.travel.balance import MAX_ITERATIONS, TINY
 from fpm.travel.components import STRAIN, VirtualWork, bearing_name, components_of
-from fpm.travel.path import MOTION_TOLERANCE, Path
+from fpm.travel.path import MAX_ITERATIONS, MOTION_TOLERANCE, TINY, Path
 from fpm.travel.positions import MAX_POSITIONS, SampledTravel, slopes
 
 POSITIONS = 31

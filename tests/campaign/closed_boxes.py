@@ -14,7 +14,7 @@ import numpy as np
 
 from deployable.campaign.answers import discretization, evaluations, quantity_bounds
 from deployable.campaign.answers.evaluations import ModelEvaluator
-from deployable.campaign.plan.runs import RunAccount
+from deployable.campaign.plan.plan import RunAccount
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
 

@@ -296,18 +296,18 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     """Further runs at the ends of quantities may show more, or less, than the rounds knew."""
     found, text = told(True, 0.04, 0.16, None)
     assert (found["met"], found["unmet"]) == (False, ["y", "z"])
-    assert "is not met by y (16 % for 5 %), z (unknown for 5 %); 1 other within" in text
+    assert "is not met by `y` (error 16 %, target 5 %) and `z` (error unknown, target 5 %)" in text
     ends = "The search for the bounds of {0} ended as {0} jumps".format
     assert found["reason"] == f"{ends('y')}. {ends('z')}"
     found, text = told(False, 0.06)
     assert (found["met"], found["reason"]) == (False, "The rounds ended as the budget is spent")
     assert "other" not in text
     found, text = told(False, 0.05004, 0.0506)  # as printed, 5 and 5.06 %
-    assert found["unmet"] == ["y"] and "y (5.06 % for 5 %); 1 other" in text
+    assert found["unmet"] == ["y"] and "`y` (error 5.06 %, target 5 %); 1 other meets it" in text
     found, text = told(False, 0.02, 0.04, "none")
     assert (found["met"], found["unmet"]) == (True, [])
     assert "is met. It took 1 round" in text
-    assert text.endswith("earest to its limit is y, 4 % for 5 %.")
+    assert text.endswith("The error of y is nearest to its target, 4 % of 5 %.")
 
 
 @pytest.fixture(scope="module")

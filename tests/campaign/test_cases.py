@@ -196,7 +196,9 @@ def test_a_wing_in_four_cases_is_that_of_equations_by_hand(tmp_path):
         "design": {"method": "smolyak", "order": 1},
         "held_out": 1,
         "verify": {"max_iterations": 1},
-    }
+        **{key: {name: raw[key][name]} for key, name in
+           (("responses", "middle"), ("quantities", "t_open"), ("requirements", "in_time"))},
+    }  # fmt: skip
     raw["scene"]["file"] = str(ROOT / "config/structures/wing.yaml")
     campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     facts = json.loads((tmp_path / "wing/cases.json").read_text())

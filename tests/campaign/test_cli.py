@@ -14,6 +14,8 @@ import xarray
 import yaml
 
 from deployable.campaign.cli import EXAMPLES, GROUPS, _parser, main
+from deployable.campaign.config.sections import scene_type
+from deployable.campaign.export.selection import parse_values
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
 from fpm.files.seals import unseal
@@ -72,7 +74,7 @@ def test_help_names_all_commands(capsys, arguments):
         main(arguments)
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    commands = "check", "run", "compare", "convert", "keys", "schema", "structure", "export"
+    commands = "check", "run", "compare", "convert", "schema", "structure", "export"
     for name in (*commands, *STAGES):
         assert f"\n  {name} " in told
     assert "config/" not in told  # files that only a checkout has
@@ -141,6 +143,7 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_the_page_moves_in_as_many_frames_as_are_asked_for(finished, file, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(finished.path, copy)
@@ -215,3 +218,24 @@ def test_a_fault_of_the_program_is_in_the_log(tmp_path, monkeypatch):
     monkeypatch.setattr(Stage, "basis", lambda *rest: 1 / 0)
     assert main(["simulate", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
     assert "ZeroDivisionError" in log.read_text()
+
+
+@pytest.mark.parametrize(
+    ("call", "meant"),
+    [("export latch --to glbb", "glb"), ("export latch --to gltf", "glb"),
+     ("schema structur", "structure"), ("exprt latch", "export")],
+)  # fmt: skip
+def test_a_word_that_is_no_choice_is_answered_with_the_likely_one(call, meant, capsys):
+    with pytest.raises(SystemExit):
+        main(call.split())
+    assert f"(did you mean {meant}?)" in capsys.readouterr().err
+
+
+def test_numbers_of_a_call_may_have_units(capsys):
+    texts = {"k": "200 N mm/rad", "angle": "0.5 rad", "mass": "2", "L": "2 kg"}
+    values = parse_values(texts, scene_type("latch"))
+    assert values == {"k": 0.2, "angle": pytest.approx(28.6478898), "mass": 2, "L": "2 kg"}
+    assert main(["structure", "latch", "--no-picture", "--duration", "500 ms"]) == 0
+    assert "for 0.5 s" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(["structure", "latch", "--duration", "2 m"])

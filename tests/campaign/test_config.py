@@ -11,9 +11,7 @@ import pytest
 import yaml
 
 from deployable.campaign.config.check import check_config, load_config, merge
-from deployable.campaign.config.keys import rows
 from deployable.campaign.config.models import BoundsChoice, Solver
-from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import (
     Campaign,
     Interval,
@@ -207,11 +205,6 @@ def test_where_a_key_stands_is_told_of_each_file_and_of_overrides(tmp_path):
     first, second = error.value.problems
     assert first.startswith("--config: design.order")
     assert second.startswith(f"{tmp_path / 'one.yaml'}, line 2: responses.BD")
-
-
-def test_every_key_says_what_it_is_and_what_is_allowed():
-    for key, about, allowed, _ in rows(whole()):
-        assert about.endswith((".", ")")) and allowed, key
 
 
 def test_the_safety_of_the_time_step_is_the_mechanics():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 from contextlib import redirect_stdout
 from functools import cache
 from pathlib import Path
@@ -13,16 +14,30 @@ import pytest
 import yaml
 
 from deployable.campaign.cli import main
-from deployable.campaign.config.keys import rows, table
 from deployable.campaign.config.read import whole
-from fpm.structures.statements import GROUPS
+from fpm.structures.statements import GROUPS, STATEMENTS
 
 ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "docs/extensions"))
+
+from key_tables import keys_page, rows, table  # noqa: E402
 
 
 def test_every_key_is_in_the_reference():
     page = table(whole())
     assert all(f"| `{row[0]}` |" in page for row in rows(whole()))
+
+
+def test_every_key_of_every_statement_is_in_the_reference():
+    sections = keys_page().split("\n## ")
+    for statement in STATEMENTS:
+        text = next(one for one in sections if statement.text in one)
+        assert all(f"| `{name}`" in text for name in statement.keys)
+
+
+def test_every_key_says_what_it_is_and_what_is_allowed():
+    for key, about, allowed, _ in rows(whole()):
+        assert about.endswith((".", ")")) and allowed, key
 
 
 def test_nested_keys_are_in_the_table():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from unittest.mock import ANY
 
 import numpy as np
@@ -19,8 +20,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan
-from deployable.campaign.plan.runs import Runs
+from deployable.campaign.plan.plan import Plan, Runs
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice, Limit
@@ -92,7 +92,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    assert "The nearest failure is of in_time" in text
+    assert "The nearest failure is of `in_time`" in text
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
@@ -127,9 +127,9 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
     ("ran", "simulated", "kept", "text"),
     [
         (False, None, False, "No run was made there; the error of the fit is 0.2 s."),
-        (True, None, False, "The run there gives t = does not happen."),
-        (True, 2.5, False, "The run there gives t = 2.5 s."),
-        (True, 1.5, True, "The run there gives t = 1.5 s, which meets it"),
+        (True, None, False, "In the run there, `t` does not happen."),
+        (True, 2.5, False, "The run there gives `t` = 2.5 s."),
+        (True, 1.5, True, "The run there gives `t` = 1.5 s, which meets it"),
     ],
 )
 def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
@@ -139,7 +139,7 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
     together = {"fails": fails, "max_interval_scale": 0.5}
     line = sentence("nearest", together, [{"name": "k", "units": "N"}])
     assert text in line
-    assert ("The run there" in line) == ran
+    assert ("he run there" in line) == ran
     line = sentence("nearest", {"fails": None, "max_interval_scale": 0.5}, [])
     assert "50 %" in line and line.endswith("A failed run lies at the border of that box.")
 
@@ -148,10 +148,11 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
 def test_further_runs_are_told_only_where_there_are_some(further):
     facts = {"together": {"met": "some", "share": 0.5, "share_uncertainty": 0.1, "runs": 9,
                           "failures": 3, "fails": None, "max_interval_scale": 1, "whole": True},
-             "quantities": [], "requirements": [], "runs": {"further": further}}  # fmt: skip
+             "quantities": [], "requirements": [],
+             "runs": {"choice": 0, "checks": 0, "measured": 0, "further": further}}  # fmt: skip
     line = sentence("required", facts)
-    assert "3 of 9 runs fail a requirement" in line
-    assert ("runs cluster near the limits" in line) == bool(further)
+    assert "3 of the 9 runs in the tolerance box fail a requirement" in line
+    assert ("Runs cluster near the limits" in line) == bool(further)
 
 
 def test_shares_say_which_error_they_do_not_have():
@@ -165,7 +166,7 @@ def test_something_that_must_happen(tmp_path):
     wanted = {"there": {"t_late": {"happens": True}}, "absent": {"t_late": {"happens": False}}}
     folder = run(panel(quantities=late, requirements=wanted), tmp_path)
     found = read(folder.requirements)
-    line = next(x for x in (folder / "summary.md").read_text().splitlines() if "| there |" in x)
+    line = next(x for x in (folder / "summary.md").read_text().splitlines() if "| `there` |" in x)
     assert re.search(r"\| does not happen( in \d+ runs)? \|$", line), line
     exact = (0.105 - border(2.0) * (exact_time(1, 1, 0.52 * np.pi) / exact_time(1)) ** 2) / 0.01
     assert [row["met"] for row in found["requirements"]] == ["some", "some"]
@@ -174,6 +175,7 @@ def test_something_that_must_happen(tmp_path):
     assert found["together"]["met"] == "none"
 
 
+@pytest.mark.slow
 def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it."""
     wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
@@ -192,7 +194,7 @@ def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     assert limits["not_early"]["margin"] == pytest.approx(0, abs=1e-5)
     assert found["runs"] < 20
     told = (folder / "summary.md").read_text()
-    assert "It has hardly any margin for not_early" in told and "end of its range" not in told
+    assert "The tightest requirement is `not_early`" in told and "end of its range" not in told
     assert f"{found['runs']} for the best choice" in (folder / "summary.md").read_text()
     kept = [row["values"][0] for row in found["tried"] if row["kept"]]
     least, most = border(LATEST) / 0.95, exact
@@ -215,7 +217,7 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
     assert [goal["value"], goal["simulated"]] == pytest.approx([exact, exact], rel=1e-3)
     assert goal["at"]["k"] == pytest.approx(0.095) and goal["lower_at"]["k"] == pytest.approx(0.105)
     told = (folder / "summary.md").read_text()
-    assert "mass is at the lower end of its range" in told
+    assert "`mass` is at the lower end of its range" in told
     for row in found["tried"]:
         (mass,), (width, lower) = row["values"], row["goals"]
         assert lower == pytest.approx(exact_time(0.105, mass), rel=1e-3)
@@ -228,7 +230,7 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
         ({"crossing": "psi", "level": 3.0}, "It still moves then: simulate longer"),
         (
             {"crossing": "psi", "level": -1.0},
-            "t comes to 0 rad of −1 rad, at 0 s. It goes no further",
+            "`psi` comes to 0 rad at 0 s, and the event needs −1 rad. It goes no further",
         ),
     ],
 )
@@ -236,20 +238,19 @@ def test_what_never_happens_is_told_with_how_far_it_came(tmp_path, quantity, wor
     solver = {"duration": 1.0, "instants": 201}
     folder = run(panel(campaign="never", quantities={"t": quantity}, solver=solver), tmp_path)
     told = (folder / "summary.md").read_text()
-    assert "t happens in none of the" in told
-    assert words.replace("t comes", "psi comes") in told
+    assert "`t` happens in none of the" in told
+    assert words in told
 
 
 def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsys, judged):
-    raw = panel(campaign="status", quantities=QUANTITIES, requirements=REQUIREMENTS)
+    solver = {"duration": 2.2, "instants": 441}
+    raw = panel(campaign="judged", quantities=QUANTITIES, requirements=REQUIREMENTS, solver=solver)
     config = tmp_path / "status.yaml"
     config.write_text(yaml.safe_dump(raw))
+    shutil.copytree(judged.path, tmp_path / "judged")
     call = ["run", str(config), "--results", str(tmp_path), "--no-figures"]
     assert main(call) == 0
     assert main([*call, "--require"]) == UNMET == 3
-    raw["requirements"] = {"not_early": REQUIREMENTS["not_early"]}
-    config.write_text(yaml.safe_dump(raw))
-    assert main([*call, "--require"]) == 0
     del raw["requirements"]
     config.write_text(yaml.safe_dump(raw))
     assert main([*call, "--require"]) == 1

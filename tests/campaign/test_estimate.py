@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import resource
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -70,15 +67,11 @@ def test_the_time_foretold_is_what_is_taken(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["small", "latch", "deploys"])
-def test_the_price_of_a_campaign_is_what_all_of_it_takes(name, tmp_path):
+@pytest.mark.parametrize("name", ["latch", "deploys"])
+def test_the_price_of_a_campaign_is_what_all_of_it_takes(name, shipped):
     """By processor time, as others may be busy beside it; of the last a half is the choice."""
     found = estimate(loaded(name))
-    command = [sys.executable, "-m", "deployable", "run", str(CONFIG / f"{name}.yaml")]
-    begun = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([*command, "--results", str(tmp_path)], check=True)
-    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
-    taken = ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime
+    _, taken = shipped(name)
     assert found.seconds / RIGHT < taken < RIGHT * BUSY * found.seconds
 
 
@@ -103,6 +96,7 @@ def test_runs_that_answers_take_are_foretold():
     assert "further ones for quantities and the choice" in str(asked)
 
 
+@pytest.mark.slow
 def test_the_ends_of_a_time_are_in_order_and_a_choice_is_in_it(raw):
     from deployable import campaign
 
@@ -145,6 +139,7 @@ def test_an_accuracy_has_a_likely_range_below_its_ceiling():
     assert "likely" in str(found) and "at most 30 min" in str(found)
 
 
+@pytest.mark.slow
 def test_a_campaign_that_is_finished_has_nothing_to_be_done_or_what_is_left(raw, tmp_path):
     from deployable import campaign
     from deployable.campaign.cli.commands import _describe_work

@@ -10,15 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from deployable import campaign
 
-CONFIG = Path(__file__).parents[2] / "config"
-
-
-def answers(name: str, folder: Path) -> dict:
+def answers(folder: Path) -> dict:
     """The quantities of a shipped campaign by name, as its summary has them."""
-    campaign.run(CONFIG / f"{name}.yaml", folder, figures=False, notify=lambda text: None)
-    rows = json.loads((folder / name / "summary.json").read_text())["quantities"]
+    rows = json.loads((folder / "summary.json").read_text())["quantities"]
     return {row["name"]: row for row in rows}
 
 
@@ -64,8 +59,8 @@ def hatch(push: float, calm: float, mu: float) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_a_hatch_latches_when_its_gas_struts_push_and_its_hinge_rubs(tmp_path):
-    rows = answers("hatch", tmp_path)
+def test_a_hatch_latches_when_its_gas_struts_push_and_its_hinge_rubs(shipped):
+    rows = answers(shipped("hatch")[0])
     check(rows["t_latch"], lambda **x: hatch(**x)[0], 2e-4)
     check(rows["v_latch"], lambda **x: 0.8 * hatch(**x)[2], 2e-3)
     assert rows["t_latch"]["argmin"] == pytest.approx({"push": 100.7, "calm": 127.5, "mu": 0.08})
@@ -96,8 +91,8 @@ def spindle(backlash: float, gear: float, spring: float) -> float:
 
 
 @pytest.mark.slow
-def test_a_nut_on_a_screw_lags_behind_its_motor_through_the_play_of_a_gear(tmp_path):
-    check(answers("spindle", tmp_path)["t_out"], spindle, 1e-4)
+def test_a_nut_on_a_screw_lags_behind_its_motor_through_the_play_of_a_gear(shipped):
+    check(answers(shipped("spindle")[0])["t_out"], spindle, 1e-4)
 
 
 def winch(tip: float, torque: float, no_load: float) -> np.ndarray:
@@ -127,8 +122,8 @@ def winch(tip: float, torque: float, no_load: float) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_a_winch_raises_its_mast_as_fast_as_its_torque_allows(tmp_path):
-    rows = answers("winch", tmp_path)
+def test_a_winch_raises_its_mast_as_fast_as_its_torque_allows(shipped):
+    rows = answers(shipped("winch")[0])
     check(rows["t_latch"], lambda **x: winch(**x)[0], 1e-3)
     check(rows["v_latch"], lambda **x: 3 * winch(**x)[3], 5e-3)
     soft = {"tip": 2.2, "torque": 18.0, "no_load": 5.7}

@@ -317,18 +317,6 @@ def test_what_is_shipped_is_meant(request):
         assert warnings(structures.load(path).build()) == [], path.stem
 
 
-@pytest.mark.parametrize(("limit", "gravity"), [(50, ""), (0.5, ""), (50, "gravity: [0, -1, 0]\n")])
-def test_a_speed_beyond_all_energy_is_warned_of(tmp_path, request, limit, gravity):
-    root = request.config.rootpath / "config"
-    text = (root / "structures/solar_array.yaml").read_text(encoding="utf-8")
-    (tmp_path / "a.yaml").write_text(gravity + text, encoding="utf-8")
-    limits = {"gentle": {"v_open": {"at_most": 60}}, "fast": {"v_open": {"at_least": limit}}}
-    keys = {"scene": {"file": str(tmp_path / "a.yaml")}, "requirements": limits}
-    texts = requirement_warnings(load_config([root / "deploys.yaml"], keys))
-    assert len(texts) == (limit == 50 and not gravity)
-    assert all("17.77 J, gives end 4.87 m/s at most" in text for text in texts)
-
-
 def test_a_case_with_a_mistake_is_there_for_the_requirements(tmp_path, capsys, monkeypatch):
     text = "cases: {one: {intervals: {k: 2}}}\nrequirements:\n  r: {t: {at_most: 3}, cases: [one]}"
     said = told(tmp_path, capsys, monkeypatch, "requirements:", text)

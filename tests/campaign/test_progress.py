@@ -104,7 +104,9 @@ def test_of_steps_within_steps_the_innermost_is_told_and_its_line_goes(ticks):
     assert terminal.getvalue().endswith("\x1b[2K") and not STEPS
 
 
-@pytest.mark.parametrize("stage", ["bounds", "answers", "figures", "page", "plan"])
+@pytest.mark.parametrize(
+    "stage", ["bounds", "answers", "figures", pytest.param("page", marks=pytest.mark.slow), "plan"]
+)
 def test_a_stage_says_what_it_does_while_it_works(raw, tmp_path, monkeypatch, ticks, stage):
     """Of each a step takes long here."""
     slow = {

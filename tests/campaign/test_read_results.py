@@ -124,6 +124,7 @@ def test_a_page_is_made_of_whole_results_only(rich, tmp_path, name):
         from_results(folder)
 
 
+@pytest.mark.slow
 def test_a_choice_whose_goal_has_no_value_is_told(tmp_path):
     raw = copy.deepcopy(victim.RAW) | {
         "campaign": "none",

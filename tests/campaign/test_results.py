@@ -83,12 +83,13 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         "0.063 m",
         "m/s",
         "tensor_roots of order 2",
-        "Bounds: attained range of the model that predicts left-out runs best, "
-        f"not enclosed, {ESTIMATE}.",
+        "The bounds are the attained range of the model that predicts left-out runs best. "
+        "They estimate the range of the simulated model, and do not enclose it.",
     ):
         assert words in text
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_in_two_forms_and_are_the_same_again(finished, tmp_path):
     found = []
     for place in ("first", "second"):
@@ -128,6 +129,7 @@ ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "l
        "run", "position", "nominal", "box_lower", "moments", "campaign")  # fmt: skip
 
 
+@pytest.mark.slow
 def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
     kinds = [{"distance": ["B", "D"]}, {"velocity": "B", "component": "z"}, {"opening": "A"},
              {"energy": "kinetic"}, {"position": "C", "component": "x"}]  # fmt: skip
@@ -156,7 +158,7 @@ def test_an_error_that_no_run_shows_is_told_to_be_foretold():
     errors = {"decay": np.array([0.5, 0.05]), "held_out": np.array([0.01, 0.01])}
     polynomial = "enclosed range of the polynomial"
     bounds = ResponseBounds("x", "place", "m", *np.zeros((3, 2)), kind=polynomial, errors=errors)
-    row = {"units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, runs=3)}
+    row = {"name": "x", "units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, runs=3)}
     told = sentence("extrapolated", row)
     assert "On the 3 runs kept out of the fit it is off by at most 0.01 m" in told
     assert _extrapolated_error(bounds, 1, runs=3) == {}

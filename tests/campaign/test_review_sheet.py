@@ -375,11 +375,11 @@ def test_the_budget_tells_the_tolerance_that_counts():
 def test_how_it_ends_and_over_which_box_stands_first():
     stated, limits, numbers, margins = least(-0.2, 0.3, [limit("m_least", met="some", share=0.6)])
     ends, box, how = sheets.head(sheets.facts_of(stated, limits, margins), numbers)
-    outcome = "12 of 18 clauses not analysed."
+    outcome = "with 12 of 18 clauses not analysed."
     begin = "Of 18 rows: 2 not met (4.7.5.3 m_least, 4.8.2.6); 0 undecided; "
-    assert ends.startswith(f"Not met; {outcome} {begin}")
+    assert ends.startswith(f"The sheet says “not met”, {outcome} {begin}")
     met, *_ = sheets.head(sheets.facts_of(margins={}))
-    assert met.startswith("Met; 16 of 18 clauses not analysed. Of")
+    assert met.startswith("The sheet says “met”, with 16 of 18 clauses not analysed. Of")
     assert "1 met (4.8.2.6)" in ends and "12 not analysed (4.7.5.2, 4.7.5.3" in ends
     assert sum(map(int, re.findall(r"[:;] (\d+)", ends[ends.index("Of") :]))) == 18
     assert "stiffness (k) from 0.36 to 0.44 N m/rad" in box and "probability" in how
@@ -443,11 +443,11 @@ record:
   b: {part: sheet, at: b}
 """
 
-AROUND = {"k": 0.1, "rest": 0.05, "dry": 0.3, "harness": 0.3, "heavy": 0.5}
+AROUND = {"rest": 0.05, "dry": 0.3, "heavy": 0.5}
 
 
 @pytest.mark.slow
-def test_bounds_of_a_margin_over_five_parameters(tmp_path):
+def test_bounds_of_a_margin_over_three_parameters(tmp_path):
     """Against ten thousand places of the box by the closed form."""
     (tmp_path / "led.yaml").write_text(PANEL)
     config = {
@@ -463,10 +463,10 @@ def test_bounds_of_a_margin_over_five_parameters(tmp_path):
     }  # fmt: skip
     campaign.run(config, tmp_path, notify=lambda text: None)
     folder = tmp_path / "led"
-    nominal = np.array([0.1, np.pi, 0.01, 0.005, 0.02])
-    draw = np.random.default_rng(1).uniform(-1, 1, (10_000, 5))
-    corners = np.array(np.meshgrid(*[[-1, 1]] * 5)).reshape(5, -1).T
-    k, rest, dry, harness, heavy = (
+    k, harness, nominal = 0.1, 0.005, np.array([np.pi, 0.01, 0.02])
+    draw = np.random.default_rng(1).uniform(-1, 1, (10_000, 3))
+    corners = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+    rest, dry, heavy = (
         nominal * (1 + np.array(list(AROUND.values())) * np.vstack([draw, corners]))
     ).T[:, :, None]
     angle = np.linspace(0, np.pi / 2, 201)

@@ -65,6 +65,7 @@ def test_the_plan_tells_the_strain_energy_that_forcing_parts_together_leaves(pat
     assert 0 < scene.assembly.energy == pytest.approx(plan.time.assembly_energy, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_an_interval_of_a_file_is_bounded_as_the_closed_form_says(path, tmp_path):
     said = []
     bounds = campaign.run(path, tmp_path / "results", notify=said.append)

@@ -72,11 +72,11 @@ def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
     ("foretold", "text", "named"),
     [
         ([], "simulated", ""),
-        (["upper"], "upper predicted, attained by a run to 1.5", ", upper end predicted"),
+        (["upper"], "upper end predicted, a run gives 1.5", " (upper end predicted)"),
         (
             ["lower", "upper"],
-            "lower predicted, attained by a run to 1.2; upper predicted, attained by a run to 1.5",
-            ", lower and upper end predicted",
+            "lower end predicted, a run gives 1.2; upper end predicted, a run gives 1.5",
+            " (lower and upper end predicted)",
         ),
     ],
 )
@@ -85,7 +85,7 @@ def test_ends_are_simulated_or_foretold(foretold, text, named):
     row |= {"name": "t", "long_name": "time", "lower": 1.0, "upper": 2.0, "units": "s"}
     assert sentence("ends", row) == text
     row |= {"censored_at": None, "runs_without": 0, "error": None}
-    assert sentence("ranges", {"quantities": [row]}) == f"The time (t) is 1.00 to 2.00 s{named}."
+    assert sentence("ranges", {"quantities": [row]}) == f"The time (`t`) is 1.00 to 2.00 s{named}."
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
     assert share(part, open_) == text
 
 
-FOUND = "No failure found in 9 runs"
+FOUND = "None of 9 runs fails a requirement"
 YES = "Yes: all requirements are met in the whole tolerance box"
 UNSEEN = "Failures in at most 34 % of the box may lie between runs and not be seen."
 OF = "of the tolerance box (by volume, not a probability)"
@@ -253,7 +253,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     path = tmp_path / "mine.yaml"
     path.write_text(yaml.safe_dump(raw), encoding="utf-8")
     assert main(["check", str(path)]) == 0
-    text = f"Not determined by the model: BD, top: {why}"
+    text = f"The model does not determine BD and top: {why}"
     assert f"{path}: {text}" in capsys.readouterr().out
     campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     folder = tmp_path / raw["campaign"]
@@ -265,7 +265,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     lines = (folder / "summary.md").read_text().splitlines()
     assert f"{text}." in lines
     marked = [line for line in lines if "; not determined |" in line]
-    assert [line.split(" | ")[0][2:5] for line in marked] == ["top", "BD"]
+    assert len(marked) == 2 and "(`top`) |" in marked[0] and marked[1].startswith("| BD |")
     data = from_results(folder)
     assert render(data).count("nothing softens it: state a <code>stiffness</code>") >= 2
 
@@ -311,8 +311,8 @@ def facts_of_two(**changed):
 def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
     facts = facts_of_two()
     text = sentence("tolerance", facts)
-    assert "tighten k1 (± 10 %). The range of q (largest opening) is 0.1 rad wide." in text
-    assert "It is 0 rad wide if that is known exactly, and 0.05 rad if its" in text
+    assert "tighten `k1` (± 10 %). The range of `q` (largest opening) is 0.1 rad wide." in text
+    assert "Half its tolerance leaves 0.05 rad, and an exact value 0 rad." in text
     assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
 
 
@@ -322,12 +322,12 @@ def test_tolerances_that_cannot_be_told_apart_get_one_sentence():
     together |= {"max_interval_scale": 0.5, "fails": None}
     facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
     text = sentence("tolerance", facts)
-    assert text.startswith("Tighten one of these: k1 (± 10 %) or k2 (± 10 %). Halving one raises")
+    assert text.startswith("Tighten one of these: `k1` (± 10 %) or `k2` (± 10 %). Halving one")
     assert text.endswith("requirements from 90 ± 1 % to 100 % (by the fit).")
     text = sentence("tolerance", facts | {"choice": {"kept": True, "limits": [{}]}})
     assert text.count("may stay as they are.") == 1
     facts["together"]["halved"]["k2"] = half | {"gain": 0.07}
-    assert sentence("tolerance", facts).startswith("Tighten k1 (± 10 %). Halving it raises")
+    assert sentence("tolerance", facts).startswith("Tighten `k1` (± 10 %). Halving it raises")
     for error in ({"gain_uncertainty": 0.11}, {"share_uncertainty": 0.11}):
         facts["together"]["halved"] = {"k1": half | error, "k2": half | error}
         assert sentence("tolerance", facts).startswith("No single one: ")
@@ -343,19 +343,19 @@ def test_widths_of_rounding_are_no_widths(count, unit):
     assert "constant" in response and "constant" in quantity and response["grade"] == "none"
     assert decisive(quantity) is None and "shares" not in response
     text = sentence("tolerance", facts)
-    assert text.startswith("None: no response or quantity varies with k1")
+    assert text.startswith("Tightening has no effect: no response or quantity varies with `k1`")
     assert "does not vary" in sentence("ranges", facts)
-    assert sentence("differences", facts) == "The opening (a) does not vary."
+    assert sentence("differences", facts) == "The opening (`a`) does not vary."
 
 
 def test_a_parameter_that_no_quantity_depends_on_is_not_told_as_their_cause():
     facts = facts_of_two()
     facts["parameters"] = facts["parameters"][:1]
-    assert sentence("tolerance", facts).endswith("the only uncertain parameter, k1 (± 10 %).")
+    assert sentence("tolerance", facts).endswith("the only uncertain parameter, `k1` (± 10 %).")
     facts["quantities"][0]["constant"] = True
-    assert sentence("tolerance", facts) == "None: no quantity varies with k1 (± 10 %)."
+    assert sentence("tolerance", facts).endswith("no quantity varies with `k1` (± 10 %).")
     facts["quantities"][0]["runs_without"] = 2  # it decides whether there is one
-    assert sentence("tolerance", facts).endswith("parameter, k1 (± 10 %).")
+    assert sentence("tolerance", facts).endswith("parameter, `k1` (± 10 %).")
 
 
 def choices(worth, kept, places):
@@ -402,9 +402,9 @@ def test_a_choice_that_changes_nothing_is_no_advice(kept):
     other = one | {"name": "k2", "value": 1.5, "decides": True}
     found["parameters"] = [one | {"decides": False}, other]
     text = sentence("choice", facts | {"choice": found})
-    assert "end of its range" not in text and "k1 changes that by no more" in text
+    assert "end of its range" not in text and "That changes with `k1` by no more" in text
     found["parameters"] = [one | {"decides": True}]
-    assert "k1 is at the lower end" in sentence("choice", facts | {"choice": found})
+    assert "`k1` is at the lower end" in sentence("choice", facts | {"choice": found})
 
 
 def test_no_number_is_minus_zero():

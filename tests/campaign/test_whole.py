@@ -31,6 +31,7 @@ def simulated(folder: Folder) -> int:
     return sum(json.loads(path.read_text())["simulated"] for path in folder.path.glob("batches/*"))
 
 
+@pytest.mark.slow
 def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     said = []
     raw["intervals"]["E"] = {"relative": 0.05}
@@ -95,7 +96,7 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
 
 def test_a_spline_goes_through_the_runs_of_a_scan(raw, tmp_path):
     folder = run(scan(raw, 4, bounds={"model": "spline"}), tmp_path)
-    told = "attained range of a spline through all runs, not enclosed"
+    told = "The bounds are the attained range of a spline through all runs"
     assert told in (folder / "summary.md").read_text()
     with xr.open_dataset(folder.samples) as samples, xr.open_dataset(folder.bounds) as bounds:
         assert bounds.attrs["design_runs"] == samples.sizes["run"] == 5

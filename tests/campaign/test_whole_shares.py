@@ -16,7 +16,7 @@ from deployable.campaign.answers.discretization import (
 )
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.answers.quantity_bounds import converge_bounds
-from deployable.campaign.plan.runs import RunAccount
+from deployable.campaign.plan.plan import RunAccount
 from deployable.campaign.text.numbers import interval
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
@@ -51,7 +51,12 @@ def shares(closed, *asked, runs=9):
     return [(*whole, fit[1]) for whole, fit in zip(*rows, strict=True)]
 
 
-@pytest.mark.parametrize("kind", ["limit", "margin", "late", "latch"])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "kind", [*(pytest.param(kind, marks=SLOW) for kind in ("limit", "margin", "late")), "latch"]
+)
 def test_the_truth_lies_within_what_step_and_mesh_leave_open(kind):
     """Of a number's limit, of whether it happens, and of both; step and mesh are wrong by a tenth
     of what decides, and what is open by the fit alone leaves the truth out."""
@@ -68,7 +73,7 @@ def test_the_truth_lies_within_what_step_and_mesh_leave_open(kind):
     assert np.mean(blind) < np.mean(off)
 
 
-@pytest.mark.parametrize("kind", ["late", "latch"])
+@pytest.mark.parametrize("kind", ["late", pytest.param("latch", marks=SLOW)])
 def test_the_error_of_an_end_next_to_a_border_is_known_and_covers_the_true_one(kind):
     """Where the finer run at an end no longer has the number: by the nearest one that has."""
     for k, seed in ((1, 11), (1, 12), (2, 22)):

@@ -4,7 +4,7 @@ import pytest
 
 from evidence.verification.study import PARTS
 
-# The others need time loops of their own, for which the kernels are compiled once more each.
+# The others compile kernels of kinds that quick tests do not need.
 QUICK = ("rigid Bennett linkage", "flexible Bennett linkage")
 
 

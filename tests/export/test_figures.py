@@ -8,7 +8,7 @@ import pytest
 
 from deployable.campaign.export import choose, export
 from deployable.campaign.folder import Folder
-from deployable.campaign.pictures.moments import draw_moments, telling_moments
+from deployable.campaign.pictures.drawing import draw_moments, telling_moments
 from deployable.campaign.results.figures import envelope
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 

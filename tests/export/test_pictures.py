@@ -15,10 +15,14 @@ from deployable.campaign.export import export
 from deployable.campaign.pictures.animation import frames, write_moving
 from deployable.campaign.pictures.colours import stress_colours
 from deployable.campaign.pictures.drawing import draw_structure
-from deployable.campaign.pictures.order import paint_order
-from deployable.campaign.pictures.paint import limits_of, paint_cables, visible_faces
+from deployable.campaign.pictures.paint import (
+    View,
+    limits_of,
+    nice_length,
+    paint_cables,
+    visible_faces,
+)
 from deployable.campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
-from deployable.campaign.pictures.view import View, nice_length
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 SQUARE = 0.5 * np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]])
@@ -114,41 +118,6 @@ def test_only_faces_towards_the_eye_are_painted_and_the_nearest_last():
         d = face[2] - face[0], face[3] - face[1]
         area += 0.5 * abs(d[0][0] * d[1][1] - d[0][1] * d[1][0])
     assert area == pytest.approx(np.abs(view.direction).sum(), rel=1e-12)  # shadow of a unit cube
-
-
-def test_of_tubes_within_tubes_the_nearest_face_is_seen_everywhere():
-    """Sides of four nested boxes, each further up than the one around it, at 2,000 places."""
-    view, sides = View(), []
-    for k, half in enumerate((0.1, 0.08, 0.06, 0.04)):
-        low, high = 0.8 * k, 0.8 * k + 1.0
-        ring = half * np.array([(1, -1), (1, 1), (-1, 1), (-1, -1)])
-        for one, two in zip(ring, np.roll(ring, -1, axis=0), strict=True):
-            sides.append([(*one, low), (*two, low), (*two, high), (*one, high)])
-    corners = np.array(sides)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
-    corners = corners[normal @ view.direction > 0]
-    flat, depth = corners @ view.page.T, corners @ view.direction
-    order = paint_order(flat, depth)
-    assert sorted(order) == list(range(len(flat)))
-    rng = np.random.default_rng(3)
-    places = rng.uniform(flat.min(axis=(0, 1)), flat.max(axis=(0, 1)), (2000, 2))
-    several = 0
-    for place in places:
-        found = {}
-        for i, face in enumerate(flat):
-            edges = np.array([face[1] - face[0], face[3] - face[0]]).T
-            share = np.linalg.solve(edges, place - face[0])  # sides are parallelograms
-            if (share > 0).all() and (share < 1).all():
-                rise = depth[i, 1] - depth[i, 0], depth[i, 3] - depth[i, 0]
-                found[i] = depth[i, 0] + share @ rise
-        several += len(found) > 1
-        if found:
-            assert max(found, key=order.index) == max(found, key=found.get)
-    assert several > 30
-
-
-def test_of_no_faces_none_is_painted():
-    assert paint_order(np.zeros((0, 4, 2)), np.zeros((0, 4))) == []
 
 
 def test_the_view_is_orthonormal_and_x_y_z_are_right_handed_on_the_page():

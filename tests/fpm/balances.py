@@ -1,16 +1,6 @@
-"""Scenes with each kind that gives, stores or takes energy, and how far their balances are off.
-
-    NUMBA_DISABLE_JIT=1 python balances.py
-
-prints, for each scene, the largest error of the energy balance at steps that are halved, as shares
-of the largest energy, as JSON.
-"""
-
-import json
-import sys
+"""Scenes with each kind that gives, stores or takes energy, and how far their balances are off."""
 
 import numpy as np
-import plain  # noqa: F401, first: it takes the place of the compiler
 
 import fpm
 from fpm import elements as k
@@ -188,10 +178,3 @@ def off(scene: fpm.Scene, step: float) -> float:
     energies = dict(outcome.energies)
     balance = energies.pop("balance")
     return float(np.abs(balance).max() / max(np.abs(e).max() for e in energies.values()))
-
-
-if __name__ == "__main__":
-    names = sys.argv[1:] or list(SCENES)
-    found = {name: [off(SCENES[name](), step) for step in STEPS] for name in names}
-    used = {kind.__name__ for name in names for kind in k.kinds_of([SCENES[name]()])}
-    print(json.dumps({"off": found, "kinds": sorted(used)}))

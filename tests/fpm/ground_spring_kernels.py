@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store
 from fpm.kernels.layout import F, X
+from fpm.kernels.record import note_crossings
 from fpm.kernels.vectors import add3, dot, get3
 from fpm.kernels.world import Log
 

@@ -72,6 +72,7 @@ def test_slow_growth_is_caught_while_all_numbers_are_finite():
     assert 0.02 * failure.scale < abs(failure.balance) < 1e6 * failure.scale
 
 
+@pytest.mark.slow
 def test_a_linkage_at_its_own_limit():
     """0.5 % above the limit of the motion itself (found by bisection) it fails, below it runs."""
     scene = disturb(bennett(elements=4), 1e-4)

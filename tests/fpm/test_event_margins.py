@@ -5,7 +5,7 @@ import pytest
 
 from fpm.elements.kind import Eventful, Gate
 from fpm.files.trajectory import Curves
-from fpm.reading.event_margins import gate_margin
+from fpm.reading.quantities import gate_margin
 from fpm.reading.quantity_definitions import parse
 
 RATE, TIME = 0.5, np.linspace(0.0, 8.0, 401)  # of the panel on its spring, rad/s

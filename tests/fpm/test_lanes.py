@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 
 from fpm.elements.cables.cable_friction_kernels import exponential
-from fpm.kernels import angles, vectors
+from fpm.kernels import rotation, vectors
 from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative, width
 
 
@@ -53,7 +53,7 @@ def test_any_negative_looks_at_every_lane_and_not_at_nan():
 
 @njit(error_model="numpy")
 def angle(a, out):
-    store(out, 0, 0, angles.arctan2(load(a, 0, 0), load(a, 0, 1)))
+    store(out, 0, 0, rotation.arctan2(load(a, 0, 0), load(a, 0, 1)))
 
 
 def test_arctan2_is_that_of_the_library():

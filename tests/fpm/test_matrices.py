@@ -9,7 +9,7 @@ from fpm.assembly.matrices import full, saddle_solver, scale_matrix, sparse
 from fpm.assembly.newton import linearise
 from fpm.elements import Gravity
 from fpm.elements.bars.beam import Material, Section
-from fpm.travel.balance import balance_of
+from fpm.travel.path import balance_of
 
 RANDOM = np.random.default_rng(4)
 

@@ -10,8 +10,7 @@ from fpm.elements.kind import Eventful
 from fpm.files.trajectory import Curves
 from fpm.reading.events import value_at
 from fpm.reading.quantities import KINDS, QuantityType, crossing, crossing_margin, peak
-from fpm.reading.quantity_definitions import parse
-from fpm.reading.quantity_expressions import unit_of
+from fpm.reading.quantity_definitions import parse, unit_of
 from fpm.reading.responses import Response
 
 TIME = np.linspace(0.0, 2.0, 401)

@@ -104,7 +104,7 @@ def test_inertia_is_that_of_the_moving_bars(angles):
 
 
 @pytest.mark.parametrize(
-    ("angles", "supports"), [*((angles, "plane") for angles in FRAMES), (FRAMES[-1], "free")]
+    ("angles", "supports"), [(FRAMES[0], "plane"), (FRAMES[2], "plane"), (FRAMES[-1], "free")]
 )
 def test_energy_is_constant_through_the_contact(angles, supports):
     curves = linkage(angles, supports=supports).simulate(5.0, np.linspace(0.0, 0.5, 51))
@@ -126,6 +126,7 @@ def test_velocity_and_distance_belong_together(angles):
         assert curves["velocity_Bz"][i] == pytest.approx(slope, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_paper_linkage_closes_first_near_a_third_of_a_second():
     times = np.linspace(0.0, 1.0, 201)
     closings = {k: linkage(spring_stiffness=k).simulate(5.0, times)["closings"] for k in (4.8, 5.0)}

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 import fpm
 from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.elastic import elastic_of
-from fpm.reading import bars, clearance, stress
+from fpm.reading import bars, stress, variables
 
 STEEL = fpm.Material(2e11, 0.25, 7800.0)
 
@@ -134,7 +134,7 @@ def two_bars(start, end, section=None, elements=2) -> fpm.Scene:
 
 def apart(scene: fpm.Scene) -> float:
     known = bars.bars_of(scene)
-    found = clearance.find_clearance(
+    found = variables.find_clearance(
         scene, known["one"], known["two"],
         lambda p: scene.position[None, p], lambda p: scene.frame[None, p],
     )  # fmt: skip
@@ -156,7 +156,7 @@ def test_clearances_are_distances_of_surfaces():
 def test_the_nearest_points_of_segments_are_those_of_a_search():
     generator = np.random.default_rng(5)
     a, b, c, d = generator.normal(size=(4, 12, 3))
-    found = np.linalg.norm(clearance.nearest(a, b, c, d), axis=1)
+    found = np.linalg.norm(variables.nearest(a, b, c, d), axis=1)
     s, t = np.meshgrid(*[np.linspace(0, 1, 201)] * 2)
     for k in range(12):
         p = a[k] + s[..., None] * (b[k] - a[k])

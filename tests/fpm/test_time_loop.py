@@ -193,8 +193,8 @@ def test_an_opening_of_exactly_zero_hides_no_event():
     """A step that ends at the very level of an event, on the way down and on the way up."""
     from numba import njit
 
-    from fpm.kernels.events import note_crossings
     from fpm.kernels.lanes import load
+    from fpm.kernels.record import note_crossings
     from fpm.kernels.world import Log, StepTime
 
     @njit

@@ -192,8 +192,8 @@ def test_curves_are_refused_of_what_is_not_a_whole_trajectory(outcome, tmp_path)
         path.write_bytes(part)
         with pytest.raises(DamagedError, match=r"run\.nc cannot be used"):
             fpm.trajectory.read_curves(path)
-    fpm.trajectory.write(outcome.dataset(), path)  # as earlier versions wrote each run
-    with pytest.raises(DamagedError, match=r"run\.nc cannot be used: it is of one run, as earlier"):
+    fpm.trajectory.write(outcome.dataset(), path)
+    with pytest.raises(DamagedError, match=r"run\.nc cannot be used: it is of one run alone"):
         fpm.trajectory.read_curves(path)
 
 
@@ -222,7 +222,7 @@ def test_a_write_that_breaks_off_leaves_nothing(dataset, tmp_path, monkeypatch):
         path.write_bytes(b"half")
         raise OSError("disk full")
 
-    monkeypatch.setattr(fpm.files.netcdf, "write", break_off)
+    monkeypatch.setattr(fpm.files.trajectory, "write_arrays", break_off)
     with pytest.raises(OSError, match="disk full"):
         fpm.trajectory.write(dataset, tmp_path / "run.nc")
     assert not list(tmp_path.iterdir())

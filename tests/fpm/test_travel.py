@@ -16,6 +16,7 @@ from fpm.assembly.element_forces import ElementForces
 from fpm.elements import Friction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, component_classes, sweep
+from fpm.travel.travel import POSITIONS
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 
@@ -44,7 +45,7 @@ def test_friction_slips_the_way_that_its_joint_goes():
     scene = hinged(1.0)
     scene.add(Friction(0, 0.3))
     for first, last in ((1.0, 1.5), (1.5, 1.0), (0.5, 0.2)):
-        work = sweep(scene, "h1", first, last).work["friction h1"]
+        work = sweep(scene, "h1", first, last, positions=5).work["friction h1"]
         assert work == pytest.approx(-0.3, rel=2e-6)
 
 
@@ -190,7 +191,7 @@ def test_the_scissor_mast_by_virtual_work():
     n, k, g = 2, 1.5, 3.0
     scene = structures.load(STRUCTURES / "scissor.yaml").build(n=n, k=k, E=1e4, elements=2)
     scene.gravity = (-g, 0, 0)
-    found = sweep(scene, "bay1.pin", np.radians(160), np.radians(60))
+    found = sweep(scene, "bay1.pin", np.radians(160), np.radians(60), positions=9)
     way = found.opening  # falls, so that work is per unit of -opening
     springs = sum(found.work[f"bay{i + 1}.spring"] for i in range(n))
     assert springs == pytest.approx(n * k * way, rel=1e-3)
@@ -202,8 +203,8 @@ def test_the_scissor_mast_by_virtual_work():
 def test_the_bennett_linkage_by_virtual_work():
     """The springs at B and D by the rates of their openings, as the rigid linkage has them."""
     made = structures.load(STRUCTURES / "bennett.yaml")
-    scene = made.build(E=1e12, elements=4)
-    found = sweep(scene, "B", scene.hinges[1].opening, 0.4)
+    scene = made.build(E=1e12, elements=2)
+    found = sweep(scene, "B", scene.hinges[1].opening, 0.4, positions=9)
     roll = mu = np.pi / 4
     omega_a = np.arctan2(1, np.tan(mu) * np.cos(roll))
     omega_b = np.arctan2(np.tan(mu), np.sin(roll))
@@ -232,7 +233,7 @@ def test_the_ring_truss_by_virtual_work():
     made = structures.load(STRUCTURES / "ring_truss.yaml")
     scene = made.build(n=n, stow=60.0, mu=0.0, E=1000.0, EA=EA / 1e3)
     bays = [f"pair{i + 1}.bay{k}" for i in range(n) for k in (1, 2)]
-    found = sweep(scene, bays, np.radians(60), np.radians(70))
+    found = sweep(scene, bays, np.radians(60), np.radians(70), positions=5)
 
     def through(slope):
         return 2 * n * np.sqrt(bay**2 + height**2 + 2 * bay * height * np.sin(slope))
@@ -246,12 +247,12 @@ def test_the_ring_truss_by_virtual_work():
     assert work == pytest.approx(expected, rel=1e-3, abs=1e-3 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(("first", "last"), [(3.0, 5.0), (3.5, 5.0), (7.0, 9.0), (-4.0, -6.0)])
+@pytest.mark.parametrize(("first", "last"), [(3.5, 5.0), (7.0, 9.0), (-4.0, -6.0)])
 def test_openings_are_counted_from_the_start_to_where_the_travel_begins(first, last):
     scene = hinged(0.2)
     scene.add_torsion_spring(0, 0.5, 4.0)
     scene.add(TableSpring(0, (-10.0, 4.5, 10.0), (0.1, 1.1, 0.3)))
-    found = sweep(scene, "h1", first, last)
+    found = sweep(scene, "h1", first, last, positions=5)
     assert found.work["torsion spring h1"] == pytest.approx(
         np.sign(last - first) * 0.5 * (4.0 - found.opening), abs=1e-9
     )
@@ -298,7 +299,7 @@ def piston(angle, r=0.2):
     return -r * np.sin(angle) * (1 + r * np.cos(angle) / (ROD * np.sqrt(1 - sine**2))), sine
 
 
-@pytest.mark.parametrize("end", [180.2, 181, 182.7, 200, 361])
+@pytest.mark.parametrize("end", [180.2, 182.7, 361])
 def test_friction_of_a_joint_that_turns_back_slips_the_way_it_goes(end):
     """A slide at and beyond the dead centre of its crank; there is a position at each."""
     found = sweep(CENTRED.build(rub=3.0), "main", np.radians(10), np.radians(end))
@@ -321,7 +322,7 @@ def test_a_way_from_near_a_dead_centre_stays_on_its_assembly(start, end):
         angle = np.radians(degrees)
         return 0.2 * np.cos(angle) + np.sqrt(ROD**2 - (0.2 * np.sin(angle)) ** 2)
 
-    found = sweep(scene, "rail", 0.0, place(end) - place(start))
+    found = sweep(scene, "rail", 0.0, place(end) - place(start), positions=POSITIONS)
     x = place(start) + found.opening
     angle = np.arccos((0.2**2 + x**2 - ROD**2) / (0.4 * x))
     expected = 0.5 * (np.radians(250) - angle) / piston(angle)[0]
@@ -335,7 +336,7 @@ def test_bearings_rub_by_forces_in_the_balance_with_their_friction():
     the angle a, and P tan a/(1 + mu tan a) where P drives it."""
     for mu, sign in ((0.3, 1), (0.3, -1), (1.2, 1)):
         scene = CENTRED.build(push=4.0 * sign, mu=mu)
-        found = sweep(scene, "main", np.radians(190), np.radians(350))
+        found = sweep(scene, "main", np.radians(190), np.radians(350), positions=9)
         rate, sine = piston(found.opening)
         slope = np.abs(sine) / np.sqrt(1 - sine**2)
         expected = 4.0 * slope / (1 + sign * mu * slope)
@@ -349,7 +350,7 @@ def test_the_couple_of_a_bearing_acts_about_its_hinge_however_far_that_has_turne
     text = CRANK.replace("{type: bearing, joint: rail, mu: mu}",
                          "{type: bearing, joint: wrist, mu: mu, radius: 100 mm}")  # fmt: skip
     scene = structures.loads(text).build(push=4.0, mu=0.4, t0=10.0)
-    found = sweep(scene, "main", np.radians(10), np.radians(170))
+    found = sweep(scene, "main", np.radians(10), np.radians(170), positions=17)
     angle, lever = found.opening, 0.04
     sine = 0.2 * np.sin(angle) / ROD
     turn = -0.2 * np.cos(angle) / (ROD * np.sqrt(1 - sine**2))  # of the rod, against the ground
@@ -370,7 +371,7 @@ def test_a_way_on_which_a_bearing_locks_itself_is_refused(mu, locks):
         with pytest.raises(SceneError, match="bearing rail = 'locks where opening main is 1"):
             sweep(scene, "main", np.radians(10), np.radians(170))
     else:
-        found = sweep(scene, "main", np.radians(10), np.radians(170))
+        found = sweep(scene, "main", np.radians(10), np.radians(170), positions=9)
         rate, sine = piston(found.opening, 0.48)
         slope = sine / np.sqrt(1 - sine**2)
         expected = 4.0 * slope / (1 - mu * slope)

@@ -7,8 +7,8 @@ import numpy as np
 
 import fpm
 from fpm.elements import Friction, Latch, Release
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
+from fpm.elements.kind import VirtualBeam
 
 
 def moved(scene: fpm.Scene, rotation: np.ndarray, shift: np.ndarray) -> fpm.Scene:

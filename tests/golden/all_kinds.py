@@ -1,6 +1,6 @@
-"""Random structures of all kinds, and what became of them; nothing is compiled.
+"""Random structures of all kinds, and what became of them.
 
-    NUMBA_DISABLE_JIT=1 PYTHONPATH=. python tests/golden/all_kinds.py [FIRST STEP]
+    PYTHONPATH=. python tests/golden/all_kinds.py [FIRST STEP]
 
 prints what all_kinds.json is to hold: for each structure and quantity the sum of its values, with
 weights, and that of what they are without sign. One that says what is left out records all else.
@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 import fpm
-from evidence.attack.metamorphic.plain_loop import disable_compilation
 from evidence.attack.metamorphic.runs import STEPS, curves_of, scene_of
 from fpm.reading.variables import VARIABLES
 from fpm.structures.report import redundant
@@ -68,7 +67,6 @@ def columns(scene, without: list[str]) -> list[tuple[str, str]]:
 
 
 if __name__ == "__main__":
-    disable_compilation()
     first, step = map(int, sys.argv[1:] or (0, 1))
     some = CASES[first::step]
     for case in some:

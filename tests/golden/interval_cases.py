@@ -190,9 +190,7 @@ def estimates() -> Iterator:
     yield [share_outside(n, c) for n in (1, 2, 30, 500) for c in (None, 0.95)]
     before, after = RNG.normal(size=(2, 20))
     yield extrapolate_error(before), extrapolate_error(after, refinement_ratio(before, after))
-    lower, upper = np.sort(RNG.normal(size=(2, 41)), axis=0)
-    yield intervals.compare_bounds(TIME, lower, upper, lower - 0.1, upper + 0.2 * TIME)
-    yield intervals.compare_runs(lower, upper, RNG.normal(size=(9, 41)))
+    RNG.normal(size=(11, 41))  # after which the numbers below were written down
     design = make_design("tensor_roots", BOXES["2"], 3)
     bounds = bounds_dataset(samples("2", design), design)
     parts = {"mesh": 0.01 * RNG.normal(size=bounds["error"].shape)}

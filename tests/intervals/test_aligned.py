@@ -107,8 +107,10 @@ def test_a_jump_that_each_run_has_at_its_own_time_is_followed(dense):
 
 
 @pytest.mark.parametrize(
-    ("motion", "most"), [(stop, 0.01), (spring, 0.01), (brake, 0.02), (swap, 0.01)]
-)
+    ("motion", "most"),
+    [(stop, 0.01), (spring, 0.01), pytest.param(brake, 0.02, marks=pytest.mark.slow),
+     pytest.param(swap, 0.01, marks=pytest.mark.slow)],
+)  # fmt: skip
 def test_the_model_that_predicts_left_out_runs_best_is_taken(motion, most, dense):
     design, points = runs(4)
     bounds = bounds_dataset(samples(motion, points), design, model="auto")
@@ -174,6 +176,7 @@ def test_bounds_contain_every_run_and_are_attained_where_they_say():
         assert brake(x)[0][0][at] == pytest.approx(bounds[side].values[0, at], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_neither_order_of_runs_and_parameters_nor_units_of_time_and_response_matter():
     design, points = runs(4)
     data = samples(stop, points)

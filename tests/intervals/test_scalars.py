@@ -126,7 +126,7 @@ def stacked(k: int, level: float, half: int) -> float:
     return 1 - failing / math.factorial(k) / math.prod(widths)
 
 
-@pytest.mark.parametrize("k, level", [(1, 0.5), (2, 0.5), (2, 1.5), (4, 3.3), (8, 5.0), (8, 3.0)])
+@pytest.mark.parametrize("k, level", [(1, 0.5), (2, 1.5), (4, 3.3), (8, 5.0)])
 def test_a_halved_tolerance_gains_what_the_corner_beyond_the_limit_holds(k, level):
     whole, half = stacked(k, level, 0), stacked(k, level, 1)
     found = [find_halving([shims(k, level)], np.ones(k, bool), np.zeros(k), j) for j in (0, k - 1)]
@@ -198,7 +198,7 @@ def test_a_box_without_width_meets_all_limits_or_does_not():
         assert share_of_box(limits, np.zeros(2))[0] == 0.0
 
 
-@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("place", [0, 2])
 def test_a_direction_without_width_changes_no_share_and_no_choice_of_a_box(place):
     points = runs(2)
     values = points[:, 0] + 2 * points[:, 1] ** 2
@@ -434,7 +434,10 @@ BORDERS = {
 }
 
 
-@pytest.mark.parametrize("border", BORDERS)
+@pytest.mark.parametrize(
+    "border",
+    ["ball", "wave", *(pytest.param(b, marks=pytest.mark.slow) for b in ("plane", "corner"))],
+)
 def test_the_share_in_which_something_happens_is_the_true_one_up_to_what_is_open(border):
     """Eight runs at a time, sought where it is open: to 1.5 % of the box after six times."""
     k, slack = BORDERS[border]

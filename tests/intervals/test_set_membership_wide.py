@@ -14,8 +14,8 @@ def vibration(t: int, points: np.ndarray, halvings: int) -> np.ndarray:
     return np.cos(np.sqrt(stiffness) * TIMES)[:, None]
 
 
-@pytest.mark.parametrize("k", [250.0, 750.0])
-def test_a_true_model_is_not_refuted_though_the_box_spans_periods(k):
+@pytest.mark.slow
+def test_a_true_model_is_not_refuted_though_the_box_spans_periods(k=750.0):
     instants = TIMES[::2]
     noise = 0.0045 * np.sin(1e3 * instants)
     values = np.cos(np.sqrt(k) * instants) + noise
@@ -49,8 +49,9 @@ def rare(x, times, step=0.0):
 
 @pytest.mark.parametrize(
     ("curve", "instants", "truth"),
-    [(bounce, 41, 0.3), (phase, 401, 0.6), (rare, 201, NARROW)],
-)
+    [(bounce, 41, 0.3), pytest.param(phase, 401, 0.6, marks=pytest.mark.slow),
+     pytest.param(rare, 201, NARROW, marks=pytest.mark.slow)],
+)  # fmt: skip
 def test_true_models_are_not_refuted_nor_their_truth_excluded(curve, instants, truth):
     """Kinks between recorded instants, errors of the step in phase, behaviour of few runs."""
     times, seen = np.linspace(0.0, 2.0, instants), np.linspace(0.0, 2.0, 151)
@@ -68,7 +69,7 @@ def test_true_models_are_not_refuted_nor_their_truth_excluded(curve, instants, t
     assert not result.is_refuted and low <= truth <= high
 
 
-@pytest.mark.parametrize("error", [2e-6, 2e-5])
+@pytest.mark.parametrize("error", [pytest.param(2e-6, marks=pytest.mark.slow), 2e-5])
 def test_steps_are_halved_until_they_hardly_widen_what_is_left(error):
     """Beside 0.9 of the band as noise, with errors of the first step of 0.06 and 0.6 of the band;
     the hull and the least band are those of a fine grid of the exact curves."""

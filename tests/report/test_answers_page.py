@@ -12,9 +12,9 @@ from stored_runs import curves_in
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
-from deployable.campaign.report.data import REFINEMENT
-from deployable.campaign.report.failing_region import meets, panels
+from deployable.campaign.report.failing_region import panels
 from deployable.campaign.report.page import render
+from deployable.campaign.report.read import REFINEMENT, meets
 from deployable.campaign.results.templates import sentence
 
 
@@ -56,13 +56,24 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index("all requirements are met in ") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
-                   "The nearest failure is of in_time", "Choose k = ", 'id="choice"',
-                   "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
+                   "The nearest failure is of <code>in_time</code>", "Choose <code>k</code> = ",
+                   'id="choice"', "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
         assert words_ in page
     ends = re.findall(r"<dd>(k = [^<]*)</dd>", page)
     assert len(ends) == 2 and all(re.fullmatch(r"k = [\d.]+ N m/rad", end) for end in ends)
     assert "t_never" in page
     assert "does not happen in any run" in page
+
+
+def test_sentences_of_the_page_are_short(opened):
+    """Without what stands in brackets, and lists."""
+    body = re.sub(r"<(script|style|svg|pre).*?</\1>", "", render(opened), flags=re.S)
+    texts = re.findall(r"<(?:p|dd|div class=\"caution\")\b[^>]*>(.*?)</(?:p|dd|div)>", body, re.S)
+    plain = [" ".join(re.sub(r"<[^>]+>|\([^()]*\)", "", text).split()) for text in texts]
+    sentences = [s for text in plain for s in re.split(r"(?<=[.!?]) (?=[A-Z])", text)]
+    counts = {s: len(s.split()) for s in sentences if ": " not in s}
+    assert not {s: n for s, n in counts.items() if n > 25}
+    assert len(counts) > 50 and sum(counts.values()) / len(counts) < 15
 
 
 def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
@@ -71,10 +82,10 @@ def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     assert "predicted" not in render(opened).split("</style>")[1]
     row = row | {"predicted_ends": ["lower"], "lower": row["lower"] - 0.01}
     data = replace(opened, facts=opened.facts | {"quantities": [row]})
-    assert "is 1.858 to 1.964 s, lower end predicted." in sentence("ranges", data.facts)
+    assert "is 1.858 to 1.964 s (lower end predicted)." in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
     assert 'class="big range predicted"' in page
-    assert "over the box; lower predicted, attained by a run to 1.868" in page
+    assert "over the box; lower end predicted, a run gives 1.868" in page
 
 
 def test_the_part_of_the_box_that_fails_is_drawn(opened):
@@ -118,9 +129,9 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
     nominal, *others = data.moving
     assert nominal.label == "nominal run"
     with xarray.open_dataset(folder / "quantities.nc") as found:
-        for what in ("least", "largest"):
+        for what in ("earliest", "latest"):
             (shown,) = [each for each in others if f"{what} t_open" in each.label]
-            end = found["argmin" if what == "least" else "argmax"].sel(quantity="t_open").values
+            end = found["argmin" if what == "earliest" else "argmax"].sel(quantity="t_open").values
             run = data.runs[shown.run]
             np.testing.assert_allclose(run.values, end, rtol=1e-12)
             (opening,) = curves_in(folder / "trajectories")[run.id].openings.values()

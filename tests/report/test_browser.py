@@ -168,6 +168,7 @@ def test_fingers_turn_zoom_and_move_the_structure(telephone):
     assert scrolled > 40 and others == [0, 0, 0, 0]
 
 
+@pytest.mark.slow
 def test_without_webgl_a_still_picture_stands_in_its_place(page):
     with Browser(webgl=False) as browser:
         browser.open(page)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import fpm
 from deployable.campaign.config.sections import scene_type
 from fpm.motions import motion as whole
-from fpm.motions.motion_dataset import shapes_of
+from fpm.motions.motion import shapes_of
 from fpm.structures import load
 
 TIME = {"duration": 0.02, "instants": 41}

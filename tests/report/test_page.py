@@ -65,7 +65,7 @@ def test_the_page_asks_nothing_of_a_network(page):
 def test_the_page_tells_the_answer_first(page, data):
     text = page.read_text(encoding="utf-8")
     body = text[text.index("<body>") :].replace("\N{NO-BREAK SPACE}", " ")
-    answer = sentence("headline", data.facts)
+    answer = re.sub("`([^`]+)`", r"<code>\1</code>", sentence("headline", data.facts))
     places = [body.index(part) for part in (answer, 'id="motion"', 'id="parameters"')]
     assert places == sorted(places)
     assert "swing" in text and "data version" not in text
@@ -162,16 +162,16 @@ def test_the_headline_says_how_far_the_responses_go(data):
     first, second = data.facts["responses"]
     width, error = first["largest_difference"], first["error_at_largest_difference"]
     text = sentence("headline", data.facts)
-    assert text.startswith("The x-position of T (x) differs by up to ")
+    assert text.startswith("The x-position of T (`x`) differs by up to ")
     assert text.count(" differs by up to ") == 2 and with_error(width, error, "m") in text
     three = altered(data, responses=[first, second, first]).facts
-    assert sentence("headline", three).endswith(" The table has 1 more.")
+    assert sentence("headline", three).endswith(" The table has 1 more response.")
     given = sentence("given", data.facts)
-    assert given.startswith("The campaign simulates 0.4 s of pendulum")
-    assert "Uncertain: length of the bar (L) ± 5 % and " in given
+    assert given.startswith("The campaign simulates 0.4 s of `pendulum`")
+    assert "The uncertain parameters are `L` (length of the bar, ± 5 %) and " in given
     wide = {**data.parameters[0], "description": "", "upper": 2.0}
     text = sentence("given", data.facts | {"parameters": [wide]})
-    assert "Uncertain: L from 0.95 to 2 m. " in text
+    assert "The uncertain parameter is `L` (0.95 to 2 m). " in text
 
 
 def parameter(units, *ends):

@@ -111,7 +111,7 @@ def test_names_that_are_not_there_are_refused_with_those_that_are():
     for definition, names in (
         ({"reaction_force": "wall", "component": "x"}, "one of block, nail, rail, track"),
         ({"angular_velocity": "wheel", "component": "x"}, "end, block, cart, hanging, rod"),
-        ({"stress": "beam"}, "(there is none)"),
+        ({"stress": "beam"}, "only these have stress, and bodies are rigid"),
         ({"clearance": ["a", "b"]}, "(there is none)"),
         ({"constraint_force": "pin"}, "constraint_force and component"),
         ({"opening_rate": "pin", "component": "x"}, "opening_rate alone"),

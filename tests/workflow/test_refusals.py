@@ -34,7 +34,6 @@ BROKEN = {
         GOOD.replace("[B, D]", "[B, D"),
         ["line 6: this is not YAML: the bracket that opens here is not closed"],
     ),
-    "a file that is missing": (None, ["the file cannot be read: No such file or directory"]),
     "Python to be run": (
         GOOD + "__use_yte__: true\n__definitions__: [\"open('executed', 'w')\"]\n",
         ["__use_yte__: not allowed"],
@@ -46,8 +45,7 @@ BROKEN = {
 def test_what_snakemake_cannot_tell_is_told_before_it_reads_the_file(workplace, case):
     text, words = BROKEN[case]
     path = workplace.folder / "config" / "bad.yaml"
-    if text:
-        path.write_text(text, encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     refused = workplace.snakemake("--dry-run", "--configfile", str(path), "--quiet", "host")
     assert refused.returncode == 1
     for word in [f"{path} has 1 problem", *words]:

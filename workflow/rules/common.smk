@@ -20,7 +20,9 @@ os.environ.update(
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.jobs import CORES
 from deployable.campaign.provenance import CONFIG, program_digest
+from deployable.campaign.stages import STAGES
 from deployable.campaign.stages.workflow import Workflow
+from fpm.errors import did_you_mean, likely
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
 ENVIRONMENT = "../envs/campaign.yaml"
@@ -58,6 +60,16 @@ for reason in STALE.values():
     print(f"{reason}; it is made again", file=sys.stderr)
 for text in WORKFLOW.describe_foreign_results():
     print(f"warning: {text}", file=sys.stderr)
+
+# Snakemake says of a target that it does not know, not which one is meant.
+TARGETS = [*STAGES, "all"]
+if (ROOT / "evidence").is_dir():
+    from evidence.registry import STUDIES
+
+    TARGETS += STUDIES
+for word in sys.argv[1:] if workflow.is_main_process else ():
+    if word.isidentifier() and word not in TARGETS and likely(word, TARGETS):
+        print(f"{word}: no such target{did_you_mean(word, TARGETS)}", file=sys.stderr)
 if not IS_MODULE:
     os.environ[CONFIG] = WORKFLOW.config
 

@@ -24,8 +24,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import ROUNDING, Plan, choose_step, read_plan
-from deployable.campaign.plan.runs import Runs
+from deployable.campaign.plan.plan import ROUNDING, Plan, Runs, choose_step, read_plan
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify

@@ -12,11 +12,11 @@ import numpy as np
 
 import fpm
 from deployable.campaign.answers.limits import list_limits
-from deployable.campaign.config.disk import bytes_of_run
 from deployable.campaign.config.sections import (
     CHECK_POINTS,
     Campaign,
     Experiment,
+    bytes_of_run,
     count_first_runs,
     count_runs,
     design_points,

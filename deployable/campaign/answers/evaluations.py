@@ -15,8 +15,15 @@ from scipy.spatial import KDTree
 
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, read_plan
-from deployable.campaign.plan.runs import FailedRun, PlannedRun, RunAccount, Runs, run_id
+from deployable.campaign.plan.plan import (
+    FailedRun,
+    Plan,
+    PlannedRun,
+    RunAccount,
+    Runs,
+    read_plan,
+    run_id,
+)
 from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, limits_of, number
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import (

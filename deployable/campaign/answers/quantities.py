@@ -19,8 +19,7 @@ from deployable.campaign.files.variables import dataset_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS
-from deployable.campaign.plan.plan import box_columns
-from deployable.campaign.plan.runs import failure_columns
+from deployable.campaign.plan.plan import box_columns, failure_columns
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify

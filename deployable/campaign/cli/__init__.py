@@ -2,13 +2,14 @@
 
 import argparse
 import logging
+import re
 import sys
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import wrap_error
@@ -23,7 +24,7 @@ PROGRAM = "deployable"
 GROUPS = {
     "campaigns": ("new", "check", "run", "compare", "export"),
     "structures": ("structure", "convert"),
-    "reference": ("keys", "schema"),
+    "reference": ("schema",),
     "stages, which `run` calls one after another": tuple(STAGES),
 }
 """Commands by what they are about, as the help lists them."""
@@ -57,12 +58,21 @@ def main(arguments: list[str]) -> int:
         return 1
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser that says what is likely meant by a word that is no choice."""
+
+    def error(self, message: str) -> NoReturn:
+        match = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        hint = did_you_mean(match[1], re.findall(r"[\w-]+", match[2])) if match else ""
+        super().error(message + hint)
+
+
 def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     """Make the parser of all commands, or with `is_stage` that of the stages alone, which load only
     what they need."""
     script = Path(sys.argv[0]).name
     program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         program, usage="%(prog)s [-h] [--version] COMMAND ...", description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip

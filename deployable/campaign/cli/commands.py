@@ -18,10 +18,10 @@ from deployable.campaign.cli.new import list_starts, make_folder
 from deployable.campaign.config import read
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.keys import table
 from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import Campaign, scene_type
+from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, wrap_error, write_text
@@ -30,6 +30,7 @@ from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts, summary_text
 from deployable.campaign.runs.progress import MessagePrinter
 from deployable.campaign.stages.workflow import Workflow, complete
+from fpm.errors import number_hint
 
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
@@ -59,11 +60,10 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
         "--require", action="store_true",
         help="end with status 3 unless all of the box meets all requirements",
     )  # fmt: skip
-    for name, function in (("keys", _keys), ("schema", _schema)):
-        keys = command(commands, name, function.__doc__ or "", function)
-        keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
+    keys = command(commands, "schema", _schema.__doc__ or "", _schema)
+    keys.add_argument("of", nargs="?", choices=["campaign", "structure"], default="campaign")
     structure = command(commands, "structure", _structure.__doc__, _structure)
-    structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
+    structure.add_argument("structure", help="a file, .yaml, or the name of one that is shipped")
     structure.add_argument(
         "--duration", type=_seconds, default=1.0, help="of a run (%(default)s s)"
     )
@@ -98,9 +98,11 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
     export.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE",
-        help="a parameter of a config or structure, in its unit; may be repeated",
+        help="a parameter, in its unit or with one, such as 'k=2 N/mm'; may be repeated",
     )  # fmt: skip
-    export.add_argument("--duration", type=float, help="s, of a config's or structure's run")
+    export.add_argument(
+        "--duration", type=_seconds, help="of a config's or structure's run, such as 2, or 2 s"
+    )
     export.add_argument("--frames", type=int, help="number of frames, evenly spread")
     export.add_argument(
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
@@ -205,27 +207,22 @@ def _compare(options: argparse.Namespace) -> int:
     return 0
 
 
-def _keys(options: argparse.Namespace) -> int:
-    """Print all keys of a campaign's config, or of a structure, as Markdown."""
-    from fpm.structures.keys_page import keys_page
-
-    print(keys_page() if options.of == "structure" else table(read.whole()), end="")
-    return 0
-
-
 def _schema(options: argparse.Namespace) -> int:
     """Print the JSON Schema of a campaign's config, or of a structure, for editors."""
-    from fpm.structures import keys_page
+    from fpm.structures.text_file import schema
 
-    print(json.dumps((keys_page if options.of == "structure" else read).schema(), indent=1))
+    print(json.dumps((schema if options.of == "structure" else read.schema)(), indent=1))
     return 0
 
 
 def _seconds(text: str) -> float:
-    seconds = float(text)
-    if not 0 < seconds < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not allowed; allowed: a time above 0 (s)")
-    return seconds
+    with suppress(ValueError, TypeError):
+        seconds = float(number_in("s", text))
+        if 0 < seconds < math.inf:
+            return seconds
+    raise argparse.ArgumentTypeError(
+        f"{text!r} is not allowed{number_hint(text)}; allowed: a time above 0, as 2 or 2 s"
+    )
 
 
 def _structure(options: argparse.Namespace) -> int:

@@ -23,7 +23,7 @@ from deployable.campaign.config.cases import (
 )
 from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.models import Config
-from deployable.campaign.config.read import read
+from deployable.campaign.config.read import correct_sections, read
 from deployable.campaign.config.resolve import with_margins
 from deployable.campaign.config.scene_checks import accuracy_problems, resolve
 from deployable.campaign.config.sections import Campaign
@@ -103,10 +103,12 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
         ])  # fmt: skip
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}
-    raw, case_lists = without_cases(raw)
+    sections_by_name, name_problems = correct_sections(raw)
+    raw, case_lists = without_cases(sections_by_name)
     original, units = raw, StatedUnits(raw)
     raw = units.raw
     config, user_config, problems = read(raw)
+    problems = name_problems + problems
     campaign: Any = None
     if config is not None:
         cases = raw.get("cases")  # sections with a mistake count as present
@@ -124,6 +126,11 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
             problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
     problems = [units.misfits.get(problem.partition(":")[0], problem) for problem in problems]
     problems = [*dict.fromkeys([*problems, *units.misfits.values()])]
+    keys = [f"{problem.partition(':')[0]}." for problem in problems]
+    problems = [  # without those of a section that follow from one of its keys
+        problem for problem, key in zip(problems, keys, strict=True)
+        if not any(text != key and text.startswith(key) for text in keys)
+    ]  # fmt: skip
     if problems := problems or [*units.unknowns.values()]:
         raise ConfigError(source, problems)
     assert config is not None  # else there are problems

@@ -1,12 +1,10 @@
-"""What the keys of a config are: their limits, words for messages, table and JSON Schema."""
+"""What the keys of a config are: their limits, words for messages and JSON Schema."""
 
 from __future__ import annotations
 
 import ast
 import inspect
-import json
 import re
-from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from itertools import pairwise
 from math import inf
@@ -94,7 +92,7 @@ class ConfigKey:
         """What JSON Schema says of the key's values."""
         parts = [_schema(option, self.rule) for option in self.options]
         if self.section or self.entry:
-            texts = _docstrings(self.section) if self.section else {}
+            texts = docstrings(self.section) if self.section else {}
             children = {name: child.schema for name, child in self.children.items()}
             for name, text in texts.items():
                 children[name]["description"] = text
@@ -173,8 +171,8 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
     return {str: {"type": "string"}, bool: {"type": "boolean"}}.get(hint, {})
 
 
-def _docstrings(hint: type) -> dict[str, str]:
-    """What stands below the fields of a class, on one line each."""
+def docstrings(hint: type) -> dict[str, str]:
+    """Return what stands below the fields of a class (hint), by their names, on one line each."""
     definition: Any = ast.parse(dedent(inspect.getsource(hint))).body[0]
     pairs: Any = pairwise(definition.body)
     return {
@@ -182,48 +180,3 @@ def _docstrings(hint: type) -> dict[str, str]:
         for field, text in pairs
         if (type(field), type(text)) == (ast.AnnAssign, ast.Expr)
     }
-
-
-_UNIT_TEXTS = {
-    "1": "or in %", "parameter": "unit: the parameter's", "response": "unit: the response's",
-    "quantity": "unit: the quantity's",
-}  # fmt: skip
-"""What stands for units in the table."""
-
-
-def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Yield the rows of the table of all config keys below a section: full name, description, what
-    is allowed and default, as texts. prefix: put before the names, such as `solver.`."""
-    texts = _docstrings(section.section) if section.section else {}
-    entries = {"<name>": section.entry} if section.entry and section.entry.text else {}
-    for name, child in (section.children | entries).items():
-        unit = child.rule.unit and f" ({_UNIT_TEXTS.get(child.rule.unit, child.rule.unit)})"
-        default = "" if name == "<name>" else _default_text(child)
-        yield f"{prefix}{name}", texts.get(name, child.text) + unit, child.allowed, default
-        yield from rows(child, f"{prefix}{name}.")
-
-
-def _default_text(key: ConfigKey) -> str:
-    """The default in the table: nothing for what is absent, empty, or a section."""
-    if key.default is MISSING:
-        return "required"
-    if key.default in (None, (), "") or key.children or key.entry:
-        return ""
-    text = key.default if isinstance(key.default, str) else json.dumps(key.default)
-    return f"`{text}`"
-
-
-def table(config: ConfigKey) -> str:
-    """Return all keys of a config as Markdown, a heading and a table for each section.
-
-    config: description of a whole config, as `read.whole` returns it."""
-    groups: dict[str, list[str]] = {f"`{name}`": [] for name in config.children}
-    for key, *row in rows(config):
-        groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
-    singles = {"The campaign": [row for part in groups.values() if len(part) == 1 for row in part]}
-    sections = {name: part for name, part in groups.items() if len(part) > 1}
-    parts = (singles | sections).items()
-    return "\n".join(f"## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in parts)
-
-
-_COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"

@@ -242,7 +242,8 @@ class Limits:
         if not self.by_name:
             raise RefusedError
         if numbers != sorted(numbers):
-            text = f"{self.at_least:.12g} is above at_most; allowed: at most {self.at_most:g}"
+            text = f"no value is both at least {self.at_least:.12g} and at most {self.at_most:.12g}"
+            text += f"; allowed: at most {self.at_most:g}"
             raise RefusedError("at_least", text)
         if numbers and self.happens is False:
             text = "false allows no other limit; allowed: true, or happens alone"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.own_runs import own_points
-from fpm.elements import Drag, SyncLoop, TorsionSpring, kinds_of
+from fpm.elements import kinds_of
 from fpm.scenes.timestep import find_curve_step
 
 AT_INSTANTS = "final", "value", "event", "event_margin"
@@ -22,9 +22,6 @@ WIDEST = 10.0
 
 LONGEST = 2.0
 """Time that a requirement allows, by the duration of the runs, above which it says nothing."""
-
-FASTEST = 2.0
-"""Speed that a requirement asks for, by the largest at nominal values, above which none has it."""
 
 LARGEST = 100.0
 """Length that a requirement states, by the structure's extent, and end of a curve, by that of the
@@ -40,8 +37,8 @@ def experiment_warnings(experiment: Any) -> list[str]:
 
 def requirement_warnings(campaign: Any) -> list[str]:
     """Return sentences on limits of a `Campaign` that are hardly meant: those below what a quantity
-    can be, times and speeds that no run can reach, times that none can exceed, lengths far beyond
-    the structure's extent, angles of more than a turn without a motor; [] if there is none."""
+    can be, times that no run can reach or none can exceed, lengths far beyond the structure's
+    extent, angles of more than a turn without a motor; [] if there is none."""
     from fpm.structures.plausible import extent
 
     experiment, texts = campaign.experiment, []
@@ -69,45 +66,7 @@ def requirement_warnings(campaign: Any) -> list[str]:
                          f"mean {limit / 1000:g}, for {limit:g} mm?")  # fmt: skip
         elif quantity.unit == "rad":
             texts += _turn_texts(key, limit, experiment)
-        elif end == "at_least" and quantity.unit == "m s-1" and quantity.response:
-            texts += _speed_texts(key, limit, experiment, quantity.response)
     return texts
-
-
-def _speed_texts(key: str, limit: float, experiment: Any, response: Any) -> Iterator[str]:
-    """A speed beyond what all energy at the start gives a point, where nothing else drives."""
-    from fpm.solver.start import consistent_scene
-    from fpm.structures import report
-
-    if getattr(response, "kind", "") != "velocity":
-        return
-    scene, (point, *_) = experiment.nominal_scene, response.subjects
-    beam = scene.points[point]
-    inertia, arm = scene.inertia[beam.particle], beam.arm
-    passive = ("friction", "latch", "release", "stop", "loop")  # without energy at the start
-    driving_kinds = [
-        kind for kind in kinds_of([scene])
-        if (kind.stores or (kind.gives and not kind.joins) or kind is Drag)
-        and kind is not TorsionSpring and kind.acts_as not in passive
-    ]  # fmt: skip
-    slips = [loop.radii @ (np.array([scene.hinges[i].opening for i in loop.hinges]) - loop.rest)
-             for loop in SyncLoop.find(scene)]  # fmt: skip
-    is_massless = not (scene.mass[beam.particle] > 0 and inertia.min() > 0)
-    if driving_kinds or scene.opening_rates or np.any(np.abs(slips) > 1e-9) or is_massless:
-        return
-    start = consistent_scene(scene)
-    energy = report.kinetic_energy(scene, start.velocity, start.spin) + sum(
-        0.5 * spring.stiffness * (scene.hinges[spring.hinge].opening - spring.rest) ** 2
-        for spring in TorsionSpring.find(scene)
-    )
-    cross = np.cross(np.eye(3), arm)  # of the body alone, as if nothing else took part
-    inverse = np.eye(3) / scene.mass[beam.particle] + cross @ np.diag(1 / inertia) @ cross.T
-    fastest = float(np.sqrt(2 * energy * np.linalg.eigvalsh(inverse)[-1]))
-    if limit > FASTEST * fastest:
-        yield (
-            f"{key}: {limit:g} m/s, but at nominal values all energy at the start, {energy:.4g} J, "
-            f"gives {point} {fastest:.3g} m/s at most: take another limit"
-        )
 
 
 def _interval_texts(experiment: Any) -> Iterator[str]:

@@ -22,9 +22,9 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     part of `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can
     be checked too; the config is None if that rest is invalid too, or a number is not finite."""
     endless: dict[str, Any] = {}
-    right, problems = _correct_sections(_plain(raw, "", endless))
-    problems += [f"{key}: {value} is not allowed; allowed: a finite number"
-                 for key, value in endless.items()]  # fmt: skip
+    right = _plain(raw, "", endless)
+    problems = [f"{key}: {value} is not allowed; allowed: a finite number"
+                for key, value in endless.items()]  # fmt: skip
     faults: list[tuple[tuple[str, ...], str]] = []
     try:
         config = _load(whole(), right, (), faults, False)
@@ -84,24 +84,29 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
             if child is None:
                 faults.append((place, _no_key([*path], name, key)))
                 raise RefusedError
+            inner = is_entry or name not in key.children
             if name not in key.children and not key.names.fits(name):
                 allowed = f"not a name that can be used; allowed: {key.names.allowed}"
                 faults.append((place, f"{'.'.join(place)}: {allowed}"))
                 raise RefusedError
-            inner = is_entry or name not in key.children
             result[name] = _load(child, value[name], place, faults, inner)
         except RefusedError:
             if not is_entry:
                 del value[name]
     mandatory = [name for name, child in key.children.items() if child.default is MISSING]
-    for name in mandatory:
-        if name not in names:
-            place = (*path, name)
-            text = f"{'.'.join(place)}: missing; allowed: {key.children[name].allowed}"
-            faults.append((place, text))
+    for name in {*mandatory} - {*names}:
+        place = (*path, name)
+        text = f"{'.'.join(place)}: missing; allowed: {key.children[name].allowed}"
+        faults.append((place, text))
     is_sound = len(result) == len(names)
     if (is_entry and not is_sound) or not result.keys() >= {*mandatory}:
         raise RefusedError
+    return _section_of(key, result, value, path, faults if is_sound else [])
+
+
+def _section_of(key: ConfigKey, result: dict, value: Any, path: tuple, faults: list) -> Any:
+    """The section that a key's values make together; where they must not be, `faults` gets the path
+    and a sentence, and RefusedError is raised."""
     try:
         if not key.rule.fits(result):
             raise RefusedError
@@ -109,8 +114,27 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
     except RefusedError as error:
         place = (*path, error.key) if error.key else path
         text = f"{'.'.join(place)}: {error.text}" if error.text else _refusal(key, path, value)
-        faults += [(place, text)] * is_sound
+        faults.append((place, text))
         raise
+
+
+_NUMBER = r"([-+]?[\d.]+(?:e[-+]?\d+)?)"
+_SHORT_FORMS = {
+    rf"intervals\.\w+: {_NUMBER} ?%": "{{relative: {0} %}}",
+    rf"intervals\.\w+: {_NUMBER} ?(?:±|\+/?-) ?{_NUMBER} ?%": "{{nominal: {0}, relative: {1} %}}",
+    rf"intervals\.\w+: {_NUMBER} ?(?:±|\+/?-) ?{_NUMBER}": "{{nominal: {0}, absolute: {1}}}",
+    rf"intervals\.\w+: \[?{_NUMBER}(?:, ?| ?\.\.+ ?| to | ?[-–] ?){_NUMBER}\]?":
+        "{{lower: {0}, upper: {1}}}",
+    rf"intervals\.(\w+): {_NUMBER}": "`{0}: {1}` under scene.parameters, for a fixed value",
+    rf'choose\.parameters\.\w+: .*"lower": {_NUMBER}, "upper": {_NUMBER}.*': "[{0}, {1}]",
+    rf"requirements\.\w+\.\w+: {_NUMBER}": "{{at_most: {0}}}",
+    r"requirements\.(\w+)\.(at_most|at_least|happens): (.+)": "{0}: {{{0}: {{{1}: {2}}}}}",
+    r"requirements\.\w+: (\w+) ?[<≤]=? ?(.+)": "{{{0}: {{at_most: {1}}}}}",
+    r"requirements\.\w+: (\w+) ?[>≥]=? ?(.+)": "{{{0}: {{at_least: {1}}}}}",
+    rf"accuracy: {_NUMBER}": "{0} %",
+    r"design: ([a-z]\w+)": "{{method: {0}}}",
+}  # fmt: skip
+"""What is written for a mapping, key and value, and the mapping that is meant; the last counts."""
 
 
 def _refusal(key: ConfigKey, path: tuple, value: Any) -> str:
@@ -120,12 +144,17 @@ def _refusal(key: ConfigKey, path: tuple, value: Any) -> str:
     if "number" not in allowed:
         is_word = isinstance(value, str) and value[:1].isalpha()
         hint = did_you_mean(value, re.findall(r"`(\w+)`", allowed)) if is_word else ""
+    entry = f"{'.'.join(path)}: {value if isinstance(value, str) else json.dumps(value)}"
+    matches = ((re.fullmatch(form, entry), text) for form, text in _SHORT_FORMS.items())
+    for match, text in matches:
+        hint = f" (did you mean {text.format(*match.groups())}?)" if match else hint
     allowed += f" ({unit})" if unit in ("s", "min") else ""
     return f"{'.'.join(path) or 'the file'}: {show(value)} is not allowed{hint}; allowed: {allowed}"
 
 
-def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
-    """The config with sections under the names likely meant, and a sentence for each renamed."""
+def correct_sections(raw: Any) -> tuple[Any, list[str]]:
+    """Return the config with sections under the names likely meant, and a sentence for each that is
+    renamed, in which nothing else is then wrong for its name."""
     names: Any = Config.__dataclass_fields__
     fixes: dict[str, str] = {}
     for name in [name for name in raw if isinstance(name, str) and name not in names]:
@@ -136,11 +165,20 @@ def _correct_sections(raw: Any) -> tuple[Any, list[str]]:
     return {fixes.get(name, name): section for name, section in raw.items()}, problems
 
 
+_OF_DISTRIBUTIONS = (
+    "mean", "sigma", "std", "stdev", "stddev", "variance", "distribution", "dist", "normal", "mu",
+)  # fmt: skip
+
+
 def _no_key(path: list[str], name: str, section: ConfigKey) -> str:
     """That a key is not known, with the likely one."""
     hint = did_you_mean(name, section.children)
     if not hint and path and name in Config.__dataclass_fields__:
         hint = " (it stands at the top of the file)"
+    elif not hint and path[:1] == ["intervals"] and name in _OF_DISTRIBUTIONS:
+        hint = " (an interval has no distribution: give lower and upper)"
+    elif not hint and path == ["scene"]:
+        hint = f" (is `{name}` a parameter? These stand under scene.parameters)"
     elif not hint and not path and name in KEYS:
         hint = " (it stands in the file of the structure)"
     key = ".".join([*path, name])

@@ -29,9 +29,8 @@ from deployable.campaign.config.sections import (
 )
 from fpm import SceneError
 from fpm.errors import did_you_mean, number_hint
-from fpm.reading.definitions import kind_of
 from fpm.reading.margins import OPTIONAL
-from fpm.reading.responses import KINDS
+from fpm.reading.responses import KINDS, kind_of
 
 FACTOR_KEYS = ("uncertainty_factors", "actuation_factors", "classes")
 """Keys of a margin by which it is no longer that of its standard."""

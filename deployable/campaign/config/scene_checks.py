@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.config.disk import LARGE, room_problems
 from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.own_runs import OwnRunsError, key_problems
@@ -27,6 +26,7 @@ from deployable.campaign.config.resolve import (
 )
 from deployable.campaign.config.sections import (
     BY_STANDARD,
+    LARGE,
     OWN_RUNS,
     Campaign,
     Choose,
@@ -35,6 +35,7 @@ from deployable.campaign.config.sections import (
     count_first_runs,
     design_points,
     make_design,
+    room_problems,
     scene_type,
     steps_problems,
     widen_intervals,
@@ -331,13 +332,15 @@ def answer_problems(campaign: Campaign) -> list[str]:
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
     problems, goals, quantities = [], choose.goals, experiment.quantities
     if not 1 <= len(goals) <= 2:
-        problems.append(f"choose: it has {len(goals)} goals; allowed: one or two")
+        hint = f" (add one, such as `minimise: upper({next(iter(quantities), 'q')})`)" * (not goals)
+        problems.append(f"choose: it has {len(goals) or 'no'} goals{hint}; allowed: one or two")
     for sign, end, quantity in goals:
         key = f"choose.{'minimise' if sign > 0 else 'maximise'}"
         if end not in ENDS or not quantity:
             text = f"{end}({quantity})" if quantity else end
-            problems.append(f"{key}: {text!r} is not allowed; allowed: e.g. upper(q) of a quantity "
-                            f"q, with {', '.join(ENDS)}")  # fmt: skip
+            hint = f" (did you mean {ENDS[0]}({end})?)" * (end in quantities)
+            problems.append(f"{key}: {text!r} is not allowed{hint}; allowed: e.g. upper(q) of a "
+                            f"quantity q, with {', '.join(ENDS)}")  # fmt: skip
         elif quantity not in quantities:
             problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
     for name in choose.parameters:

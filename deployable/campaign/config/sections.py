@@ -9,6 +9,7 @@ import hashlib
 import itertools
 import json
 import re
+import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cache, cached_property, lru_cache
@@ -37,6 +38,7 @@ from deployable.campaign.config.own_runs import own_points
 from deployable.campaign.config.plausible import experiment_warnings
 from deployable.campaign.errors import HeldConfigError
 from deployable.campaign.provenance import program_digest
+from deployable.campaign.text.numbers import size_text
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
@@ -155,28 +157,19 @@ class Experiment:
     accuracy: Accuracy = Accuracy()
 
     @classmethod
-    def read(cls, text: str) -> Experiment:
-        """Read the experiment from a text, the JSON in the attribute `config` of a result file.
-        Raises `HeldConfigError` if it cannot be used."""
+    def read(cls, config: str | Mapping) -> Experiment:
+        """Make the experiment from its nested dicts in a result file, or from their JSON, as in the
+        attribute `config`. They may come from anybody: names, after which files are called, are
+        checked. Raises `HeldConfigError`."""
         try:
-            return cls.from_results(json.loads(text))
-        except (TypeError, ValueError, RecursionError) as error:
-            text = f"the results hold a config that cannot be read: {error}"
-            raise HeldConfigError(text) from None
-
-    @classmethod
-    def from_results(cls, data: Mapping) -> Experiment:
-        """Make the experiment from its nested dicts in a result file, which may come from anybody:
-        names, after which files are called, are checked. Raises `HeldConfigError`."""
-        try:
-            experiment = from_data(cls, data)
+            experiment = from_data(cls, json.loads(config) if isinstance(config, str) else config)
             names = [*experiment.responses, *experiment.quantities]
             is_named: Any = all(map(NAME.fullmatch, names))
             is_named = is_named and CAMPAIGN_NAME.fullmatch(experiment.name)
             is_named = is_named and all(map(str.isidentifier, experiment.intervals))
             if not is_named or "\0" in experiment.scene.name + experiment.scene.file:
                 raise ValueError("a name is none of a campaign, response, quantity or parameter")
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
             text = f"the results hold a config that cannot be used: {error}"
             raise HeldConfigError(text) from None
         return experiment
@@ -472,3 +465,42 @@ def digest(data: Any) -> str:
     """Return 16 hex digits (of the SHA-256) that identify plain data or a section by its JSON."""
     text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+# -- what the runs take on disk --------------------------------------------------------------------
+
+LARGE = 100_000  # runs up to which nobody asks whether the disk has room for them
+
+_TRAJECTORY_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
+
+
+def bytes_of_run(campaign: Campaign) -> float:
+    """Estimate the bytes on disk of one run: in the store (by `jobs.keep`) and `samples.nc`."""
+    experiment = campaign.experiment
+    instants, responses = experiment.solver.instants, len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
+        return 8.0 * numbers + 2 * _EVENTS_BYTES
+    if campaign.jobs.keep == "responses":
+        return 8.0 * instants * responses
+    return 8.0 * instants * (count_curves(experiment) + responses)
+
+
+def count_curves(experiment: Experiment) -> int:
+    """Return how many arrays over time the trajectory file of a run has, besides responses."""
+    scene = experiment.nominal_scene
+    return 6 * len(scene.points) + len(scene.hinges) + _TRAJECTORY_CURVES + len(experiment.record)
+
+
+def room_problems(campaign: Campaign) -> list[str]:
+    """Check that the disk has room for the runs of a campaign's `sobol` design."""
+    run_bytes, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+    samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
+    if samples * run_bytes <= room:
+        return []
+    return [
+        f"design.samples: {samples} runs with jobs.keep {keep} take about "
+        f"{size_text(samples * run_bytes)}, and the disk has {size_text(room)}; allowed: at most "
+        f"{int(room / run_bytes)}, or jobs.keep extremes"
+    ]

@@ -97,14 +97,9 @@ class StatedUnits:
         return the text."""
         hint, words = "", ", or in %" if symbol == "1" else f" ({symbol})"
         try:
-            target = _unit(symbol)
             words += ", with or without a unit that fits" * (symbol != "1")
-            source = _unit(name)
-            if _fits(source, target):
-                factor = Fraction(source.numerator) / Fraction(source.denominator)
-                factor *= Fraction(target.denominator) / Fraction(target.numerator)
-                is_whole = factor == 1 and number.lstrip("+-").isdigit()
-                return int(number) if is_whole else float(Fraction(number) * factor)
+            if (value := _convert(number, name, symbol)) is not None:
+                return value
             if name == "%" and path[-1] == "absolute":
                 hint = f" (did you mean relative: {text}?)"
         except UnitError:
@@ -166,6 +161,27 @@ class StatedUnits:
         definitions = dict(self._section("quantities") or {}) | self._with_margins.quantities
         quantities, _ = quantity_definitions.parse(definitions, self._responses.values(), elements)
         return {quantity.name: quantity for quantity in quantities}
+
+
+def number_in(symbol: str, text: Any) -> Any:
+    """Return the number of a text such as `200 N mm/rad` in the unit `symbol`; whatever else it is,
+    or has a unit that does not fit, as it is."""
+    if isinstance(text, str) and (match := _TEXT.fullmatch(text.strip())):
+        with suppress(UnitError, OverflowError):
+            value = _convert(match[1], match[2], symbol)
+            return text if value is None else value
+    return text
+
+
+def _convert(number: str, name: str, symbol: str) -> float | None:
+    """A number with the unit `name` in the unit `symbol`; None where it does not fit."""
+    source, target = _unit(name), _unit(symbol)
+    if not _fits(source, target):
+        return None
+    factor = Fraction(source.numerator) / Fraction(source.denominator)
+    factor *= Fraction(target.denominator) / Fraction(target.numerator)
+    is_whole = factor == 1 and number.lstrip("+-").isdigit()
+    return int(number) if is_whole else float(Fraction(number) * factor)
 
 
 def _unit(text: str) -> Unit:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import fpm
 from deployable.campaign.config.loader import read, read_file
 from deployable.campaign.config.sections import Experiment, scene_type
+from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import choose_step
@@ -167,7 +168,7 @@ def _select_config(path: Path, settings: Mapping[str, str], duration: float | No
         solver = replace(solver, duration=duration, instants=max(2, instants))
         experiment = replace(experiment, solver=solver)
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
-    values = nominal | parse_values(settings)
+    values = nominal | parse_values(settings, experiment.scene_type)
     # Stable with what is set too, as a finer mesh.
     constants = {name: value for name, value in values.items() if name not in nominal}
     scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **constants})
@@ -192,17 +193,22 @@ def _select_structure(source: str, settings: Mapping[str, str], duration: float)
             "run` with the campaign makes them"
         )
     structure = scene_type(source, source if Path(source).suffix else "")
-    scene = structure.build(**parse_values(settings))
+    scene = structure.build(**parse_values(settings, structure))
     limit = fpm.SAFETY * fpm.find_stable_step(scene).step
     times = duration, INSTANTS, fpm.divide_time(duration, INSTANTS, limit).step
     return SelectedRun(structure.name, scene, *times)
 
 
-def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Parse values of parameters, texts by name, as in a YAML file: `"2.5"` as 2.5, `"true"` as
-    True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
-    pairs = settings.items()
-    return {n: read(f"value: {text}", f"--set {n}").data["value"] for n, text in pairs}
+def parse_values(settings: Mapping[str, str], structure: Any) -> dict[str, Any]:
+    """Parse values of a structure's parameters, texts by name, as in a YAML file: `"2.5"` as 2.5,
+    `"true"` as True, `"3 mm"` in the parameter's unit; returns the values by name. Raises
+    `ConfigError` for a text that is no YAML."""
+    values = {}
+    for name, text in settings.items():
+        value = read(f"value: {text}", f"--set {name}").data["value"]
+        unit = structure.parameters[name].unit if name in structure.parameters else ""
+        values[name] = number_in(unit, value) if unit else value
+    return values
 
 
 def _is_campaign(path: Path) -> bool:

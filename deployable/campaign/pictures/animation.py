@@ -12,9 +12,14 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
 from deployable.campaign.pictures.colours import draw_scale, stress_colours
 from deployable.campaign.pictures.figure import make_figure
-from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
+from deployable.campaign.pictures.paint import (
+    View,
+    frame_picture,
+    limits_of,
+    paint_cables,
+    paint_solid,
+)
 from deployable.campaign.pictures.solid import solid_of_motion
-from deployable.campaign.pictures.view import View
 
 if TYPE_CHECKING:
     import xarray

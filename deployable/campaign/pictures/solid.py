@@ -125,8 +125,7 @@ def values_in(motion: Any, name: str) -> np.ndarray:
 
 def solid_of_scene(scene: Any) -> Solid:
     """Make the `Solid` (hexahedra) of a structure, an `fpm.Scene`, where it starts: one moment."""
-    from fpm.motions.motion import section_corners
-    from fpm.motions.motion_dataset import shapes_of, strands_of
+    from fpm.motions.motion import section_corners, shapes_of, strands_of
 
     shapes = shapes_of(scene, section_corners(scene))
     beams = [(i, beam) for i, line in enumerate(strands_of(scene)) for beam in line.beams]

@@ -3,8 +3,7 @@
 import math
 import os
 
-from deployable.campaign.config.disk import count_curves
-from deployable.campaign.config.sections import Campaign, Experiment, corners
+from deployable.campaign.config.sections import Campaign, Experiment, corners, count_curves
 from deployable.campaign.plan.plan import TimeStep, choose_step
 from fpm.scenes import effort
 from fpm.solver.pack import curve_bytes

@@ -1,14 +1,13 @@
 """The part of the box that fails: which runs meet all requirements, over pairs of parameters."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from deployable.campaign.report.data import PageData
-from deployable.intervals.scalars import Limit
+from deployable.campaign.report.read import PageData
 
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
@@ -31,17 +30,6 @@ class Panel:
     marks: list[tuple[float, float, bool | None, bool]]
     feasible: tuple[tuple[float, float], tuple[float, float]] | None
     runs: list[int] | list[dict[str, float]]
-
-
-def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
-    """Mask (R) of the runs that meet all requirements' limits. limits: dicts in `summary.json` with
-    quantity, kind ("at_most", "at_least", "happens") and level; names: of the q quantities; numbers
-    (R, q): their values, NaN if absent, which breaks any limit but `happens: false`."""
-    passes = np.ones(len(numbers), dtype=bool)
-    for limit in limits:
-        value = numbers[:, list(names).index(limit["quantity"])]
-        passes &= Limit(None, limit["kind"], limit["level"]).find_margins(value) >= 0
-    return passes
 
 
 def panels(data: PageData) -> list[Panel]:

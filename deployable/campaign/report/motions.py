@@ -16,6 +16,7 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
+from deployable.campaign.text.words import words_of
 from fpm.files.seals import DamagedError, check
 from fpm.solver.simulate import HALVINGS
 
@@ -26,6 +27,8 @@ MOST_PLACES = 90_000
 """Particles times frames of all motion on a page, below 3 MB; for it frames are left out."""
 
 _FEW_RUNS, _FEW_FRAMES = 7, 100
+
+_MOST_ENDS, _LONGEST_EVENT = 2, 30  # of a run's label: bounds that it names, letters
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ def shown_runs(path: Any) -> list[ShownRun]:
     bounds = read_bounds(folder)
     with open_samples(folder) as samples:
         ends = [
-            (row.name, samples.extreme_runs(i, row.widest))
+            (_end_words(row.name), samples.extreme_runs(i, row.widest))
             for i, row in enumerate(bounds.responses)
         ]
         tables = [samples.table]
@@ -57,8 +60,11 @@ def shown_runs(path: Any) -> list[ShownRun]:
             tables.append(table)
             columns = dict(zip(quantities, RunTable.join(tables).numbers.T, strict=True))
             happens = {name: x for name, x in columns.items() if np.isfinite(x).any()}
-            limits = [(n, (int(np.nanargmin(x)), int(np.nanargmax(x)))) for n, x in happens.items()]
-            ends = limits + ends
+            words = {q.name: _end_words(q.name, q) for q in samples.experiment.quantity_list}
+            ends = [
+                (words[name], (int(np.nanargmin(x)), int(np.nanargmax(x))))
+                for name, x in happens.items()
+            ] + ends
         values = RunTable.join(tables).values
         labels, count = _label_runs(ends, values, samples.nominal), len(samples)
         rows = [run for run in labels if run < count]
@@ -76,22 +82,32 @@ def count_moving_runs(particles: int) -> int:
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
 
+def _end_words(name: str, quantity: Any = None) -> tuple[str, str]:
+    """What the runs of the least and the largest value are called."""
+    if quantity is None or not quantity.is_time:
+        return f"smallest {name}", f"largest {name}"
+    event = words_of(quantity)["event"]
+    if len(event) > _LONGEST_EVENT:
+        return f"earliest {name}", f"latest {name}"
+    return f"{event} earliest", f"{event} latest"
+
+
 def _label_runs(
-    ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
+    ends: Sequence[tuple[tuple[str, str], tuple[int, int]]], values: np.ndarray, nominal: int | None
 ) -> dict[int, str]:
     """Label the nominal run and the runs at the ends of quantities, by their indices among values
     (R, k). Runs with equal values share a label."""
     first = nominal or 0
-    ends_by_run: dict[int, dict[str, list[str]]] = {}
-    for name, runs in ends:
-        for run, end in zip(runs, ("least", "largest"), strict=True):
+    ends_by_run: dict[int, list[str]] = {}
+    for words, runs in ends:
+        for run, text in zip(runs, words, strict=True):
             twin = next((r for r in ends_by_run if (values[r] == values[run]).all()), run)
-            ends_by_run.setdefault(twin, {}).setdefault(end, []).append(name)
+            ends_by_run.setdefault(twin, []).append(text)
     labels = {first: "first run" if nominal is None else "nominal run"}
     for run, texts in ends_by_run.items():
         if (values[run] != values[first]).any() and len(labels) < MOST_MOVING:
-            parts = [f"{end} {', '.join(names)}" for end, names in texts.items()]
-            labels[run] = f"run of {' and '.join(parts)}"
+            rest = len(texts) - _MOST_ENDS
+            labels[run] = ", ".join(texts[:_MOST_ENDS]) + f" and {rest} more" * (rest > 0)
     return labels
 
 

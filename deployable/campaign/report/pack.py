@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.pictures.glb import glb_of
-from deployable.campaign.report.data import MovingRun, PageData
+from deployable.campaign.report.read import MovingRun, PageData
 from deployable.campaign.results.quantity_results import number
 from deployable.campaign.results.response_bounds import LARGE, ResponseBounds
 from deployable.campaign.text.numbers import pretty

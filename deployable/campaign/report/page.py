@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import write_result
+from deployable.campaign.pictures.drawing import draw_moments
 from deployable.campaign.pictures.figure import to_png
-from deployable.campaign.pictures.moments import draw_moments
-from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing_region import lines, panels, prices
 from deployable.campaign.report.pack import compress, pack_data
+from deployable.campaign.report.read import PageData
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
 
 if TYPE_CHECKING:
-    import xarray
+    pass
 
 _FOLDER = Path(__file__).parent
 
@@ -50,7 +50,10 @@ def render(data: PageData) -> str:
             prices=prices(data.facts),
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
-            poster=_poster(data.moving[0].motion) if data.moving else "",
+            # For browsers that show no motion.
+            poster=b64encode(to_png(draw_moments(data.moving[0].motion, 3))).decode()
+            if data.moving
+            else "",
             library=compress(_text("vendor/three.min.js").encode()),
             payload=pack_data(data),
         )
@@ -68,8 +71,3 @@ def render_cases(facts: Mapping[str, Any], figures: Iterable[Any] = ()) -> str:
 
 def _text(name: str) -> str:
     return (_FOLDER / name).read_text(encoding="utf-8")
-
-
-def _poster(motion: xarray.Dataset) -> str:
-    """Three moments of a whole motion as PNG in base64, for browsers that show no motion."""
-    return b64encode(to_png(draw_moments(motion, 3))).decode()

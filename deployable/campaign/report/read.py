@@ -1,24 +1,18 @@
-"""Data of the page from a campaign's results, whose formats no other module of the report knows."""
+"""Data of the page, and how they are read from a campaign's results, whose formats no other module
+of the report knows."""
+
+from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from deployable.campaign.files import open_dataset, open_netcdf, read_json
 from deployable.campaign.folder import Folder
-from deployable.campaign.report.data import (
-    REFINEMENT,
-    MovingRun,
-    PageData,
-    PageRun,
-    RunVerdicts,
-    WhatIf,
-)
-from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.response_bounds import CampaignBounds, read_bounds
@@ -29,7 +23,115 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
+from deployable.intervals.scalars import Limit
 from fpm.files.seals import DamagedError, check
+
+if TYPE_CHECKING:
+    import xarray
+
+    from deployable.campaign.report.motions import ShownRun
+    from deployable.campaign.results.response_bounds import ResponseBounds
+
+
+REFINEMENT = "further"  # role of the runs that were made for the ends of quantities
+MOST_LINES = 48  # runs that were not fitted, drawn as thin lines
+
+
+@dataclass(frozen=True)
+class PageRun:
+    """A run on the page. id: hexadecimal; role: one of `files.contents.ROLES`; values (k): of the
+    parameters; curves (n, T): its responses, None where they are not drawn; events: contacts that
+    close or open in it, in order, dicts of `time` (s), `contact` (name), `closing`."""
+
+    id: str
+    role: str
+    values: np.ndarray
+    curves: Any = None
+    events: Sequence[Mapping[str, Any]] = ()
+
+
+@dataclass(frozen=True)
+class MovingRun:
+    """A run that the page shows moving: `run`, its index in `PageData.runs`, `label`, what it is in
+    words, and `motion`, its whole motion, a dataset as `fpm.motions` makes it."""
+
+    run: int
+    label: str
+    motion: xarray.Dataset
+
+
+@dataclass(frozen=True)
+class RunVerdicts:
+    """For R runs whether each meets all requirements, `met` (R, bool), with its k parameter
+    `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN: none."""
+
+    values: np.ndarray
+    met: np.ndarray
+    numbers: np.ndarray
+
+    @property
+    def tell_apart(self) -> bool:
+        """Whether some runs fail and some meet all requirements."""
+        return 0 < self.met.sum() < len(self.met)
+
+
+@dataclass(frozen=True)
+class WhatIf:
+    """What the page's sliders evaluate: `quantities`, `ScalarSurrogate` by name, and polynomials of
+    the responses: coefficients (n, M, T) of M products of Chebyshev polynomials, whose degrees are
+    indices (M, k); both None where the bounds are not those of polynomials. With a choice also the
+    quantities over all choices, and what its runs span, (lower, upper) by parameter."""
+
+    quantities: Mapping[str, Any]
+    indices: Any = None
+    coefficients: np.ndarray | None = None
+    choice_quantities: Mapping[str, Any] = field(default_factory=dict)
+    choice_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PageData:
+    """All that a campaign's page shows, as `from_results` reads it. facts: content of
+    `summary.json`; runs: the planned ones (of a large scan those that move), then further ones that
+    move; moving: the nominal one first, then those at which quantities and bounds are attained;
+    omitted_runs: for whose motion the page has no room; work: dicts of `task`, `clock` and `cpu`
+    (s); provenance: what computed the results; config: text; verdicts: None without quantities."""
+
+    facts: Mapping[str, Any]
+    time: np.ndarray
+    responses: tuple[ResponseBounds, ...]
+    runs: tuple[PageRun, ...]
+    moving: tuple[MovingRun, ...] = ()
+    omitted_runs: tuple[ShownRun, ...] = ()
+    work: Sequence[Mapping[str, Any]] = ()
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    config: str = ""
+    verdicts: Any = None
+    what_if: Any = None
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """The interval parameters, a dict each: name, description, units, lower, nominal, upper."""
+        return self.facts["parameters"]
+
+    @property
+    def nominal(self) -> PageRun | None:
+        """The run at nominal parameters; None if there is none."""
+        return next((run for run in self.runs if run.role == "nominal"), None)
+
+    @property
+    def unfitted_runs(self) -> tuple[int, ...]:
+        """Indices in `runs` of those that no surrogate was fitted to: held out, or the nominal."""
+        fitted_ids = {run.id for run in self.runs if run.role in ("node", REFINEMENT)}
+        return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
+
+    @property
+    def lines(self) -> list[int]:
+        """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, at most 48
+        (`MOST_LINES`), evenly chosen."""
+        runs = [i for i in self.unfitted_runs if self.runs[i].role != "nominal"]
+        indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
+        return [runs[int(i)] for i in indices] if runs else []
 
 
 def from_results(path: str | Path) -> PageData:
@@ -175,3 +277,14 @@ def _provenance(bounds: CampaignBounds, design: Mapping, folder: Folder) -> dict
     facts["Made"] = f"{check(folder.bounds).get('made')}, on {origin.pop('processor')}"
     facts["Packages"] = ", ".join(f"{name} {version}" for name, version in origin.items())
     return facts
+
+
+def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
+    """Mask (R) of the runs that meet all requirements' limits. limits: dicts in `summary.json` with
+    quantity, kind ("at_most", "at_least", "happens") and level; names: of the q quantities; numbers
+    (R, q): their values, NaN if absent, which breaks any limit but `happens: false`."""
+    passes = np.ones(len(numbers), dtype=bool)
+    for limit in limits:
+        value = numbers[:, list(names).index(limit["quantity"])]
+        passes &= Limit(None, limit["kind"], limit["level"]).find_margins(value) >= 0
+    return passes

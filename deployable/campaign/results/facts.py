@@ -330,7 +330,8 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     if not unmet and intervals:
         row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
         share, target = row["errors"]["share"], row["errors"]["target"]
-        reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
+        reason = f"the error of {row['name']} is nearest to its target"
+        reason += f", {percent(share)} of {percent(target)}"
     return {
         "met": not unmet,
         "unmet": unmet,

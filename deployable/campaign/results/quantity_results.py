@@ -9,7 +9,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.runs import FailedRun
+from deployable.campaign.plan.plan import FailedRun
 from deployable.campaign.results.response_bounds import COMPONENTS, read_parameters
 from deployable.campaign.results.run_samples import RunTable, open_samples, read_refinement
 from deployable.intervals.scalars import fit_scalar, share_borders

@@ -12,10 +12,9 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_netcdf
-from deployable.campaign.files.contents import EVENT_VARIABLES, FAILURE_VARIABLES, ROLES
+from deployable.campaign.files import EVENT_VARIABLES, FAILURE_VARIABLES, ROLES, open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.runs import FailedRun, PlannedRun, namer
+from deployable.campaign.plan.plan import FailedRun, PlannedRun, namer
 
 
 class RunTable(NamedTuple):

@@ -1,5 +1,6 @@
 """Templates over the facts of a campaign (`facts`), for the summary and the page."""
 
+import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache, partial
@@ -44,7 +45,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     )  # fmt: skip
     filters = {
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "with_error", "earliest"),
+                  "position", "with_error", "earliest", "code"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
                 "largest", "gains", "best_halvings", "worst_case"),
     }  # fmt: skip
@@ -67,7 +68,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
     """Render a template with the facts. Texts are escaped, except for backticks in a `doubt`."""
     text = environment().get_template(template).render(facts=_escape(facts))
-    return text.rstrip() + "\n"
+    return re.sub(r"\n{3,}", "\n\n", text).rstrip() + "\n"
 
 
 def _escape(facts: Any, code: str = "") -> Any:
@@ -108,7 +109,9 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     names: dict[str, list[str]] = {}
     for name, text in doubts.items():
         names.setdefault(text, []).append(name)
-    return [f"Not determined by the model: {', '.join(ids)}: {text}" for text, ids in names.items()]
+    return [
+        f"The model does not determine {' and '.join(ids)}: {text}" for text, ids in names.items()
+    ]
 
 
 def sentence(name: str, *facts: Any, escapes: bool = True) -> str:

@@ -18,10 +18,8 @@ import numpy as np
 import fpm
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import write_result
-from deployable.campaign.files.contents import ROLES
-from deployable.campaign.plan.plan import Plan, split_evenly
-from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
+from deployable.campaign.files import ROLES, write_result
+from deployable.campaign.plan.plan import FailedRun, Plan, PlannedRun, Runs, split_evenly
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.progress import (
     MessagePrinter,
@@ -70,8 +68,6 @@ def run_batch(
     batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
-    if count := len(store.old_files):
-        notify(f"{folder} has {count} files of an earlier version, one a run, which are not used")
 
     simulation, total = Simulation(plan, jobs.group, threads), sum(map(len, groups))
     if work:

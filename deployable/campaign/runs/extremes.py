@@ -14,9 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.files import whole_file
-from deployable.campaign.files.contents import report_damage
-from deployable.campaign.plan.runs import Runs
+from deployable.campaign.files import report_damage, whole_file
+from deployable.campaign.plan.plan import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import RunBounds
 

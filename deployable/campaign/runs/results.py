@@ -14,13 +14,10 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import write_result
-from deployable.campaign.files.contents import EVENT_VARIABLES
-from deployable.campaign.plan.runs import FailedRun, PlannedRun, Runs
-from fpm.files import netcdf
-from fpm.files.netcdf import NetcdfVariable
+from deployable.campaign.files import EVENT_VARIABLES, write_result
+from deployable.campaign.plan.plan import FailedRun, PlannedRun, Runs
 from fpm.files.seals import DamagedError, check, unseal
-from fpm.files.trajectory import Column
+from fpm.files.trajectory import Column, NetcdfVariable, write_arrays
 
 NOTE_SUFFIX = ".failed.json"
 """Ending of the notes of runs that failed, which are named by their ids."""
@@ -66,8 +63,7 @@ class Store:
     so that a restarted campaign finds them again. experiment: its responses are kept, and
     `quantities`, but for expressions of others. A file that is damaged counts as absent, and is
     noted in `damage` (errors by path); `absences`: by run id, the columns (variable, label) that
-    its file lacks; `old_files`: of earlier versions, one a run. A run that failed has a note,
-    `<run id>.failed.json`, and is never missing."""
+    its file lacks. A run that failed has a note, `<run id>.failed.json`, and is never missing."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -75,7 +71,6 @@ class Store:
         self.quantities = [q for q in experiment.quantity_list if q.kind != "expression"]
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
-        self.old_files: set[Path] = set()
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide runs, in order, into groups that are written together, of at most `size` runs."""
@@ -221,7 +216,7 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
                for dim, labels in names.items()}  # fmt: skip
     for name, (kind, dims, values, options) in variables.items():
         columns[name] = NetcdfVariable(dims, values, {}, {"kind": kind, **options})
-    netcdf.write(path, {}, columns)
+    write_arrays(path, {}, columns)
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:

@@ -13,16 +13,15 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import whole_file
-from deployable.campaign.files.contents import EVENT_VARIABLES, report_damage
-from deployable.campaign.plan.runs import PlannedRun, Runs
+from deployable.campaign.files import EVENT_VARIABLES, report_damage, whole_file
+from deployable.campaign.plan.plan import PlannedRun, Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
 from fpm.files.trajectory import Column
-from fpm.reading.event_margins import impact_margins
+from fpm.reading.quantities import impact_margins
 from fpm.reading.variables import VARIABLES
 
 
@@ -49,11 +48,9 @@ class Trajectories(Store):
     def _names_in(self, path: Path) -> list[str]:
         try:
             facts, _ = read_seal(path)
-            if "runs" not in facts:
-                self.old_files.add(path)
-            elif facts["name"] != common.title(path):
+            if facts["name"] != common.title(path) or "runs" not in facts:
                 raise DamagedError(path, f"it is {facts['name']}")
-            return facts.get("runs", "").split()
+            return facts["runs"].split()
         except DamagedError as error:
             self.damage[path] = error
         except FileNotFoundError:
@@ -105,8 +102,8 @@ class Trajectories(Store):
                 numbers = common.complete_numbers(self.experiment, numbers)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                numbers = *numbers, np.array(impact_margins(curves))
-                fields = (curves.time, values, events, contacts, *numbers, overlap, curves.step)
+                rows = *numbers, np.array(impact_margins(curves))
+                fields = (curves.time, values, events, contacts, *rows, overlap, curves.step)
                 records[name] = RunRecord(*fields)
         return records
 

@@ -5,7 +5,7 @@ from typing import Any
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import check_results, open_netcdf, read_json
 from deployable.campaign.folder import Folder
-from deployable.campaign.pictures.moments import draw_moments
+from deployable.campaign.pictures.drawing import draw_moments
 from deployable.campaign.report import from_results, make_motions, write_page
 from deployable.campaign.results.figures import save
 from deployable.campaign.runs.progress import Notify, report_seconds

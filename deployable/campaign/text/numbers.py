@@ -25,7 +25,9 @@ def pretty(units: str) -> str:
 def number(value: float, digits: int = 3) -> str:
     """Write a number as text: `0.0618`, `−2.5`, `1.2 × 10⁹`; digits: most significant digits."""
     mantissa, is_power, exponent = f"{value + 0.0:.{digits}g}".partition("e")  # no -0
-    if is_power:
+    if is_power and 0 < int(exponent) < 5:  # 120 with two digits
+        mantissa = f"{float(mantissa + is_power + exponent):.0f}"
+    elif is_power:
         head = "" if mantissa == "1" else f"{mantissa} × "
         mantissa = f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
     return mantissa.replace("-", "−")
@@ -140,7 +142,7 @@ def spread(parameter: Mapping[str, Any]) -> str:
     if abs(above_nominal - below_nominal) < 1e-6 * abs(nominal):
         if unit := _ANGLES.get(units):  # a share of an angle says little
             return f"± {number(above_nominal)}{unit}"
-        return f"± {100 * above_nominal / abs(nominal):.2g} %"
+        return f"± {number(100 * above_nominal / abs(nominal), 2)} %"
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 
@@ -149,6 +151,12 @@ def escape_text(text: str, code: str = "") -> str:
     unchanged; code: characters not to escape, such as a backtick."""
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
     return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
+
+
+def code(name: str) -> str:
+    """Put a name between backticks, in which Markdown shows it as code, unless it has signs that
+    mean something there."""
+    return f"`{name}`" if re.fullmatch(r"\w[\w.-]*", name) else name
 
 
 def tie_units(text: str, units: Iterable[str]) -> str:

@@ -1,14 +1,11 @@
 """Try the pairs of structures by their seeds, one line of JSON for each pair.
 
-    NUMBA_DISABLE_JIT=1 python -m evidence.attack.metamorphic --first 0 --count 10 --families 5
-
-needs no compiling; without NUMBA_DISABLE_JIT a loop for all kinds is compiled, once."""
+python -m evidence.attack.metamorphic --first 0 --count 10 --families 5
+"""
 
 import argparse
 import json
 from dataclasses import asdict
-
-import numba
 
 from evidence.attack.metamorphic.attack import ALL, verdicts
 
@@ -20,10 +17,6 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=10, help="how many")
     parser.add_argument("--families", type=int, default=len(ALL), help="of each structure")
     options = parser.parse_args()
-    if numba.config.DISABLE_JIT:
-        from evidence.attack.metamorphic.plain_loop import disable_compilation
-
-        disable_compilation()
     for seed in range(options.first, options.first + options.count):
         for verdict in verdicts(str(seed), options.families):
             print(json.dumps({"seed": seed, **asdict(verdict)}), flush=True)

@@ -3,10 +3,7 @@
 import random
 from collections.abc import Iterator
 
-import numba
-
 from evidence.attack.ledger import Ledger
-from evidence.attack.metamorphic.ballast import add_ballast
 from evidence.attack.metamorphic.families import DELAY, FAMILIES
 from evidence.attack.metamorphic.pairs import Trial, Verdict
 from evidence.attack.metamorphic.runs import draw_structure
@@ -15,17 +12,15 @@ from evidence.attack.metamorphic.structure_text import as_text
 ALL = (*FAMILIES, DELAY)
 
 LIMIT = 600.0
-"""Seconds (see `time_limit`): the first structure compiles the loop of all kinds."""
+"""Seconds (see `time_limit`): the first structures compile the kernels of their kinds."""
 
 OUTCOMES = {"right": "right", "wrong": "wrong", "sensitive": "open", "failed": "refused"}
 
 
 def trial(seed: str) -> Trial:
-    """The pairs of the structure of a seed, beside the ballast where loops are compiled."""
+    """The pairs of the structure of a seed."""
     structure, duration = draw_structure(seed)
-    if numba.config.DISABLE_JIT:
-        return Trial(structure, duration, seed)
-    return Trial(structure, duration, seed, add_ballast)
+    return Trial(structure, duration, seed)
 
 
 def verdicts(seed: str, count: int = len(ALL)) -> Iterator[Verdict]:

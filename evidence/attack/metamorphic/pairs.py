@@ -7,12 +7,11 @@ same to the order of the step must agree within `ORDER` times what half the step
 must what is read off amid a step (`LATCH_KINDS`)."""
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from evidence.attack.metamorphic.ballast import PREFIX
 from evidence.attack.metamorphic.families import DELAY, FAMILIES, delay
 from evidence.attack.metamorphic.image import Image
 from evidence.attack.metamorphic.runs import INSTANTS, STEPS, Curves, Run, simulate
@@ -85,7 +84,7 @@ def differences(curves: Curves, image_curves: Curves, image: Image) -> Sizes:
     """How far curves are from others."""
     sizes: Sizes = {}
     for (kind, label), (values, unit) in curves.items():
-        if kind in image.omits or label.startswith(PREFIX):
+        if kind in image.omits:
             continue
         peaks = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == kind]
         scale, size = max(LEAST * image.factor(unit), *peaks), np.inf
@@ -116,12 +115,11 @@ def nudge(structure: Structure, rng: random.Random) -> Structure:
 
 @dataclass
 class Trial:
-    """The pairs of one structure. add_ballast: adds what stands beside each that runs."""
+    """The pairs of one structure."""
 
     structure: Structure
     duration: float
     seed: str
-    add_ballast: Callable[[Structure], Structure] = lambda structure: structure
 
     def verdicts(self, families: Sequence[str]) -> Iterator[Verdict]:
         """What the pair of each family came to that has one."""
@@ -130,7 +128,7 @@ class Trial:
         base = self._original()
         nudges = [replace(base, structure=nudge(self.structure, rng)) for _ in range(NUDGES)]
         runs = {name: self._run(image) for name, image in images.items()}
-        simulate([base, *nudges, *runs.values()], self.add_ballast)
+        simulate([base, *nudges, *runs.values()])
         if base.curves is None:
             outcome = "wrong" if IMBALANCE in base.reason else "failed"
             rest = outcome, base.reason, self.structure, self.structure
@@ -189,7 +187,7 @@ class Trial:
     def _by_step(self, base: Run, run: Run, image: Image) -> dict[str, float]:
         """What half the step changes on both sides; infinite where that fails."""
         half, half_image = self._original(2), self._run(image, 2)
-        simulate([half, half_image], self.add_ballast)
+        simulate([half, half_image])
         if half.curves is None or half_image.curves is None:
             return {kind: np.inf for kind, _ in base.curves}
         pairs = (base, half), (run, half_image)

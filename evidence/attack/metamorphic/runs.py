@@ -1,7 +1,6 @@
 """Structures of the language run, and their curves."""
 
 import random
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,12 +52,12 @@ def scene_of(structure: Structure) -> fpm.Scene:
     return loads(as_text(structure)).build()
 
 
-def simulate(runs: list[Run], add_ballast: Callable[[Structure], Structure]) -> None:
-    """Run all, side by side where they can be; add_ballast: adds what is to stand beside each."""
+def simulate(runs: list[Run]) -> None:
+    """Run all, side by side where they can be."""
     batches: dict[tuple, list[tuple[Run, fpm.Scene]]] = {}
     for run in runs:
         try:
-            scene = scene_of(add_ballast(run.structure))
+            scene = scene_of(run.structure)
         except (StructureError, SceneError) as error:
             run.reason = f"refused: {error}"
             continue

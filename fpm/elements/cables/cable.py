@@ -25,9 +25,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fpm.declare import index, number, plain_field, topology
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.kind import ElementType, Energy, Eventful, Series, Watch
+from fpm.elements.kind import ElementType, Energy, Eventful, Series, VirtualBeam, Watch
 from fpm.elements.openings.opening import Opening
 from fpm.errors import SceneError
 

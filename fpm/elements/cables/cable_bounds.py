@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.kind import Deformations
+from fpm.elements.kind import Deformations, VirtualBeam
 from fpm.elements.openings.opening import mobility, relative_turn
 from fpm.elements.particles.rotation_axes import turns_of
 

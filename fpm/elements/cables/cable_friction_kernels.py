@@ -11,10 +11,10 @@ import numpy as np
 from fpm.elements.cables import cable_kernels as cable
 from fpm.elements.cables import cable_slip_kernels as slips
 from fpm.elements.openings.opening_kernels import Openings
-from fpm.kernels.angles import arctan2
-from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
+from fpm.kernels.record import note_crossings
+from fpm.kernels.rotation import arctan2
 from fpm.kernels.vectors import cross, dot, get3, kernel, larger
 from fpm.kernels.world import Log
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, Openings, turn
 from fpm.kernels.curves import curve_value, kick_mean
-from fpm.kernels.events import edge, note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store, where_negative
 from fpm.kernels.layout import F, M, X
+from fpm.kernels.record import edge, note_crossings
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, larger, put3, to_global
 from fpm.kernels.world import Log

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.declare import number, plain_field, topology
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.kind import ElementType, Energy, Series
+from fpm.elements.kind import ElementType, Energy, Series, VirtualBeam
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.openings.table_spring import table_array
 from fpm.elements.particles.damping import Damping

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.cables.cable_kernels import TINY
-from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store, where_negative
 from fpm.kernels.layout import F, M, X
+from fpm.kernels.record import edge
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, cross, dot, get3, to_global
 

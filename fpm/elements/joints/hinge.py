@@ -1,6 +1,6 @@
 """Revolute hinges: two particles share a point and an axis, and turn freely about it.
 
-The hinge point lies at the end of a virtual beam of either particle (virtual_beam.py). The five
+The hinge point lies at the end of a virtual beam of either particle. The five
 conditions (three for the point, two for the axis) hold at the end of every step, by impulses found
 from the positions there: SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327),
 here for rigid arms and rotations. The impulses are equal and opposite, so momentum is kept, the
@@ -23,14 +23,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cross import cross, length
 from fpm.elements.joints import hinge_arrays as arrays
 from fpm.elements.joints.hinge_arrays import MOST_GAP, MOST_TILT
 from fpm.elements.joints.joint_arrays import POINT
 from fpm.elements.joints.joint_types import TYPES, OpeningType
 from fpm.elements.joints.turn import Turn
-from fpm.elements.kind import AXES, ElementType, Series, Watch
+from fpm.elements.kind import AXES, ElementType, Series, VirtualBeam, Watch
 from fpm.elements.openings.opening import opening_angle
 from fpm.errors import SceneError
 

@@ -14,7 +14,6 @@ from typing import ClassVar
 import numpy as np
 
 from fpm.declare import NumberLimits
-from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints import joint_arrays as arrays
 from fpm.elements.joints.hinge import (
     Hinge,
@@ -30,7 +29,7 @@ from fpm.elements.joints.hinge import (
 from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.joint_types import SUFFIXES, TYPES
 from fpm.elements.joints.turn import Turn
-from fpm.elements.kind import AXES
+from fpm.elements.kind import AXES, VirtualBeam
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK

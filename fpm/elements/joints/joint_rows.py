@@ -3,10 +3,9 @@
 import math
 
 from fpm.elements.joints import joint_arrays as joint
-from fpm.kernels.angles import arctan2
 from fpm.kernels.lanes import floor, load, store, where_negative
 from fpm.kernels.layout import X
-from fpm.kernels.rotation import frame
+from fpm.kernels.rotation import arctan2, frame
 from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local, vector
 
 FULL = 2 * math.pi

@@ -23,9 +23,9 @@ from fpm.elements.openings.losses_kernels import (
 )
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, push, turn
-from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.record import edge
 from fpm.kernels.vectors import kernel, larger
 
 STIFFNESS, BEND, DAMPING = range(3)

@@ -6,9 +6,9 @@ import numpy as np
 
 from fpm.elements.cables.cable_kernels import TINY
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import edge, note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
+from fpm.kernels.record import edge, note_crossings
 from fpm.kernels.vectors import kernel, larger
 from fpm.kernels.world import Log
 

@@ -8,9 +8,9 @@ import numpy as np
 from fpm.elements.joints.joint_arrays import Turns
 from fpm.elements.openings.losses_kernels import RATE, add_loss, follow_rate, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import edge, note
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.record import edge, note
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 

@@ -8,8 +8,8 @@ from fpm.elements.cables.cable_kernels import TINY
 from fpm.elements.joints.hinge_arrays import SIDE_FORCE2
 from fpm.elements.joints.joint_arrays import DIRECTION
 from fpm.elements.openings.opening_kernels import NEW, OLD
-from fpm.kernels.events import edge
 from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
+from fpm.kernels.record import edge
 from fpm.kernels.vectors import dot, get3, kernel, vector
 
 # Kept for each element from one step to the next.

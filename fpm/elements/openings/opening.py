@@ -145,16 +145,11 @@ class Connector(ConnectorElement):
     def title(self, scene):
         return f"{self.noun} {self.label(scene)}"
 
-    def find_peers(self, scene) -> list["Connector"]:
-        """Return the elements of a scene whose types have the same word in messages (`noun`) as
-        this one: for a latch all latches, rigid ones too."""
-        kinds = [k for k in scene.kinds if issubclass(k, Connector) and k.noun == self.noun]
-        return [element for kind in kinds for element in kind.find(scene)]
-
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
-        (`noun`, as "motor"); raises SceneError if it has."""
-        if self.hinge in [element.hinge for element in self.find_peers(scene)]:
+        (`noun`, as "motor"), of whatever type; raises SceneError if it has."""
+        kinds = [k for k in scene.kinds if issubclass(k, Connector) and k.noun == self.noun]
+        if self.hinge in [element.hinge for kind in kinds for element in kind.find(scene)]:
             allowed = f"a hinge without a {self.noun}"
             raise SceneError(f"hinge of {self.noun}", self.hinge, allowed)
 

@@ -5,11 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
 from fpm.kernels.layout import BY_SPIN, IJ, F, M, P, X
-from fpm.kernels.rotation import frame
+from fpm.kernels.rotation import arctan2, frame
 from fpm.kernels.vectors import (
     add3,
     cross,

@@ -21,9 +21,9 @@ from fpm.elements.joints.turn_kernels import (
 from fpm.elements.openings.latch_kernels import CATCH_TIME, IS_CAUGHT
 from fpm.elements.openings.losses_kernels import follow_rate
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import note
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.record import note
 from fpm.kernels.vectors import kernel, larger
 from fpm.kernels.world import Log
 

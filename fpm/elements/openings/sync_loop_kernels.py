@@ -6,9 +6,9 @@ import numpy as np
 
 from fpm.elements.openings.losses_kernels import dead_band
 from fpm.elements.openings.opening_kernels import NEW, Openings, turn
-from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
+from fpm.kernels.record import note_crossings
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 

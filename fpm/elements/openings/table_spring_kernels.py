@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, where_negative
+from fpm.kernels.record import edge
 
 ANGLE, BEND = 0, 1  # of a point: where, and by how much the slope of the moment changes there
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.declare import number, word
-from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.kind import Deformations
+from fpm.elements.kind import Deformations, VirtualBeam
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.damping import Damping
 from fpm.elements.particles.load import ArmElement

@@ -71,7 +71,7 @@ class Gravity(ElementType):
         acceleration = batch.stack(1, 3, lambda s: s.gravity[None])
         account = batch.work_account(cls)
         if (curve := cls.curve_of(batch.scene)) >= 0:
-            from fpm.elements.particles.varying_gravity_kernels import VaryingWeight
+            from fpm.elements.particles.gravity_kernels import VaryingWeight
 
             curves = batch.integers([curve])
             return VaryingWeight(acceleration, curves, batch.blank(1, 3), account)

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from fpm.declare import index, number
-from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.kind import ElementType
+from fpm.elements.kind import ElementType, VirtualBeam
 from fpm.elements.particles.gravity import LOAD_WORK
 
 

@@ -308,8 +308,7 @@ ROD_DIAMETER = "of a solid round rod; default: a line, about whose axis nothing 
 def _mass_of(build, args, volume: float, remedy: str) -> float:
     """Mass (kg) of a body by its `mass` or `density`, which needs a volume (m³)."""
     if (args.mass is None) == (args.density is None):
-        pair = None if args.mass is None else [args.mass, args.density]
-        build.refuse("mass", pair, "either `mass` or `density`")
+        build.refuse("mass", args.mass, "either `mass` or `density`, one of them")
     if args.density and not volume > 0:
         build.refuse("density", args.density, f"`mass`, or also {remedy}")
     mass = args.mass or args.density * volume

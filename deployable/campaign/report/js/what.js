@@ -40,7 +40,7 @@ class WhatIf {
       input.disabled = !(upper > lower);
       input.addEventListener("input", () => this.ask());
       byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, output, marks));
-      return { input, output, unit };
+      return { input, output, unit: unit === "1" ? "" : unit };
     });
     this.tell(this.values());
     const nominal = this.parameters.map((parameter) => parameter.nominal);

@@ -481,6 +481,32 @@ def test_an_expression_has_the_border_of_its_part():
     assert shares[2] != shares[0]
 
 
+def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both():
+    """Against counts of the closed form."""
+    x = scan_points(np.ones(3, bool), 60)
+
+    def times(x):
+        pair = 0.9 + 0.2 * x[:, 0] + 0.1 * x[:, 2], 1.0 / (1.0 - 0.2 * x[:, 1] - 0.1 * x[:, 0])
+        return [np.where(t <= 1.0, t, np.nan) for t in pair]
+
+    first, second = times(x)
+    columns = ((first, 1.0), (second, 1.0), (first - second, None))
+    surrogates = share_borders([fit_scalar(x, values, end) for values, end in columns])
+    many = times(scan_points(np.ones(3, bool), 2**16, seed=3))
+    lag = many[0] - many[1]
+    for level, true in ((-0.05, lag >= -0.05), (None, np.isfinite(lag))):
+        limit = Limit(surrogates[2], *(("happens", 1.0) if level is None else ("at_least", level)))
+        share, open_ = share_of_box([limit], np.ones(3))
+        assert abs(share - true.mean()) <= open_ < 0.01
+
+
+def test_a_share_is_not_certainly_all_where_a_corner_fails():
+    x = scan_points(np.ones(5, bool), 300)
+    surrogate = fit_scalar(x, (x**2).sum(axis=1))
+    share, open_ = share_of_box([Limit(surrogate, "at_most", 4.97)], np.ones(5))
+    assert share == pytest.approx(1.0, abs=1e-5) and open_ > 1e-3
+
+
 def test_a_border_that_no_function_tells_is_open_as_far_as_it_is_rough():
     """Runs that differ by chance in the middle half of the line."""
     rng = np.random.default_rng(2)

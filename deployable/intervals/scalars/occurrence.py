@@ -280,3 +280,33 @@ class FittedOccurrence(Occurrence):
 
     def usual_band(self, points: np.ndarray) -> np.ndarray:
         return self.fit.usual_errors(points)
+
+
+@dataclass(frozen=True)
+class JointOccurrence(Occurrence):
+    """In which part of the box of parameters several events all occur, each with a border of its
+    own (`parts`), as a difference of two times exists where both do. The decision function is the
+    least of theirs, each over its largest size in the runs."""
+
+    parts: tuple[FittedOccurrence, ...] = field(default=(), kw_only=True)
+
+    def decision(self, points: np.ndarray) -> np.ndarray:
+        return self._over_sizes([part.decision(points) for part in self.parts]).min(axis=0)
+
+    def band(self, points: np.ndarray) -> np.ndarray:
+        return self._least_part(points, [part.band(points) for part in self.parts])
+
+    def usual_band(self, points: np.ndarray) -> np.ndarray:
+        return self._least_part(points, [part.usual_band(points) for part in self.parts])
+
+    def _least_part(self, points: np.ndarray, rows: Sequence[np.ndarray]) -> np.ndarray:
+        """Values (P) of the part whose decision function is least; rows: those (P) of each part."""
+        decisions = self._over_sizes([part.decision(points) for part in self.parts])
+        return self._over_sizes(rows)[decisions.argmin(axis=0), np.arange(len(points))]
+
+    def _over_sizes(self, rows: Sequence[np.ndarray]) -> np.ndarray:
+        return np.array([row / size for row, size in zip(rows, self._part_sizes, strict=True)])
+
+    @cached_property
+    def _part_sizes(self) -> list[float]:
+        return [float(np.abs(part.decision(self.points)).max()) or 1.0 for part in self.parts]

@@ -15,6 +15,7 @@ from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
 _GROUPS = 8  # of lines, whose means tell the error of all lines
+_MISSED = 3.0  # of lines that all satisfy the limits, so many in all may be missed, at 95 %
 _STUDENT = 2.36  # deviations of a mean that 8 groups tell: 95 % of Student's t
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
@@ -220,7 +221,8 @@ def shares_of_box(
     fractions (about twice the deviation), or, if that is more, by the other kind of fits. Measured
     on one line in one dimension, on many lines spread over the box in several, whose parts differ
     by so much that the deviation of their mean counts, too; borders of where limits are satisfied
-    are found on each by linear interpolation, whose error every other point tells.
+    are found on each by linear interpolation, whose error every other point tells. All is certain
+    only if the worst case satisfies all limits; else three lines may be missed.
 
     sets: sets of limits, which evaluate surrogates that they share once; free: mask (k) of the
     directions with a width; lower, upper: corners (k each), in [-1, 1]^k, of the part of the box
@@ -230,6 +232,7 @@ def shares_of_box(
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE
     line = np.linspace(-1.0, 1.0, count) if free.any() else np.zeros(2)
+    corners = [np.where(free, end, (lower + upper) / 2) for end in (lower, upper)]
     # The lines go along the direction with the largest differences.
     directions = [int(np.argmax(free)) if single else _steepest(limits, free) for limits in sets]
     for direction in sorted(set(directions)):
@@ -253,6 +256,8 @@ def shares_of_box(
         for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
             fraction, least, most, coarse = row
             open_ = max(most - fraction, fraction - least, change) + abs(coarse - fraction)
+            if fraction == 1 and len(starts) > 1 and not _is_kept(sets[i], *corners):
+                open_ += _MISSED / len(starts)
             shares[i] = fraction, float(np.hypot(open_, _STUDENT * deviation))
     return shares
 
@@ -270,7 +275,7 @@ class Halving(NamedTuple):
 def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray, j: int) -> Halving:
     """Find what halving the interval of index `j` gains, on lines along it through the whole box,
     so that much of the error of a share cancels in the gain. Uncertainties are those of the fits
-    (`shares_of_box`) and the deviation by sets of lines, each scrambled by itself, which are
+    (`shares_of_box`) and twice the deviation by sets of lines, each scrambled by itself, which are
     added while it exceeds a quarter of the gain and a twentieth of what fails. All is certain only
     if the worst case of the halved box satisfies all limits; else three lines may be missed. free,
     nominal (k each): as elsewhere, normalized."""
@@ -307,17 +312,22 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
         fit_errors = _halving_errors(np.mean(changes, axis=0))
         share, gain = _with_gains(shares.mean(axis=0))
         means = _with_gains(shares.reshape(-1, size, 2).mean(axis=1))
-        errors = np.zeros(2) if count == 1 else _STUDENT * means.std(axis=0, ddof=1) / _BATCHES**0.5
+        errors = np.zeros(2) if count == 1 else 2 * means.std(axis=0, ddof=1) / len(means) ** 0.5
         target = max(_WORTH * gain, _LEAST_WORTH * (1.0 - share + gain), *fit_errors)
         if 2 * count > most or count == 1 or errors.max() <= target:
             break
         count *= 2
     lower, upper = -np.asarray(free, dtype=float), np.asarray(free, dtype=float)
     lower[j], upper[j] = ends
-    is_kept = all(limit.worst(lower, upper)[0] >= -limit.rounding for limit in limits)
     errors = np.hypot(errors, fit_errors)
-    errors[0] = max(errors[0], 0.0 if is_kept or share < 1 else 3.0 / count)
+    is_sure = share < 1 or _is_kept(limits, lower, upper)
+    errors[0] = max(errors[0], 0.0 if is_sure else _MISSED / count)
     return Halving(*map(float, (share, errors[0], gain, errors[1])))
+
+
+def _is_kept(limits: Sequence[Limit], lower: np.ndarray, upper: np.ndarray) -> bool:
+    """Whether the worst case of the part of the box between corners satisfies all limits."""
+    return all(limit.worst(lower, upper)[0] >= -limit.rounding for limit in limits)
 
 
 def _halving_errors(changes: np.ndarray) -> np.ndarray:

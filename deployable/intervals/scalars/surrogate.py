@@ -3,6 +3,7 @@ over a part of the box, and which parameter widens that."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
@@ -15,7 +16,7 @@ from ..box import MOST_FULL
 from ..designs import spread_points
 from ..formula import Formula
 from .fits import choose_fit, root_fit
-from .occurrence import FittedOccurrence, Occurrence
+from .occurrence import FittedOccurrence, JointOccurrence, Occurrence
 
 _CANDIDATES = 1024
 _CLIMBS = 3
@@ -284,17 +285,26 @@ def fit_scalar(
 
 
 def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate]:
-    """Give quantities whose border only runs tell that of one which exists in the same runs, and
-    whose event margin is known, as an expression that of its part: copies, in order."""
-    borders = {
+    """Give quantities whose border only runs tell the borders of up to three others that all exist
+    in the same runs and are fitted, as an expression those of its parts: copies, in order."""
+    fitted = {
         border.happens.tobytes(): border
         for border in (surrogate.occurrence for surrogate in surrogates)
-        if isinstance(border, FittedOccurrence) and border.latest is None
+        if isinstance(border, FittedOccurrence)
     }
 
     def best(border: Occurrence) -> Occurrence:
-        rival = borders.get(border.happens.tobytes(), border)
-        return min(border, rival, key=_openness) if type(border) is Occurrence else border
+        if type(border) is not Occurrence or not border.is_mixed:
+            return border
+        wider = [part for part in fitted.values() if (part.happens >= border.happens).all()]
+        rivals: list[Occurrence] = []
+        for size in (1, 2, 3):
+            for parts in itertools.combinations(wider, size) if not rivals else ():
+                if (np.all([part.happens for part in parts], axis=0) == border.happens).all():
+                    joint = JointOccurrence(border.points, border.happens, parts=parts)
+                    is_own = size == 1 and parts[0].latest is None
+                    rivals.append(parts[0] if is_own else joint)
+        return min([border, *rivals], key=_openness)
 
     return [replace(surrogate, occurrence=best(surrogate.occurrence)) for surrogate in surrogates]
 

@@ -346,16 +346,16 @@ class AlignedCurves:
             # Far beyond the runs that are known a cubic is anything.
             fills = np.clip(spline.evaluate(self.points), part.min(axis=0), part.max(axis=0))
             # A curve goes on from where it is known without a jump, which fades over the block.
-            joined = is_known[:, span]
-            joined[:, 0] |= is_later
-            last = joined.sum(axis=1) - 1
+            is_given = is_known[:, span]
+            is_given[:, 0] |= is_later
+            last = is_given.sum(axis=1) - 1
             jumps = (mapped_curves[:, :, span] - fills)[np.arange(len(last)), :, last]
             jumps[last < 0] = 0.0
             fade = np.clip(1.0 - (np.arange(len(span)) - last[:, None]) / len(span), 0.0, 1.0)
             fills += jumps[:, :, None] * fade[:, None]
             jumps = np.abs(jumps)[..., None]
             for curves, part in (mapped_curves, fills), (self.fill_errors, jumps):
-                curves[:, :, span] = np.where(joined[:, None], curves[:, :, span], part)
+                curves[:, :, span] = np.where(is_given[:, None], curves[:, :, span], part)
         self.mapped_curves = mapped_curves
         self.spline = fit_spline(self.points, mapped_curves, scales)
         if len(self.spline.points) < len(self.points):

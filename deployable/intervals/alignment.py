@@ -24,7 +24,15 @@ from .designs import spread_points
 from .errors import IntervalError
 from .estimates import widen
 from .spline_equations import distinct
-from .splines import CHUNK, SPACINGS, Spline, check_spline_runs, choose_scales, fit_spline
+from .splines import (
+    CHUNK,
+    SPACINGS,
+    Spline,
+    check_spline_runs,
+    choose_scales,
+    fit_spline,
+    level_errors,
+)
 
 EVENT_NAMES = "event_time", "event_contact", "event_closing"
 """Variables (run, event) of a samples dataset: time (s), what, and which way, NaN for none."""
@@ -41,7 +49,7 @@ _MOST = 0.7  # of the runs must have these
 _SLACK = 1.0  # of the way from the border to the runs beyond it, where a border may be
 _PAUSE = 0.02  # of the duration: what follows at once
 _BLOCKS = 8  # of the last stretch, in which the same runs are known
-_SMOOTH = 0.5  # of the spread of an event's time: a larger left-out error means no smooth function
+_SMOOTH = 0.5  # of the spread: of times or margins of larger left-out error no function is smooth
 _CANDIDATES = 1024  # points, beside the runs, among which extremes are sought
 _RADII = 0.25 * 0.5 ** np.arange(14)  # of the search about the best of them
 
@@ -126,7 +134,11 @@ def unseen_difference(
             spline = fit_spline(points, column[:, None])
             free = spline.scales > 0
             trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
-            if (signs * spline.evaluate(trial)).min() < 0:
+            error = np.sqrt((spline.left_out**2).mean())
+            is_near = (signs * spline.evaluate(trial)).min() < 0
+            if error > _SMOOTH * column.std():  # a spline that predicts no run tells nothing
+                is_near = np.abs(column).min() < error
+            if is_near:
                 moments = [t for table in runs for key, t in table.items() if key[0] == source]
                 first = min(first, min(moments, default=time[0]))
     return first
@@ -310,6 +322,7 @@ class AlignedCurves:
     def _fill(self, mapped_curves: np.ndarray, scales: np.ndarray | None) -> None:
         """Fit curves (R, n, S), what is not known of a run (NaN) by the splines through others."""
         is_known = np.isfinite(mapped_curves).all(axis=1)
+        self.fill_errors = np.zeros_like(mapped_curves)  # of what is not known
         sure = is_known.all(axis=0)
         if scales is None:
             flat = mapped_curves[:, :, sure].reshape(len(mapped_curves), -1)
@@ -319,9 +332,12 @@ class AlignedCurves:
             rows = is_known[:, block].all(axis=1)
             if rows.all() or not len(block):
                 continue
+            is_later = block[0] > self.offsets[-1]
+            span = np.arange(block[0] - is_later, block[-1] + 1)
+            part = mapped_curves[rows][:, :, span]
             try:
                 check_spline_runs(self.points[rows])
-                spline = fit_spline(self.points[rows], mapped_curves[rows][:, :, block], scales)
+                spline = fit_spline(self.points[rows], part, scales)
             except IntervalError:
                 if block[0] < self.offsets[-1]:
                     raise
@@ -331,16 +347,24 @@ class AlignedCurves:
                 mapped_curves[:, :, block[0] :] = np.nan_to_num(mapped_curves[:, :, block[0] :])
                 break
             # Far beyond the runs that are known a cubic is anything.
-            part = mapped_curves[rows][:, :, block]
             fills = np.clip(spline.evaluate(self.points), part.min(axis=0), part.max(axis=0))
-            mapped_curves[:, :, block] = np.where(
-                is_known[:, None, block], mapped_curves[:, :, block], fills
-            )
+            # A curve goes on from where it is known without a jump, which fades over the block.
+            is_given = is_known[:, span]
+            is_given[:, 0] |= is_later
+            last = is_given.sum(axis=1) - 1
+            jumps = (mapped_curves[:, :, span] - fills)[np.arange(len(last)), :, last]
+            jumps[last < 0] = 0.0
+            fade = np.clip(1.0 - (np.arange(len(span)) - last[:, None]) / len(span), 0.0, 1.0)
+            fills += jumps[:, :, None] * fade[:, None]
+            jumps = np.abs(jumps)[..., None]
+            for curves, part in (mapped_curves, fills), (self.fill_errors, jumps):
+                curves[:, :, span] = np.where(is_given[:, None], curves[:, :, span], part)
         self.mapped_curves = mapped_curves
         self.spline = fit_spline(self.points, mapped_curves, scales)
         if len(self.spline.points) < len(self.points):
             raise IntervalError("runs", len(self.points), "runs that are farther apart")
         self.errors = np.where(is_known[:, None], self.spline.left_out, 0.0)
+        self.is_known = is_known[:, None]
         low, high = mapped_curves.min(axis=0), mapped_curves.max(axis=0)
         # Far from the runs a cubic is anything: at most the range of the runs beyond it.
         self.limits = 2 * low - high, 2 * high - low
@@ -419,7 +443,7 @@ class AlignedCurves:
         """Left-out errors (R, E) of event times, s, where they are at least usual."""
         if self.times_spline is None:
             return np.zeros((len(self.points), 0))
-        return self._at_least_usual(self.times_spline.left_out)
+        return self._at_least_usual(level_errors(self.times_spline))
 
     def _at_least_usual(self, errors: np.ndarray) -> np.ndarray:
         """Return the size of errors (R, ...) of runs, where they are at least a mean, in which
@@ -432,7 +456,9 @@ class AlignedCurves:
     def curve_errors(self, window: float) -> np.ndarray:
         """Return the largest left-out errors (R, n, S) of mapped curves of each run within a time
         `window` (s) in the same stretch, where they are at least usual."""
-        errors = self._at_least_usual(self.errors)
+        errors = self._at_least_usual(
+            np.where(self.is_known, level_errors(self.spline), self.fill_errors)
+        )
         step = (self.time[-1] - self.time[0]) / (len(self.time) - 1)
         size = 4 * int(window / step) + 1  # columns are half an instant apart
         for i, count in zip(self.offsets, self.counts, strict=True):

@@ -35,7 +35,7 @@ from .estimates import (
 from .ranges import Range, find_surrogate_range, spread_out, to_range
 from .samples import RunBounds, Samples
 from .spline_extremes import spline_range
-from .splines import check_spline_runs, fit_spline
+from .splines import check_spline_runs, fit_spline, level_errors
 
 AUTO_RUNS = 1000
 """Most runs for which splines are tried where there is a polynomial: they cost their cube."""
@@ -242,6 +242,11 @@ class SplineModel(Model):
         left_out[rows] = self.spline.left_out
         return left_out
 
+    @cached_property
+    def run_errors(self) -> np.ndarray:
+        """Sizes of left-out errors (N, n, T) of the spline's runs."""
+        return np.abs(level_errors(self.spline))
+
     @property
     def _inverse(self) -> np.ndarray:
         """Places of the dataset's parameters among the spline's."""
@@ -264,9 +269,9 @@ class SplineModel(Model):
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
-            left_out = power_mean(spline.left_out, free)
+            left_out = power_mean(self.run_errors, free)
         else:
-            left_out = np.abs(spline.left_out[self.tests_spline]).max(axis=0)
+            left_out = self.run_errors[self.tests_spline].max(axis=0)
             if free > 1:
                 for x in (bounds.argmin, bounds.argmax):
                     left_out = np.maximum(left_out, self._next_to(x[..., self.order], free + 1))
@@ -280,7 +285,7 @@ class SplineModel(Model):
         rows = tree.query(points * scales, k=min(count, len(self.spline.points)))[1]
         places: Any = np.indices(points.shape[:2])
         n, instants = places
-        return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
+        return self.run_errors[rows, n[..., None], instants[..., None]].max(axis=-1)
 
     def centre(self) -> np.ndarray:
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]

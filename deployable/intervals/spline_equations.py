@@ -6,12 +6,15 @@ dominant whatever the spacing (Green and Silverman, Nonparametric Regression, 19
 Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the linear functions, on
 which it is positive definite (Wendland 2005, chapter 8)."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import scipy
 
 from .errors import IntervalError
 
 _COLUMNS = 512
+_CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
 MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
@@ -132,14 +135,23 @@ class Polyharmonic:
         trend = scipy.linalg.solve_triangular(self._triangle[: self._extra], rest)
         return np.concatenate([weights, trend])
 
-    def left_out(self, weights: np.ndarray) -> np.ndarray:
+    def left_out(self, weights: np.ndarray, groups: Iterable[np.ndarray] = ()) -> np.ndarray:
         """Leave-one-out errors (N, T) at the runs of T splines, from their weights (N + m, T);
-        infinite where the other runs give no spline."""
+        infinite where the other runs give no spline. groups: rows of runs that are left out
+        together as well, if the others give a spline. Half of that error counts if it is larger:
+        without them the spacing is twice as wide."""
         count = len(self._cubes)
         columns = self._rotate(np.eye(count))[self._extra :]
         if not len(columns):
             return np.full((count, weights.shape[1]), np.inf)
-        columns = (scipy.linalg.solve_triangular(self._root, columns, lower=True) ** 2).sum(axis=0)
+        columns = scipy.linalg.solve_triangular(self._root, columns, lower=True)
         with np.errstate(divide="ignore", invalid="ignore"):
-            errors = weights[:count] / columns[:, None]
-        return np.where(np.isfinite(errors), errors, np.inf)
+            errors = weights[:count] / (columns**2).sum(axis=0)[:, None]
+        errors = np.where(np.isfinite(errors), errors, np.inf)
+        for rows in groups:
+            block = columns[:, rows].T @ columns[:, rows]
+            if np.linalg.cond(block) < _CONDITION:
+                group_errors = 0.5 * np.linalg.solve(block, weights[rows])
+                is_larger = np.abs(group_errors) > np.abs(errors[rows])
+                errors[rows] = np.where(is_larger, group_errors, errors[rows])
+        return errors

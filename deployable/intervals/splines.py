@@ -97,6 +97,22 @@ class Spline:
         return cubes(self.points, free.astype(float), weights, linear)
 
 
+def level_errors(spline: Spline) -> np.ndarray:
+    """Return the left-out errors (N, ...) of a spline's runs. Where these are a grid, runs that
+    share a value of a parameter are left out together as well (`Polyharmonic.left_out`): the
+    others predict a single one, whatever the response does between the values."""
+    groups = []
+    for column in np.round(spline.points[:, spline.scales > 0], 9).T:
+        _, level, counts = np.unique(column, return_inverse=True, return_counts=True)
+        if (counts == 1).sum() <= 1:  # the nominal run may be off the grid
+            groups += [np.flatnonzero(level == i) for i in np.flatnonzero(counts > 1)]
+    if not groups:
+        return spline.left_out
+    weights = spline.weights.reshape(len(spline.weights), -1)
+    errors = _system(spline.points, spline.scales).left_out(weights, groups)
+    return errors.reshape(spline.left_out.shape)
+
+
 def check_spline_runs(points: np.ndarray) -> None:
     """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k suffice for a spline and for
     its leave-one-out errors: at most 4000 (`MAX_RUNS`), and two more than directions in which they

@@ -15,7 +15,7 @@ from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
 _GROUPS = 8  # of lines, whose means tell the error of all lines
-_MISSED = 3.0  # of lines that all satisfy the limits, so many in all may be missed, at 95 %
+_MISSED_LINES = 3.0  # of lines that all satisfy the limits, so many in all may be missed, at 95 %
 _STUDENT = 2.36  # deviations of a mean that 8 groups tell: 95 % of Student's t
 _BLOCK, _RIVAL_SHARE = 64, 4  # lines; of one in so many the other kind of fits is evaluated, too
 _BISECTIONS = 24  # for the scale up to which limits are satisfied
@@ -257,7 +257,7 @@ def shares_of_box(
             fraction, least, most, coarse = row
             open_ = max(most - fraction, fraction - least, change) + abs(coarse - fraction)
             if fraction == 1 and len(starts) > 1 and not _is_kept(sets[i], *corners):
-                open_ += _MISSED / len(starts)
+                open_ += _MISSED_LINES / len(starts)
             shares[i] = fraction, float(np.hypot(open_, _STUDENT * deviation))
     return shares
 
@@ -321,7 +321,7 @@ def find_halving(limits: Sequence[Limit], free: np.ndarray, nominal: np.ndarray,
     lower[j], upper[j] = ends
     errors = np.hypot(errors, fit_errors)
     is_sure = share < 1 or _is_kept(limits, lower, upper)
-    errors[0] = max(errors[0], 0.0 if is_sure else _MISSED / count)
+    errors[0] = max(errors[0], 0.0 if is_sure else _MISSED_LINES / count)
     return Halving(*map(float, (share, errors[0], gain, errors[1])))
 
 

@@ -287,7 +287,7 @@ def fit_scalar(
 def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate]:
     """Give quantities whose border only runs tell the borders of up to three others that all exist
     in the same runs and are fitted, as an expression those of its parts: copies, in order."""
-    fitted = {
+    borders = {
         border.happens.tobytes(): border
         for border in (surrogate.occurrence for surrogate in surrogates)
         if isinstance(border, FittedOccurrence)
@@ -296,7 +296,7 @@ def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate
     def best(border: Occurrence) -> Occurrence:
         if type(border) is not Occurrence or not border.is_mixed:
             return border
-        wider = [part for part in fitted.values() if (part.happens >= border.happens).all()]
+        wider = [part for part in borders.values() if (part.happens >= border.happens).all()]
         rivals: list[Occurrence] = []
         for size in (1, 2, 3):
             for parts in itertools.combinations(wider, size) if not rivals else ():

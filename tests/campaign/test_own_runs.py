@@ -38,6 +38,17 @@ def config(tmp_path):
     }  # fmt: skip
 
 
+def test_a_parameter_that_no_run_varies_leaves_all_open(config, tmp_path):
+    (tmp_path / "doe.csv").write_text("k\n0.045\n0.05\n0.055\n")
+    config |= {"quantities": {"peak": {"largest": "phi"}}}
+    config["requirements"] = {"low": {"peak": {"at_most": "45 deg"}}}
+    campaign.run(config, tmp_path, figures=False, notify=lambda text: None)
+    facts = json.loads((tmp_path / "own/summary.json").read_text())
+    assert facts["unvaried"] == ["c"] and facts["together"]["met"] == "undecided"
+    assert facts["together"]["share_uncertainty"] == 1
+    assert "No run varies `c`, so no bound" in (tmp_path / "own/summary.md").read_text()
+
+
 def planned(config):
     """Values of k and c in the runs, the nominal one first."""
     time = TimeStep(1e-3, 2, 1e-2, "none")

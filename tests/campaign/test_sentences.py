@@ -147,6 +147,7 @@ CASES = {
         ("headline", rows()),
         ("given", FACTS),
         ("given", facts(duration=12000.0)),
+        ("given", facts(unvaried=["mass"])),
         ("given", facts(parameters=[C], about="", closures=[])),
         ("given", facts(parameters=[K, C, ANGLE, K | {"name": "last"}])),
         ("given", facts(parameters=[], runs={**dict.fromkeys(FACTS["runs"], 0), "all": 1})),

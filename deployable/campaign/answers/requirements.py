@@ -76,12 +76,16 @@ def _judge_limits(
     model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
 ) -> dict:
     """Return whether all, some or none of the box keeps chosen limits, which share, and what is
-    open. What is nearest to a failed run counts as failing, and is open."""
+    open. What is nearest to a failed run counts as failing, and is open. All is open where no run
+    varies a parameter, as with runs of a user's own."""
     row, share = _judge_sound(model, result, limits, shares), model.lost_share
     if len(model.failed_points):
         row["met"] = "none" if row["met"] == "none" else "some"
         row["share"] *= 1.0 - share
         row["share_uncertainty"] = min(1.0, row["share_uncertainty"] + share)
+    if (np.ptp(model.points, axis=0) == 0)[model.experiment.box.free].any():
+        row["met"] = "undecided" if row["met"] == "all" else "some"
+        row["share_uncertainty"] = 1.0
     return row
 
 

@@ -231,7 +231,7 @@ def shares_of_box(
     free, shares = np.asarray(free, dtype=bool), [(0.0, 0.0)] * len(sets)
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE
-    line = np.linspace(-1.0, 1.0, count) if free.any() else np.zeros(2)
+    line = np.linspace(-1.0, 1.0, count) if free.any() else np.zeros(3)
     corners = [np.where(free, end, (lower + upper) / 2) for end in (lower, upper)]
     # The lines go along the direction with the largest differences.
     directions = [int(np.argmax(free)) if single else _steepest(limits, free) for limits in sets]

@@ -119,25 +119,24 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
 def unseen_difference(
     points: np.ndarray, margins: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
 ) -> float:
-    """Return the earliest time (s) from which an event may occur at places without a run, though no
-    run at points (R, k) in [-1, 1]^k has it, or may be missed there, though all runs have it;
-    infinite if there is none. margins (R, c): by how much the first event of each kind occurs,
-    below 0 where it does not, NaN where not known; time (T): instants, s; runs: times of events by
-    what they are (`name_events`)."""
+    """Return the earliest time (s) from which an event may be missed at places without a run,
+    though all runs at points (R, k) in [-1, 1]^k have it; infinite if there is none. An event that
+    no run has is not looked for, as its margins tell little from afar. margins (R, c): by how much
+    the first event of each kind occurs, below 0 where it does not, NaN where not known; time (T):
+    instants, s; runs: times of events by what they are (`name_events`)."""
     first = np.inf
     for source, column in enumerate(margins.T):
-        signs = np.unique(np.sign(column))
-        if len(signs) > 1 or not np.isfinite(column).all():
-            continue  # runs are on both sides
+        if not (column > 0).all():
+            continue
         with suppress(IntervalError):
             check_spline_runs(points)
             spline = fit_spline(points, column[:, None])
             free = spline.scales > 0
             trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
             error = np.sqrt((spline.left_out**2).mean())
-            is_near = (signs * spline.evaluate(trial)).min() < 0
+            is_near = spline.evaluate(trial).min() < 0
             if error > _SMOOTH * column.std():  # a spline that predicts no run tells nothing
-                is_near = np.abs(column).min() < error
+                is_near = column.min() < error
             if is_near:
                 moments = [t for table in runs for key, t in table.items() if key[0] == source]
                 first = min(first, min(moments, default=time[0]))

@@ -66,6 +66,13 @@ def test_what_we_ship_is_as_the_schemas_have_it(of, path):
     validator(of).validate(yaml.safe_load(path.read_text("utf-8")))
 
 
+def test_values_of_a_list_are_not_counted_as_its_length():
+    raw = yaml.safe_load((CONFIGS / "small.yaml").read_text("utf-8"))
+    validator("campaign").validate(raw | {"design": {"values": [0.045, 0.05]}})
+    with pytest.raises(jsonschema.ValidationError):
+        validator("campaign").validate(raw | {"design": {"values": []}})
+
+
 @pytest.mark.parametrize(("of", "place", "value"), [
     ("campaign", ("solver", "durations"), 1),
     ("campaign", ("solver", "duration"), "long"),

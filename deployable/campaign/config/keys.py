@@ -166,8 +166,11 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
     if kind is Literal:
         return {"enum": [*kinds]}
     if kind is tuple:
-        count = {} if kinds[-1] is ... else {"minItems": len(kinds), "maxItems": len(kinds)}
-        return {"type": "array", "items": _schema(kinds[0], rule), **count}
+        is_open = kinds[-1] is ...  # whose number of items the rule limits
+        least, most = (rule.least, rule.most) if is_open else (len(kinds), len(kinds))
+        count = {"minItems": least, "maxItems": most}
+        count = {name: int(limit) for name, limit in count.items() if abs(limit) < inf}
+        return {"type": "array", "items": _schema(kinds[0], Rule(unit=rule.unit)), **count}
     return {str: {"type": "string"}, bool: {"type": "boolean"}}.get(hint, {})
 
 

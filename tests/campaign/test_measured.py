@@ -168,7 +168,7 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
     assert 0 < (high - low).max() < 0.2 * (upper - lower).max()
     summary = (folder / "summary.md").read_text(encoding="utf-8")
     assert "A part of the narrowed box explains the tests" in summary
-    assert "Check test `again` agrees: " in summary
+    assert "Check test again agrees: " in summary
     sheet = (folder / "review.csv").read_text(encoding="utf-8")
     assert "the inputs that the tests leave" in sheet
 

@@ -490,7 +490,9 @@ def test_bounds_of_a_margin_over_three_parameters(tmp_path):
     assert f"| {met}" in sheet and "not analysed" in sheet
     text = (folder / "summary.md").read_text()
     assert "What was shown of ECSS-E-ST-33-01C" in text and " rad |" in text
-    assert re.search(r"\*\*.*The review sheet: .*; \d+ of \d+ clauses not analysed\.\*\*", text)
+    assert re.search(
+        r"\*\*.*The review sheet says “.*”, with \d+ of \d+ clauses not analysed\.\*\*", text
+    )
     page = (folder / "report.html").read_text()
     assert "What was shown of ECSS-E-ST-33-01C" in page
     assert (folder / "review.csv").read_text().count("\n") >= len(CLAUSES[ECSS])

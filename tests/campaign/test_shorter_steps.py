@@ -61,7 +61,7 @@ def test_such_runs_are_repeated_and_the_result_says_so(tmp_path, monkeypatch, ke
     facts = json.loads((tmp_path / "results/hit/summary.json").read_text())
     assert facts["finest_step"] < 0.6 * facts["time_step"]
     text = (tmp_path / "results/hit/summary.md").read_text()
-    assert "energy did not balance or whose joints opened with it were repeated" in text
+    assert "energy did not balance or whose joints opened were repeated" in text
     (quantity,) = facts["quantities"]
     exact = [opening(play) for play in (0.05, 0.1, 0.15)]
     error = 1.5 * quantity["error_whole"]

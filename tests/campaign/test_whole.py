@@ -47,7 +47,7 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     for name in promised:
         assert (tmp_path / Path(name).relative_to("results")).stat().st_size > 500
     assert "test: 7 of 7 runs done" in said
-    assert "(BD) differs by up to" in said[-2] and "## " not in said[-2]
+    assert "(`BD`) differs by up to" in said[-2] and "## " not in said[-2]
     assert said[-1] == f"Open {folder.report}" and sum("Open " in text for text in said) == 1
 
 

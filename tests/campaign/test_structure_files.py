@@ -80,7 +80,7 @@ def test_an_interval_of_a_file_is_bounded_as_the_closed_form_says(path, tmp_path
         assert (tmp_path / name).stat().st_size > 500
     assert " s of `panel`" in (folder / "summary.md").read_text(encoding="utf-8")
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "(stiffness of the spring, ± 20 %)" in page  # in the headline, from the file's description
+    assert "(stiffness of the spring, ±" in page  # in the headline, from the file's description
     assert len(list((folder / "motions").glob("*.nc"))) > 1
 
 

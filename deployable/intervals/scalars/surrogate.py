@@ -297,13 +297,16 @@ def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate
         if type(border) is not Occurrence or not border.is_mixed:
             return border
         wider = [part for part in borders.values() if (part.happens >= border.happens).all()]
-        rivals: list[Occurrence] = []
-        for size in (1, 2, 3):
-            for parts in itertools.combinations(wider, size) if not rivals else ():
-                if (np.all([part.happens for part in parts], axis=0) == border.happens).all():
-                    joint = JointOccurrence(border.points, border.happens, parts=parts)
-                    is_own = size == 1 and parts[0].latest is None
-                    rivals.append(parts[0] if is_own else joint)
+
+        def is_of(parts: Sequence[Occurrence]) -> bool:
+            return np.array_equal(np.all([part.happens for part in parts], axis=0), border.happens)
+
+        rivals: list[Occurrence] = [part for part in wider if part.latest is None and is_of([part])]
+        several = [part for part in wider if not is_of([part])]
+        for size in (2, 3):
+            for parts in itertools.combinations(several, size) if not rivals else ():
+                if is_of(parts):
+                    rivals.append(JointOccurrence(border.points, border.happens, parts=parts))
         return min([border, *rivals], key=_openness)
 
     return [replace(surrogate, occurrence=best(surrogate.occurrence)) for surrogate in surrogates]

@@ -302,9 +302,9 @@ def share_borders(surrogates: Sequence[ScalarSurrogate]) -> list[ScalarSurrogate
             return np.array_equal(np.all([part.happens for part in parts], axis=0), border.happens)
 
         rivals: list[Occurrence] = [part for part in wider if part.latest is None and is_of([part])]
-        several = [part for part in wider if not is_of([part])]
+        candidates = [part for part in wider if not is_of([part])]
         for size in (2, 3):
-            for parts in itertools.combinations(several, size) if not rivals else ():
+            for parts in itertools.combinations(candidates, size) if not rivals else ():
                 if is_of(parts):
                     rivals.append(JointOccurrence(border.points, border.happens, parts=parts))
         return min([border, *rivals], key=_openness)

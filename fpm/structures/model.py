@@ -31,25 +31,25 @@ MOST_STATEMENTS = 20_000
 @statement(
     "",
     gravity=GravityKey(
-        (np.zeros(3), None), "acceleration of everything; `curve` scales it with time", unit="m/s2"
+        (np.zeros(3), None), "gravitational acceleration; `curve` scales it over time", unit="m/s2"
     ),
     damping=Number(0.0, "mass-proportional damping", unit="1/s", least=0),
     viscosity=Number(
-        0.0, "bulk viscosity of bars, a share of critical damping of an element; 0.2 damps "
-        "waves that ring in the mesh", least=0,
+        0.0, "bulk viscosity of bars, as a share of an element's critical damping; 0.2 damps "
+             "waves that oscillate in the mesh", least=0,
     ),
     assemble=AssemblyKey(
-        None, "whether to force parts together whose points do not meet at their joints; "
-        "`hold`: joints that keep their opening"
+        None, "whether to force parts together whose points do not meet at their joints; `hold` "
+              "names joints that keep their opening"
     ),
     start=Word(
-        "as stated", "where the run begins; `equilibrium`: where everything that acts at t = 0 "
-        "is in balance",
+        "as stated", "where the run begins; `equilibrium`: where all forces that act at t = 0 "
+                     "balance",
         values=("as stated", "equilibrium"),
     ),
 )  # fmt: skip
 def overall(build, args):
-    """What holds for the whole structure."""
+    """Settings of the whole structure."""
     build.hold, build.is_balanced = args.assemble, args.start == "equilibrium"
     gravity, build.gravity_curve = args.gravity
     scene = Scene(args.name, gravity, args.damping)

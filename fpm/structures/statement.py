@@ -83,10 +83,14 @@ def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Cal
 
 # -- keys that are fields of elements --------------------------------------------------------------
 
-JOINT = OpeningKey(text="on which joint it acts")
+JOINT = OpeningKey(text="joint on whose opening it acts")
 """The key of a field `hinge`."""
 
-CLASS = {"class": Word(None, "in margins; default: that of its kind", values=tuple(CLASSES))}
+CLASS = {
+    "class": Word(
+        None, "class in margins of a standard; default: that of its kind", values=tuple(CLASSES)
+    )
+}
 """The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 

@@ -20,10 +20,10 @@ within 0.2 % of its speed, and from the step after it struck the energy balances
 
 @dataclass(frozen=True)
 class Contact(AnyStop):
-    """Faces that touch where the opening of a revolute joint is below zero."""
+    """Contact of two faces, which touch when the opening of a revolute joint is below zero."""
 
     hinge: int = on_hinge(types=("revolute",))
-    stiffness: float = stiffness(text="moment for each radian below zero")
+    stiffness: float = stiffness(text="moment per radian below zero")
 
     angle, side, damping = 0.0, -1.0, 0.0  # of the stop that it is
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")

@@ -11,10 +11,10 @@ from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge
 
 @dataclass(frozen=True)
 class Damper(Connector):
-    """Resists the motion of a joint, in proportion to its rate."""
+    """A damper, which resists the motion of a joint in proportion to its rate."""
 
     hinge: int = on_hinge()
-    damping: float = damping(text="moment for each radian a second")
+    damping: float = damping(text="moment per radian per second")
 
     takes = JOINT_LOSS
     acts_as = "damper"

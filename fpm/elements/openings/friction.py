@@ -99,11 +99,12 @@ class Friction(ExactConnector):
     moment: float = number("N m", 0.0, text="moment at which it slips; below this it sticks")
     bristle_deflection: float | None = number(
         "rad", above=0.0, default=DEFLECTION, is_shown=False, optional=True,
-        text="how far it yields before it slips",
+        text="deflection at which it slips",
     )  # fmt: skip
     damping: float | None = damping(
         default=None,
-        text="damping while it sticks; default: 0.3 of critical for the joint's two particles",
+        text="damping while it sticks; default: 0.3 of critical damping for the joint's two "
+        "particles",
     )
     angles: tuple[float, ...] = ()  # increasing (rad), with the shares of `moment` there, straight
     shares: tuple[float, ...] = ()  # between; without them all of it everywhere

@@ -56,26 +56,32 @@ class Journal(Connector):
     load: float = number(
         "N",
         above=0.0,
-        text="force at which the pin sinks in by `depth`; state about the largest, since the "
-        "stable step is for it",
+        text="force at which the pin sinks in by `depth`; choose about the largest force, since "
+        "the stable step is computed for it",
     )
-    depth: float = number("m", above=0.0, text="how far the pin sinks into the bearing at `load`")
+    depth: float = number(
+        "m", above=0.0, text="depth by which the pin sinks into the bearing at `load`"
+    )
     law: str = word(
         {"hertz": 1.0, "linear": 0.0},
         default="hertz",
-        text="`hertz`: force by the power 3/2 of the depth; `linear`",
+        text="`hertz`: the force grows with the power 3/2 of the depth; `linear`: in proportion "
+        "to the depth",
     )
     restitution: float = number(
-        "", above=0.0, default=1.0, text="speed after a free impact over that before it, at most 1"
+        "",
+        above=0.0,
+        default=1.0,
+        text="ratio of the speed after a free impact to the speed before it, at most 1",
     )
     friction: float = number("", 0.0, default=0.0, text="coefficient of friction")
-    radius: float = number("m", 0.0, default=0.0, text="of the pin, at which it rubs")
+    radius: float = number("m", 0.0, default=0.0, text="radius of the pin, at which friction acts")
     bristle_deflection: float = number(
         "m",
         above=0.0,
         default=1e-5,
         is_shown=False,
-        text="how far its surfaces yield before they slip, at `load`",
+        text="tangential displacement at which the surfaces slip, under `load`",
     )
 
     stores = Energy("pin", "pin_energy", "energy of the pins with play")

@@ -61,20 +61,26 @@ class Latch(ExactConnector):
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
-    stiffness: float | None = stiffness(default=None, text="of its hold; default: it is exact")
-    damping: float = damping(default=0.0, text="of its hold")
-    capture_range: float = number(
-        "rad", 0.0, default=0.0, zero=False, text="distance from `angle` at which it still catches"
+    stiffness: float | None = stiffness(
+        default=None, text="stiffness with which it holds; default: it holds exactly"
     )
-    side: str = word(SIDES, default="either", text="side from which the opening comes to `angle`")
+    damping: float = damping(default=0.0, text="damping with which it holds")
+    capture_range: float = number(
+        "rad",
+        0.0,
+        default=0.0,
+        zero=False,
+        text="distance from `angle` within which it also catches",
+    )
+    side: str = word(SIDES, default="either", text="side from which the opening approaches `angle`")
     max_capture_rate: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}",
-        text="rate above which it does not catch",
+        text="rate above which the latch does not catch",
     )  # fmt: skip
     holds: str = word(
         {"both ways": 1.0, "one way": -1.0},
         default="both ways",
-        text="`one way`: only against going back",
+        text="`one way`: it resists only the motion back",
     )
     name: str = topology("")
 

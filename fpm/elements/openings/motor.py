@@ -74,7 +74,7 @@ class Motor(AnyMotor, ExactConnector):
         default=None,
         text="stiffness of its drive train; default: it prescribes the opening exactly",
     )
-    damping: float = damping(default=0.0, text="of its drive train")
+    damping: float = damping(default=0.0, text="damping of its drive train")
     start: float = number(
         "rad", default=0.0, words="opening of {title}", is_shown=False,
         text="opening before the turn",
@@ -86,7 +86,7 @@ class Motor(AnyMotor, ExactConnector):
         "rad",
         0.0,
         default=None,
-        text="whole play of its drive train, within which no moment acts; default: none",
+        text="total play of its drive train, within which no moment acts; default: none",
     )
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")

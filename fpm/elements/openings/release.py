@@ -24,12 +24,14 @@ class Release(ExactConnector):
     the latch of the name `latch` ("": none) catches."""
 
     hinge: int = on_hinge()
-    stiffness: float | None = stiffness(default=None, text="of its hold; default: it is exact")
-    damping: float = damping(default=0.0, text="of its hold")
+    stiffness: float | None = stiffness(
+        default=None, text="stiffness with which it holds; default: it holds exactly"
+    )
+    damping: float = damping(default=0.0, text="damping with which it holds")
     hold: float | None = number(
         "rad", default=None, text="opening at which it holds; default: that at the start"
     )
-    time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it releases")
+    time: float = number("s", above=0.0, finite=False, default=np.inf, text="time of the release")
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
     level: float = number("rad", default=0.0, is_shown=False)
     latch: str = topology("")

@@ -35,8 +35,10 @@ class Stop(AnyStop):
     hinge: int = on_hinge()
     angle: float = number("rad")
     side: str = word({"above": 1.0, "below": -1.0}, is_topology=True)
-    stiffness: float = stiffness(text="moment for each radian beyond `lower` or `upper`")
-    damping: float = damping(default=0.0, text="moment for each radian a second, beyond")
+    stiffness: float = stiffness(text="moment per radian beyond `lower` or `upper`")
+    damping: float = damping(
+        default=0.0, text="moment per radian per second beyond `lower` or `upper`"
+    )
 
     stores = Energy("stop", "stop_energy", "energy of the stops")
     events = ("leaves", "hits")

@@ -31,19 +31,23 @@ class SyncLoop(ConnectorElement):
         "m", count=2, text="radii of the pulleys, with opposite signs for a crossed loop"
     )
     stiffness: float = stiffness(
-        "N/m", "{title} stiffness", text="pull at the rims for each metre of slip: 2 EA/l"
+        "N/m", "{title} stiffness", text="force at the rims per metre of relative travel: 2 EA/l"
     )
     rest: tuple[float, float] = number(
-        "rad", default=(0.0, 0.0), count=2, text="openings without slip"
+        "rad", default=(0.0, 0.0), count=2, text="openings at which the loop exerts no force"
     )
     preload: float = number(
-        "N", 0.0, finite=False, default=np.inf, text="tension of each strand; default: never slack"
+        "N",
+        0.0,
+        finite=False,
+        default=np.inf,
+        text="tension of each strand; default: no strand becomes slack",
     )
     backlash: float | None = number(
         "m",
         0.0,
         default=None,
-        text="whole play at the rims, as between teeth; without `preload`; default: none",
+        text="total play at the rims, as between teeth; only without `preload`; default: none",
     )
 
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")

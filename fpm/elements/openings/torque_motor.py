@@ -15,14 +15,16 @@ from fpm.elements.openings.opening import on_hinge
 
 @dataclass(frozen=True)
 class TorqueMotor(AnyMotor):
-    """Moves a joint by a torque, or force, that falls with the speed, evenly down to none."""
+    """A torque or force on a joint, which decreases linearly with the speed."""
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")
-    curve: int = index("curves", -1, default=-1, text="scales it with time; default: constant")
+    curve: int = index(
+        "curves", -1, default=-1, text="curve that scales it over time; default: constant"
+    )
     no_load: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="no-load speed of {title}",
-        text="speed at which no torque is left; default: it does not fall",
+        text="speed at which the torque is zero; default: the torque does not depend on the speed",
     )  # fmt: skip
 
     noun = "torque motor"

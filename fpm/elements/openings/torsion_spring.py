@@ -12,8 +12,8 @@ class TorsionSpring(Connector):
     """Linear spring on the opening (joint coordinate) of a hinge or slide."""
 
     hinge: int = on_hinge()
-    stiffness: float = stiffness(text="moment for each radian")
-    rest: float = number("rad", default=0.0, text="opening at which it is at rest")
+    stiffness: float = stiffness(text="moment per radian")
+    rest: float = number("rad", default=0.0, text="opening at which it exerts no moment")
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
     acts_as = "spring"

@@ -30,7 +30,7 @@ SPRING = {
     "stiffness": key_of(elements.TorsionSpring, "stiffness"),
     "rest": key_of(elements.TorsionSpring, "rest"),
     "preload": Number(
-        None, "moment at the start, > 0 where it opens, instead of `rest`", unit="N m"
+        None, "moment at the start, positive if it opens the joint; instead of `rest`", unit="N m"
     ),
     **CLASS,
 }
@@ -43,7 +43,7 @@ SPRING = {
     **SPRING,
 )
 def torsion_spring(build, args):
-    """Turns a joint towards an opening."""
+    """A torsion spring that turns a joint towards an opening."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -57,7 +57,7 @@ def torsion_spring(build, args):
 statement(
     "actions",
     "spring",
-    "Pushes or pulls a slide towards an opening.",
+    "A spring that pushes or pulls a slide towards an opening.",
     joint=replace(JOINT, slides=True),
     **{name: key if name in CLASS else _of_slide(key) for name, key in SPRING.items()},
 )(torsion_spring.build)
@@ -71,7 +71,9 @@ DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
         DEFLECTION_KEY,
         text=f"{DEFLECTION_KEY.text}; default: {DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm",
     ),
-    sticks=Word("bristle", "`exactly`: without any deflection", values=("bristle", "exactly")),
+    sticks=Word(
+        "bristle", "`exactly`: it sticks without any deflection", values=("bristle", "exactly")
+    ),
 )
 def friction(build, args):
     """Dry (Coulomb) friction in a joint."""
@@ -93,8 +95,8 @@ def _deflection(scene, hinge: int) -> float:
 
 
 BEARING_LOAD = (
-    "force that the joint bears as a rule, at which it gives by `bristle_deflection` before it "
-    "slips; default: it counts in margins only, and a motion has none of it"
+    "typical force in the joint, at which the friction slips after `bristle_deflection`; "
+    "default: it counts in margins only and does not act in runs"
 )
 
 
@@ -103,12 +105,14 @@ BEARING_LOAD = (
     "bearing",
     joint=JOINT,
     mu=Number(text="coefficient of friction", least=0),
-    radius=Number(None, "radius at which it rubs; for hinges only", unit="m", above=0),
+    radius=Number(None, "radius at which friction acts; for hinges only", unit="m", above=0),
     load=Number(None, BEARING_LOAD, unit="N", above=0),
-    bristle_deflection=replace(DEFLECTION_KEY, text="default: as that of friction"),
+    bristle_deflection=replace(
+        DEFLECTION_KEY, text="deflection at which it slips; default: that of friction"
+    ),
 )
 def bearing(build, args):
-    """Friction by the force that a joint itself bears; a couple that it bears is not counted."""
+    """Friction in proportion to the force in a joint; a couple in the joint is not counted."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
@@ -128,11 +132,11 @@ def bearing(build, args):
 
 @connector(
     elements.Stop,
-    lower=Number(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
+    lower=Number(None, "opening below which it acts; give `lower`, `upper`, or both", unit="rad"),
     upper=Number(None, "opening above which it acts", unit="rad"),
 )
 def stop(build, args):
-    """Keeps the opening of a joint from going further; never pulls."""
+    """A stop, which keeps the opening of a joint from going further and never pulls."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -155,16 +159,18 @@ MOMENTS = ListKey(
     angles=ListKey(kind=Number(unit="rad"), least=2, text="openings, increasing"),
     moments=MOMENTS,
     back=replace(
-        MOMENTS, default=None, text="moments on the way back, at least `moments`; default: the same"
+        MOMENTS,
+        default=None,
+        text="moments on the way back, at least `moments`; default: equal to `moments`",
     ),
     bristle_deflection=replace(
         DEFLECTION_KEY,
-        text="half of the distance between the branches; default: that of friction",
+        text="half the change of opening between the two branches; default: that of friction",
     ),
     **CLASS,
 )
 def tabulated_spring(build, args):
-    """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness."""
+    """A moment or force on a joint by a table, such as that of a tape spring or a harness."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -185,12 +191,12 @@ def tabulated_spring(build, args):
         elements.SyncLoop,
         "rest",
         default=None,
-        text="openings without slip; default: those at the start",
+        text="openings at which the loop exerts no force; default: those at the start",
     ),
     joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two joints of its pulleys"),
 )
 def loop(build, args):
-    """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
+    """A closed cable over pulleys on two joints, which open in the ratio of the radii."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(elements.SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -204,8 +210,8 @@ def loop(build, args):
         text="opening before the turn; default: that at the start",
     ),
     turn=Number(None, "angle of its turn, times `curve`; this or `rate`", unit="rad"),
-    rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
-    curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
+    rate=Number(None, "rate of the opening, multiplied by `curve`", unit="rad/s"),
+    curve=ReferenceKey(text="curve of the opening, or of its rate", group="curves"),
 )
 def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train."""
@@ -221,12 +227,13 @@ def motor(build, args):
     elements.Release,
     watch=WatchKey(
         None,
-        "another joint, whose opening passes `level` at the release, or a latch that catches then",
+        "another joint, whose opening passes `level` at the release; or a latch, which catches "
+        "at the release",
     ),
-    level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
+    level=Number(None, "opening of the watched joint at the release", unit="rad", joint="watch"),
 )
 def release(build, args):
-    """Holds a joint until the first of a time, the opening of another and the catch of a latch."""
+    """Holds a joint until a time, an opening of another joint, or the catch of a latch."""
     latch = args.watch if isinstance(args.watch, str) else ""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint or latch to `watch`")

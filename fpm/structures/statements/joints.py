@@ -18,10 +18,10 @@ from fpm.structures.keys import DirectionKey, LettersKey, ListKey, MapKey, Refer
 from fpm.structures.statement import element, key_of, statement
 
 PART = ReferenceKey(group="parts", ground=True)
-PARTS = ListKey(kind=PART, least=2, text="what it joins")
-PAIR = ListKey(kind=PART, least=2, most=2, text="what it joins")
+PARTS = ListKey(kind=PART, least=2, text="parts that it joins")
+PAIR = ListKey(kind=PART, least=2, most=2, text="parts that it joins")
 POINT = MapKey(
-    text="its point, which all parts have; or the point of each part, which must coincide",
+    text="point that all parts share; or one point of each part, which must coincide",
     kind=ReferenceKey(group="points"),
     single=True,
 )
@@ -71,23 +71,23 @@ def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[i
     parts=PARTS,
     at=POINT,
     axis=MapKey(
-        text="of the turn; or the axis of each part, which must agree",
+        text="axis of rotation; or one axis for each part, which must agree",
         kind=DirectionKey(),
         single=True,
     ),
     opening=Number(
         0.0,
-        "angle at the start; grows as the second part turns about the axis against the "
-        "first, by the right-hand rule",
+        "angle at the start; it grows as the second part turns relative to the first about the "
+        "axis (right-hand rule)",
         unit="rad",
     ),
     references=MapKey(
         None,
-        "a direction fixed to each part, normal to the axis: the opening is their angle, "
-        "on the turn closest to `opening`, which is that angle or whole turns",
+        "one direction fixed to each part, normal to the axis. The opening is the angle between "
+        "them, plus the whole turns that bring it closest to `opening`",
         kind=DirectionKey(),
     ),
-    held=LettersKey("", "axes along which the point is held, as by a slider"),
+    held=LettersKey("", "global axes along which the point is held, as by a slider"),
 )
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it."""
@@ -141,7 +141,7 @@ def spherical(build, args):
 
 @statement("joints", "fixed", parts=PARTS, at=POINT)
 def fixed(build, args):
-    """Parts that neither move nor turn against each other there."""
+    """A rigid connection: the parts neither move nor turn relative to each other."""
     _join(build, args, "fixed")
 
 
@@ -150,17 +150,17 @@ def fixed(build, args):
     "universal",
     parts=PAIR,
     at=POINT,
-    axis=DirectionKey(text="of the cross, on the first part"),
-    other=DirectionKey(text="axis of the cross on the second part, normal to that on the first"),
+    axis=DirectionKey(text="axis of the cross on the first part"),
+    other=DirectionKey(text="axis of the cross on the second part, normal to `axis`"),
     openings=ListKey(
         None,
-        "its angles at the start: of the cross about `axis` against the first part, and of the "
-        "second part about `other` against the cross; default: 0",
+        "angles at the start: of the cross relative to the first part about `axis`, and of the "
+        "second part relative to the cross about `other`; default: 0",
         kind=Number(unit="rad"), least=2, most=2,
     ),
 )  # fmt: skip
 def universal(build, args):
-    """Cardan's joint: parts share a point, and a cross about two axes that stay normal."""
+    """A Cardan joint: parts share a point and turn about the two perpendicular axes of a cross."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")
@@ -174,15 +174,16 @@ def universal(build, args):
     "prismatic",
     parts=PAIR,
     at=POINT,
-    axis=DirectionKey(text="along which the second part slides on the first"),
+    axis=DirectionKey(text="axis along which the second part slides on the first"),
     opening=Number(
         0.0,
-        "position at the start; grows as the second part slides along the axis against the first",
+        "position at the start; it grows as the second part slides along the axis relative to "
+        "the first",
         unit="m",
     ),
 )
 def prismatic(build, args):
-    """A slider: the second part moves along an axis of the first, and does not turn on it."""
+    """A slider: the second part moves along an axis of the first and does not turn."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
@@ -190,11 +191,11 @@ def prismatic(build, args):
 def _openings(type: str) -> dict[str, Number]:
     """Keys of the openings at the start of a joint with several, or of a screw."""
     texts = {
-        "": "angle at the start; grows as the second part turns about the axis against the "
-        "first, by the right-hand rule",
-        "axis": "position at the start, along the axis",
-        "x": "position at the start, along `x`",
-        "y": "position at the start, along y, which is `axis` x `x`",
+        "": "angle at the start; it grows as the second part turns relative to the first about "
+        "the axis (right-hand rule)",
+        "axis": "position along the axis at the start",
+        "x": "position along `x` at the start",
+        "y": "position along y = `axis` × `x` at the start",
     }
     return {
         f"opening{suffix}": Number(0.0, texts[direction], unit="m" if direction else "rad")
@@ -216,10 +217,11 @@ def _add_slider(build, args, type: str, lead: float = 0.0) -> int:
 
 
 PITCH = Number(
-    text="travel of the second part along the axis in a turn, not 0; below 0: a left-handed thread",
+    text="travel of the second part along the axis in one turn, other than 0; negative for a "
+    "left-handed thread",
     unit="m",
 )
-AXIS = DirectionKey(text="about which the second part turns against the first, fixed to both")
+AXIS = DirectionKey(text="axis, fixed to both parts, about which the second part turns")
 
 
 def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
@@ -231,36 +233,36 @@ def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
     return statement("joints", type, parts=PAIR, at=POINT, **keys)
 
 
-@_slider("cylindrical", f"{AXIS.text}, and along which it slides")
+@_slider("cylindrical", f"{AXIS.text} and along which it slides")
 def cylindrical(build, args):
-    """A sleeve on a round shaft: the second part slides along an axis of the first, and turns."""
+    """A sleeve on a round shaft: the second part slides and turns on an axis of the first."""
     return _add_slider(build, args, "cylindrical")
 
 
 @_slider(
     "planar",
-    f"normal of the plane, {AXIS.text}",
-    x=DirectionKey(text="first direction in the plane, fixed to the first part, normal to `axis`"),
+    "normal of the plane, fixed to both parts, about which the second part turns",
+    x=DirectionKey(text="first direction in the plane, normal to `axis`; fixed to the first part"),
 )
 def planar(build, args):
-    """A plate on a table: the second part slides in a plane of the first, and turns in it."""
+    """A plate on a table: the second part slides and turns in a plane of the first."""
     return _add_slider(build, args, "planar")
 
 
 @_slider(
     "pin in slot",
-    f"of the pin, {AXIS.text}",
+    "axis of the pin, fixed to both parts, about which the second part turns",
     "the slot",
-    x=DirectionKey(text="along the slot, fixed to the first part, normal to `axis`"),
+    x=DirectionKey(text="direction of the slot, normal to `axis`; fixed to the first part"),
 )
 def pin_in_slot(build, args):
-    """A pin of the second part slides along a straight slot of the first, and turns in it."""
+    """A pin of the second part slides and turns in a straight slot of the first."""
     return _add_slider(build, args, "pin in slot")
 
 
-@_slider("screw", f"{AXIS.text}, and along which it goes", pitch=PITCH)
+@_slider("screw", f"{AXIS.text} and along which it moves", pitch=PITCH)
 def screw(build, args):
-    """A nut on a thread: as the second part turns about an axis of the first, it goes along it."""
+    """A nut on a thread: the second part turns about an axis of the first and so moves along it."""
     if not args.pitch:
         build.refuse("pitch", args.pitch, "a length that is not 0; without a thread: cylindrical")
     return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
@@ -274,10 +276,12 @@ del _JOURNAL["hinge"]
     PIN,
     AXIS.text,
     **_JOURNAL,
-    x=DirectionKey(None, "normal to `axis`, fixed to the first part; default: any"),
+    x=DirectionKey(
+        None, "direction normal to `axis`, fixed to the first part; default: any such direction"
+    ),
 )
 def pin_with_play(build, args):
-    """A pin of the second part turns in a bearing of the first with clearance, and rubs on it."""
+    """A pin of the second part turns, with clearance and friction, in a bearing of the first."""
     hinge = _add_slider(build, args, PIN)
     build.scene.add(element(Journal, args, hinge=hinge))
     return hinge
@@ -285,10 +289,10 @@ def pin_with_play(build, args):
 
 @statement(
     "supports",
-    part=ReferenceKey(group="parts", text="what is held"),
-    at=ReferenceKey(group="points", text="one of its points"),
-    translations=LettersKey("xyz", "axes along which it is held"),
-    rotations=LettersKey("xyz", "axes about which it is held"),
+    part=ReferenceKey(group="parts", text="part that is held"),
+    at=ReferenceKey(group="points", text="point of the part"),
+    translations=LettersKey("xyz", "axes along which the point is held"),
+    rotations=LettersKey("xyz", "axes about which the point is held"),
 )
 def support(build, args):
     """Holds a point of a part along and about global axes."""

@@ -37,33 +37,34 @@ ZERO = np.zeros(3)
 MASSLESS = 1e-30
 """Mass (kg) and inertia (kg m2) of a particle that only leads a point."""
 
-PART = ReferenceKey(group="parts", text="the part with its points")
-POINT = ReferenceKey(group="points", text="one of its points")
+PART = ReferenceKey(group="parts", text="part that has the point")
+POINT = ReferenceKey(group="points", text="point of the part")
 CURVE_KEYS = ["times", "values", "file", "column", "expression", "over"]
-CURVE = ReferenceKey(None, "scales it with time; default: constant", group="curves")
+CURVE = ReferenceKey(None, "curve that scales it over time; default: constant", group="curves")
 
 
 @statement(
     "curves",
     times=ListKey(
         None,
-        "increasing; these and `values`, or `file` and `column`, or `expression` and `over`",
+        "increasing times. Give `times` and `values`, or `file` and `column`, or `expression` "
+        "and `over`",
         kind=Number(unit="s"),
     ),
-    values=ListKey(None, "one for each time", kind=Number()),
-    file=CurvesKey(None, "file of curves of time, with units"),
-    column=TextKey(None, "the column whose numbers, in SI units, are the values"),
+    values=ListKey(None, "one value for each time", kind=Number()),
+    file=CurvesKey(None, "CSV file of curves of time, with units"),
+    column=TextKey(None, "name of the column whose numbers, converted to SI units, are the values"),
     smooth=Word(
         "false", "whether monotone cubics join the values, with zero slope at both ends",
         values=("true", "false"),
     ),
     expression=CurveExpressionKey(
-        None, "a function of u, which goes from 0 to 1 over `over`, or of t, the time"
+        None, "expression of u, which goes from 0 to 1 over `over`, or of the time t"
     ),
     over=ListKey(None, "start and end of the expression", Number(unit="s"), 2, 2),
 )  # fmt: skip
 def curve(build, args):
-    """A curve of time: through values, or by an expression; constant before and after."""
+    """A curve of time, through values or from an expression; constant before and after it."""
     keys = [key for key in CURVE_KEYS if getattr(args, key) is not None]
     if keys not in (CURVE_KEYS[:2], CURVE_KEYS[2:4], CURVE_KEYS[4:]):
         allowed = "`times` and `values`, or `file` and `column`, or `expression` and `over`"
@@ -139,18 +140,19 @@ def load(build, args):
 @statement(
     "drags",
     part=PART,
-    through=ListKey(kind=POINT, most=2, text="one of its points, or the ends of a line of it"),
-    area=Number(unit="m2", least=0, text="frontal area; of a line its length times its width"),
+    through=ListKey(kind=POINT, most=2, text="a point of the part, or the two ends of a line on "
+                                             "it"),
+    area=Number(unit="m2", least=0, text="frontal area; for a line, its length times its width"),
     coefficient=Number(least=0, text="drag coefficient: force over density/2 area speed**2"),
-    density=Number(unit="kg/m3", least=0, text="of the air"),
+    density=Number(unit="kg/m3", least=0, text="density of the air"),
     normal=DirectionKey(
-        None, "of a plate: only the velocity along it drags; default: that across a line, and all "
-        "of that of a point"
+        None, "normal of a plate, for which only the velocity along the normal counts; default: "
+              "the velocity across a line, or the whole velocity of a point"
     ),
     wind=VectorKey(ZERO, unit="m/s", text="velocity of the air"),
 )  # fmt: skip
 def drag(build, args):
-    """Drag of air by the square of the speed: at a point of a part, or evenly along a line."""
+    """Air drag, in proportion to the square of the speed, at a point of a part or along a line."""
     scene, ends = build.scene, [point.position for point in args.through]
     particles = [args.part.particle(point.name) for point in args.through]
     axis, spots = ZERO if args.normal is None else args.normal, [(particles[0], ends[0], 1.0)]
@@ -169,30 +171,40 @@ def drag(build, args):
 
 @statement(
     "cables",
-    through=ListKey(kind=PointKey(), least=2, text="its points, in order", units=True),
-    EA=Number(unit="N", above=0, text="tension for a strain of one"),
-    rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
-    preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
-    reel=Number(None, "length that a winch at the first point takes in, times `curve`", unit="m"),
-    curve=ReferenceKey(None, "of the winch", group="curves"),
+    through=ListKey(
+        kind=PointKey(), least=2, text="points through which it passes, in order", units=True
+    ),
+    EA=Number(unit="N", above=0, text="tension at a strain of one"),
+    rest=Number(None, "length without tension; give `rest` or `preload`", unit="m", above=0),
+    preload=Number(None, "tension at the start; give `preload` or `rest`", unit="N", least=0),
+    reel=Number(
+        None, "length that a winch at the first point takes in, multiplied by `curve`", unit="m"
+    ),
+    curve=ReferenceKey(None, "curve of the winch over time", group="curves"),
     friction=Number(
-        None, "coefficient of friction at the points between its ends; default: they turn", least=0
+        None,
+        "coefficient of friction at the points between its ends; default: free pulleys",
+        least=0,
     ),
     drum=OpeningKey(
-        None, "joint whose opening winds it at the first point", types=("revolute", "universal")
+        None,
+        "joint of the drum that winds the cable at its first point",
+        types=("revolute", "universal"),
     ),
-    radius=Number(None, "of the drum; < 0 where a growing opening unwinds it", unit="m"),
+    radius=Number(
+        None, "radius of the drum; negative if a growing opening unwinds the cable", unit="m"
+    ),
     shortest=Number(
         None,
-        "length without tension down to which the drum may wind it; default: a quarter of "
-        "that at the start",
+        "shortest length without tension that may remain outside the drum; default: a quarter of"
+        " that at the start",
         unit="m",
         above=0,
     ),
     **CLASS,
 )
 def cable(build, args):
-    """Pulls its points together where it is tight, and runs through those between its ends."""
+    """A tight cable pulls its points together, and runs through those between its ends."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -220,16 +232,16 @@ def cable(build, args):
     "drives",
     part=PART,
     at=POINT,
-    velocity=VectorKey(ZERO, unit="m/s", text="its velocity"),
-    spin=VectorKey(ZERO, unit="rad/s", text="its angular velocity"),
+    velocity=VectorKey(ZERO, unit="m/s", text="velocity of the point"),
+    spin=VectorKey(ZERO, unit="rad/s", text="angular velocity of the point"),
     curve=CURVE,
-    translations=LettersKey("xyz", "axes along which it is driven; along others it is free"),
+    translations=LettersKey("xyz", "axes along which it is driven; it is free along the others"),
     rotations=LettersKey(
-        "xyz", "axes about which it is driven: all (if it is driven along all), or none"
+        "xyz", "axes about which it is driven: all (if it is driven along all axes), or none"
     ),
 )
 def drive(build, args):
-    """Prescribes how a point of a part moves and turns, or how it moves along some global axes."""
+    """Prescribes the velocity and spin of a point, or its velocity along some global axes."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
     if len(args.translations + args.rotations) < 6:
@@ -281,12 +293,12 @@ def _lead(build, args, particle: int, arm) -> None:
 @statement(
     "initial_velocities",
     part=PART,
-    velocity=VectorKey(ZERO, unit="m/s", text="of the point `about`"),
+    velocity=VectorKey(ZERO, unit="m/s", text="velocity of the point `about`"),
     spin=VectorKey(ZERO, unit="rad/s", text="angular velocity"),
-    about=ReferenceKey(group="points", text="any point"),
+    about=ReferenceKey(group="points", text="point whose velocity is given"),
 )
 def motion(build, args):
-    """How a part moves at the start, as a rigid body."""
+    """Velocity and spin of a part at the start."""
     scene, particles = build.scene, args.part.particles
     centre = args.about.position
     if args.about.name in args.part.points:  # where it is, if parts were moved before the start
@@ -299,8 +311,8 @@ def motion(build, args):
 
 @statement(
     "opening_rates",
-    joint=OpeningKey(text="whose opening changes at the start"),
-    rate=Number(unit="rad/s", text="of its opening"),
+    joint=OpeningKey(text="joint whose opening changes at the start"),
+    rate=Number(unit="rad/s", text="rate of its opening"),
 )
 def opening_rate(build, args):
     """The rate of an opening at the start.
@@ -312,16 +324,18 @@ def opening_rate(build, args):
 
 
 @statement(
-    "record", part=ReferenceKey(group="parts", text="what carries it", ground=True), at=POINT
+    "record", part=ReferenceKey(group="parts", text="part that carries it", ground=True), at=POINT
 )
 def record(build, args):
     """A point of a part whose motion is recorded under this name."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)
 
 
-ENDS = ListKey(kind=PointKey(), least=2, most=2, text="its two points, of different parts")
-DAMPING = Number(0.0, "force for a rate of its length, both ways", unit="N s/m", least=0)
-FORCES = ListKey(kind=Number(unit="N"), least=2, text="one for each length, > 0 where it pushes")
+ENDS = ListKey(kind=PointKey(), least=2, most=2, text="its two end points, of different parts")
+DAMPING = Number(0.0, "force per rate of length, in both directions", unit="N s/m", least=0)
+FORCES = ListKey(
+    kind=Number(unit="N"), least=2, text="one force for each length, positive if it pushes"
+)
 SIDES = {"both ways": (1.0, 1.0), "push": (1.0, 0.0), "pull": (0.0, 1.0)}
 
 
@@ -348,15 +362,19 @@ def _length(build, args) -> float:
     "struts",
     "spring",
     between=ENDS,
-    stiffness=Number(unit="N/m", least=0, text="force for a change of its length"),
-    rest=Number(None, "its length without force; this or `preload`", unit="m", above=0),
-    preload=Number(None, "its force at the start, > 0 where it pushes", unit="N"),
-    acts=Word("both ways", "`push`, `pull`: only so, else slack", values=tuple(SIDES)),
-    damping=replace(DAMPING, text=DAMPING.text + "; 0 where it acts one way"),
+    stiffness=Number(unit="N/m", least=0, text="force per change of length"),
+    rest=Number(None, "length without force; give `rest` or `preload`", unit="m", above=0),
+    preload=Number(None, "force at the start, positive if it pushes", unit="N"),
+    acts=Word(
+        "both ways",
+        "`push` or `pull`: it acts only in this direction and is slack otherwise",
+        values=tuple(SIDES),
+    ),
+    damping=replace(DAMPING, text=DAMPING.text + "; 0 for a spring that acts in one direction"),
     **CLASS,
 )
 def spring(build, args):
-    """Pushes or pulls two points towards a distance."""
+    """A spring that pushes or pulls two points towards a distance."""
     if (args.rest is None) == (args.preload is None):
         pair = None if args.rest is None else [args.rest, args.preload]
         build.refuse("rest", pair, "either `rest` or `preload`")
@@ -379,13 +397,13 @@ def spring(build, args):
     "struts",
     "tabulated spring",
     between=ENDS,
-    lengths=ListKey(kind=Number(unit="m", above=0), least=2, text="increasing"),
+    lengths=ListKey(kind=Number(unit="m", above=0), least=2, text="increasing lengths"),
     forces=FORCES,
     damping=DAMPING,
     **CLASS,
 )
 def tabulated_spring(build, args):
-    """Pushes or pulls two points by a table over their distance, constant beyond its ends."""
+    """A force between two points from a table over their distance, constant beyond its ends."""
     _add(build, args, args.lengths, args.forces)
     if not vars(args)["class"]:
         build.scene.classes[Strut, len(Strut.find(build.scene)) - 1] = "HA"  # as tables on joints
@@ -395,16 +413,16 @@ def tabulated_spring(build, args):
     "struts",
     "gas spring",
     between=ENDS,
-    force=Number(unit="N", above=0, text="with which it pushes all the way out"),
-    length=Number(unit="m", above=0, text="of it, all the way out"),
-    stroke=Number(unit="m", above=0, text="how far it goes in"),
-    ratio=Number(unit="", above=1, text="force all the way in over `force`"),
-    exponent=Number(1.0, "of the gas: 1 slow, 1.4 fast", unit="", least=1),
+    force=Number(unit="N", above=0, text="force when it is fully extended"),
+    length=Number(unit="m", above=0, text="length when it is fully extended"),
+    stroke=Number(unit="m", above=0, text="travel from fully extended to fully compressed"),
+    ratio=Number(unit="", above=1, text="ratio of the force when fully compressed to `force`"),
+    exponent=Number(1.0, "exponent of the gas: 1 for slow motion, 1.4 for fast", unit="", least=1),
     damping=DAMPING,
     **CLASS,
 )
 def gas_spring(build, args):
-    """Pushes two points apart by an enclosed gas; its force is constant beyond its stroke."""
+    """A gas spring, which pushes two points apart; its force is constant beyond its stroke."""
     if not args.stroke < args.length:
         build.refuse("stroke", args.stroke, f"below the length, {args.length:g} m")
     table = gas_table(args.force, args.length, args.stroke, args.ratio, args.exponent)
@@ -419,16 +437,16 @@ def gas_spring(build, args):
     "struts",
     "constant force",
     between=ENDS,
-    force=Number(unit="N", text="> 0 where it pushes"),
+    force=Number(unit="N", text="force, positive if it pushes"),
     damping=DAMPING,
     **CLASS,
 )
 def constant_force(build, args):
-    """Pushes or pulls two points with the same force at any distance."""
+    """The same force between two points at any distance."""
     _add(build, args, [_length(build, args)], [args.force])
 
 
 @statement("struts", "damper", between=ENDS, damping=replace(DAMPING, default=NO_VALUE))
 def damper(build, args):
-    """Resists changes of the distance of two points."""
+    """A damper between two points, which resists changes of their distance."""
     _add(build, args, [_length(build, args)], [0.0])

@@ -35,8 +35,8 @@ def _size(text: str, unit: str = "m") -> Number:
     nu=Number(0.3, "Poisson's ratio"),
     rho=_size("density", "kg/m3"),
     stiffness_damping=Number(
-        0.0, "damping over stiffness (Rayleigh's beta): 2 zeta/omega damps a vibration at "
-        "omega by the share zeta of critical", unit="s", least=0,
+        0.0, "Rayleigh's beta, the ratio of damping to stiffness: 2 zeta/omega gives a vibration"
+             " at the frequency omega the damping ratio zeta", unit="s", least=0,
     ),
 )  # fmt: skip
 def material(build, args):
@@ -53,28 +53,30 @@ def _tube(build, args):
 
 SECTIONS = (  # type, what it is, its sizes, and the section of them
     (
-        "square", "A solid square.", {"side": _size("its side")},
+        "square", "A solid square.", {"side": _size("length of a side")},
         lambda build, args: Section.square(args.side),
     ),
     (
         "rectangle", "A solid rectangle.",
-        {"width": _size("across the bar's `up`"), "height": _size("along the bar's `up`")},
+        {"width": _size("width of the section, normal to the bar's `up`"),
+         "height": _size("height of the section, along the bar's `up`")},
         lambda build, args: Section.rectangle(args.width, args.height),
     ),
     (
-        "circle", "A solid circle.", {"diameter": _size("its diameter")},
+        "circle", "A solid circle.", {"diameter": _size("diameter of the section")},
         lambda build, args: Section.circle(args.diameter / 2),
     ),
     (
         "tube", "A round tube.",
         {"diameter": _size("outer diameter"),
-         "thickness": _size("of the wall, at most half the diameter")},
+         "thickness": _size("wall thickness, at most half the diameter")},
         _tube,
     ),
     (
-        "general", "Any section, by its four numbers.",
-        {"A": _size("area", "m2"), "Iy": _size("∫ z² dA; z is the bar's `up`", "m4"),
-         "Iz": _size("∫ y² dA", "m4"), "J": _size("torsion constant", "m4")},
+        "general", "A section of any shape, given by four numbers.",
+        {"A": _size("area", "m2"), "Iy": _size("second moment of area ∫ z² dA, where z is along "
+                                               "the bar's `up`", "m4"),
+         "Iz": _size("second moment of area ∫ y² dA", "m4"), "J": _size("torsion constant", "m4")},
         lambda build, args: Section(args.A, args.Iy, args.Iz, args.J),
     ),
 )  # fmt: skip
@@ -87,28 +89,28 @@ for _type, _text, _sizes, _build in SECTIONS:
 
 @statement(
     "bars",
-    through=ListKey(kind=POINT, least=2, text="its points, in order"),
-    section=ReferenceKey(group="sections", text="its cross-section"),
-    material=ReferenceKey(group="materials", text="its material"),
-    elements=replace(COUNT, text="beam elements of each stretch between two points"),
+    through=ListKey(kind=POINT, least=2, text="points through which it passes, in order"),
+    section=ReferenceKey(group="sections", text="cross-section"),
+    material=ReferenceKey(group="materials", text="material"),
+    elements=replace(COUNT, text="number of beam elements between two neighbouring points"),
     up=DirectionKey(
-        None, "direction of the section's height; needed unless the section is the same in all "
-        "directions, and for `curvature`"
+        None, "direction of the section's height; required for `curvature`, and unless the "
+              "section is the same in all directions"
     ),
     carries=MapKey(
-        None, "points off its axis, each rigidly held at one of its points",
+        None, "points beside its axis, each rigidly attached to one of its own points",
         group="points", kind=POINT,
     ),
-    inertia_scale=Number(1.0, "factor on the section's rotational inertia", least=1),
-    strain=Number(0.0, "strain without stress, as by heat; with `assemble`", above=-0.5),
+    inertia_scale=Number(1.0, "factor for the rotational inertia of the section", least=1),
+    strain=Number(0.0, "stress-free strain, such as that of heat; requires `assemble`", above=-0.5),
     curvature=Number(
-        None, "curvature without stress: difference of strains over height, > 0 "
-        "if the side of `up` is longer",
+        None, "stress-free curvature: difference of the strains of both sides divided by the "
+              "height, positive if the side of `up` is longer",
         unit="/m",
     ),
 )  # fmt: skip
 def bar(build, args):
-    """An elastic bar through points, each stretch between two of them straight."""
+    """An elastic bar through points, straight between neighbouring points."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")
@@ -224,28 +226,29 @@ def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray,
 # -- bodies and masses -----------------------------------------------------------------------------
 
 
-POINTS = ListKey((), "points rigidly held at it", kind=POINT, units=True)
+POINTS = ListKey((), "points that are fixed to it", kind=POINT, units=True)
 
 
 @statement(
     "bodies",
-    mass=_size("its mass", "kg"),
-    centre=ReferenceKey(group="points", text="its centre of mass"),
+    mass=_size("mass", "kg"),
+    centre=ReferenceKey(group="points", text="centre of mass"),
     box=VectorKey(
-        None, "edges of a box filled evenly with the mass, along x, up × x and up; this or "
-        "`inertia`", unit="m",
+        None, "edge lengths of a uniform box with this mass, along x, up × x and up; give this "
+              "or `inertia`", unit="m",
     ),
     inertia=VectorKey(
-        None, "moments of inertia about x, up × x and up, principal axes through its centre, or "
-        "through `about`", unit="kg m2",
+        None, "principal moments of inertia about x, up × x and up, for axes through the centre "
+              "or through `about`", unit="kg m2",
     ),
-    about=ReferenceKey(None, group="points", text="point through which the axes of `inertia` go"),
+    about=ReferenceKey(None, group="points", text="point through which the axes of `inertia` pass"),
     points=POINTS,
-    x=DirectionKey(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
-    up=DirectionKey(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
+    x=DirectionKey(np.array([1.0, 0.0, 0.0]), "direction of its first principal axis"),
+    up=DirectionKey(np.array([0.0, 0.0, 1.0]), "direction of its third principal axis, normal to"
+                                               " x"),
 )  # fmt: skip
 def body(build, args):
-    """A rigid body, without `type`, free until something joins or holds it."""
+    """A rigid body (without `type`), which moves freely unless joints or supports hold it."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
         build.refuse("box", pair, "either `box` or `inertia`")
@@ -297,12 +300,12 @@ def _add_body(build, args, mass, centre, inertia, axes, points) -> Body:
 
 
 MASS = {
-    "mass": replace(_size("its mass, evenly in it; this or `density`", "kg"), default=None),
-    "density": replace(_size("of its material, instead of `mass`", "kg/m3"), default=None),
+    "mass": replace(_size("mass, evenly distributed; give this or `density`", "kg"), default=None),
+    "density": replace(_size("density of its material, instead of `mass`", "kg/m3"), default=None),
 }
-END_TEXTS = {"from": "one of its points, an end of its axis", "to": "the other end"}
+END_TEXTS = {"from": "point at one end of its axis", "to": "point at the other end of its axis"}
 LINE = {**{key: replace(POINT, text=text) for key, text in END_TEXTS.items()}, **MASS}
-ROD_DIAMETER = "of a solid round rod; default: a line, about whose axis nothing may act"
+ROD_DIAMETER = "diameter of a solid round rod; default: a line, about whose axis no moment may act"
 
 
 def _mass_of(build, args, volume: float, remedy: str) -> float:
@@ -339,7 +342,7 @@ def _cylinder(build, args, section: Section | None) -> Body:
     points=POINTS,
 )
 def rod(build, args):
-    """A straight rigid rod between two points, its mass evenly along it."""
+    """A straight rigid rod between two points, with its mass evenly distributed."""
     return _cylinder(build, args, args.diameter and Section.circle(args.diameter / 2))
 
 
@@ -347,12 +350,12 @@ def rod(build, args):
     "bodies",
     "tube",
     **LINE,
-    diameter=_size("its outer diameter"),
-    thickness=_size("of the wall, at most half the diameter"),
+    diameter=_size("outer diameter"),
+    thickness=_size("wall thickness, at most half the diameter"),
     points=POINTS,
 )
 def tube(build, args):
-    """A straight round rigid tube between two points, without lids."""
+    """A straight round rigid tube between two points, with open ends."""
     return _cylinder(build, args, _tube(build, args))
 
 
@@ -360,15 +363,15 @@ def tube(build, args):
     "bodies",
     "plate",
     corners=ListKey(
-        kind=POINT, least=3, text="points of it in one plane, in order around it, each seen from "
-        "the first",
+        kind=POINT, least=3, text="corner points in one plane, in order around the plate; the "
+                                  "first sees all the others",
     ),
     **MASS,
-    thickness=Number(0.0, "half to each side of its corners", unit="m", least=0),
+    thickness=Number(0.0, "thickness, half on each side of the corners' plane", unit="m", least=0),
     points=POINTS,
 )  # fmt: skip
 def plate(build, args):
-    """A flat rigid plate between its corners, its mass evenly in it."""
+    """A flat rigid plate between its corners, with its mass evenly distributed."""
     places = np.array([corner.position for corner in args.corners])
     arms = places[1:] - places[0]
     first, second = arms[:-1], arms[1:]  # sides of triangles that begin at the first corner
@@ -393,13 +396,13 @@ def plate(build, args):
 
 @statement(
     "masses",
-    part=ReferenceKey(group="parts", text="what carries it"),
-    at=ReferenceKey(group="points", text="any point of a rigid body, or one on a bar's axis"),
-    mass=_size("its mass", "kg"),
-    inertia=Number(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
+    part=ReferenceKey(group="parts", text="part that carries it"),
+    at=ReferenceKey(group="points", text="any point of a rigid body, or a point on a bar's axis"),
+    mass=_size("mass", "kg"),
+    inertia=Number(0.0, "moment of inertia, the same about every axis", unit="kg m2", least=0),
 )
 def mass(build, args):
-    """A mass at a point of a part, with its centre there."""
+    """A mass whose centre is at a point of a part."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:

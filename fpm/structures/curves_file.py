@@ -143,9 +143,9 @@ class CsvTable:
             na_filter=False, skip_blank_lines=False, skipinitialspace=True,
         ).fillna("")  # fmt: skip
         self.cells = [[str(cell).strip() for cell in frame[k]] for k in frame.columns]
-        filled = [k for k, cells in enumerate(self.cells, 1) if any(cells)]
-        filled += [k for k, name in enumerate(self.names, 1) if name]
-        if not max(filled) <= min(most, len(self.names)):
+        counts = [k for k, cells in enumerate(self.cells, 1) if any(cells)]
+        counts += [k for k, name in enumerate(self.names, 1) if name]
+        if not max(counts) <= min(most, len(self.names)):
             self._refuse_count(rows)
         self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
         self.comma = self._comma()

@@ -220,6 +220,7 @@ def test_no_number_is_left_out_of_these():
 
 def test_the_command_tells_each_parameter_with_its_default_unit_and_limits():
     found = structure("scissor")
+    assert describe(found)[:100] in found._repr_html_()  # of notebooks
     rows = {line.split()[0]: line for line in describe(found).splitlines()[::-1] if line.strip()}
     for name, parameter in found.parameters.items():
         row, default = rows[name], parameter.default

@@ -22,13 +22,13 @@ Curves = dict[str, dict[str, ResponseBounds]]
 def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     """Return the facts of several folders of results as plain data, with the curves of all
     responses. Raises `CampaignError` for a folder without results."""
-    for path in (once := {Path(path).resolve(): str(path) for path in paths}).values():
-        if len(once) < max(len(paths), 2):
+    for path in (path_by_folder := {Path(path).resolve(): str(path) for path in paths}).values():
+        if len(path_by_folder) < max(len(paths), 2):
             text = "the same folder is given twice" if len(paths) > 1 else "nothing to compare"
             raise CampaignError(f"{path}: {text}; allowed: two different folders or more")
-    labels = [path.name for path in once]
+    labels = [path.name for path in path_by_folder]
     if len({*labels}) < len(labels):  # of the same campaign
-        labels = [*once.values()]
+        labels = [*path_by_folder.values()]
     folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
     for folder in folders.values():
         if not (folder / "summary.json").exists():

@@ -87,10 +87,10 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
     ((head, sign, value),) = re.findall(r"\A(\w*)([ :]?)(.*)", name, re.DOTALL)
     if name[:1].isdigit():
         return " (a number has a point, not a comma, as in 1.5)"
-    if sign and value and head in names:
+    if sign and value and head in names and not re.fullmatch(r"[\[(/] ?[^\d\s.+-][^,]*", value):
         missing = "colon" if sign == " " else "space behind the colon"
         return f" (a {missing} is missing: `{head}: {value.strip()}`)"
-    guess = likely(name, names)
+    guess = likely(name, names) or (head if head in names else "")
     return hint_new(name, names) or (f" (did you mean {guess}?)" if guess else "")
 
 
@@ -137,6 +137,7 @@ _WORDS = {
     "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
     "monte_carlo": "sobol", "lhs": "sobol", "latin_hypercube": "sobol",
     "gltf": "glb", "paraview": "vtk", "mujoco": "mjcf", "png": "figures", "pdf": "figures",
+    "grad": "deg", "sek": "s", "sekunden": "s",
     "tol": "relative", "tolerance": "relative", "plusminus": "absolute", "time": "duration",
 }  # fmt: skip
 """Words of other programs and of everyday, and those of this one for the same."""

@@ -77,6 +77,14 @@ class Unit(NamedTuple):
         """Return a value, given in this unit, in SI units."""
         return value * self.numerator / self.denominator
 
+    def fits(self, target: "Unit") -> bool:
+        """Return whether a number in this unit may stand for one in another: of the same dimension,
+        no angle for a plain number, no frequency for an angular one."""
+        first, second = (bool(re.search("rad|deg|rpm", x.udunits)) for x in (self, target))
+        is_free = any(target.dimension.powers) and "Hz" not in self.udunits + target.udunits
+        is_same = self.dimension.powers == target.dimension.powers
+        return is_same and (first == second or is_free)
+
 
 _UNITS = {  # name: numerator, denominator, powers of kg, m, s
     "m": (1, 1, (0, 1, 0)),

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +97,10 @@ class SceneType:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "description", join_lines(self.description))
+
+    def _repr_html_(self) -> str:
+        describe = import_module("fpm.structures.describe")  # which knows structures
+        return describe.to_html(describe.describe(self))
 
     def build(self, **parameters) -> Scene:
         """Return the scene at values of parameters, by keyword in their units; others take their

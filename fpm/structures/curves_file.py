@@ -30,12 +30,13 @@ _DECIMAL_COMMA = re.compile(
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+\.\d*|[-+]?\d{1,3}(?:,\d{3}){2,}")
 _WITH_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,3}(?:\.\d{3})+,\d*|[-+]?\d{1,3}(?:\.\d{3}){2,}|[^.]*")
 _WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?|[^,]*")
-_COMMENT = re.compile(r"\s*(?:$|[%!]|//|#(?!N/?A|NV|VALUE|REF|DIV|NAME|NUM|NULL))")  # no sheet's
+_SHEET_ERROR = "N/?A|NV|VALUE|REF|DIV|NAME|NUM|NULL"
+_COMMENT = re.compile(rf"[\s;,]*$|\s*(?:[%!]|//|#(?!{_SHEET_ERROR}))")
 _IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
-_BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^/()]+))")
+_BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^()]+))")
 _SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "^": "", "·": " ",
                         "*": " ", "−": "-", "⁻": "-", "¹": "1"})  # fmt: skip
-_NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
+NO_UNIT = f"it has no unit; allowed: such as {EXAMPLE}"
 _TIMES = ("t", "time", "zeit", "temps", "tiempo", "tempo", "timestamp")
 
 
@@ -46,12 +47,12 @@ class CurvesFileError(ValueError):
 @dataclass(frozen=True)
 class CurvesFile:
     """Content of a CSV file of curves of time. times (r,): s, increasing; columns: others (r,) by
-    name, SI units; dimensions: physical dimension of these by name; digest: of the file; faults:
-    why other columns cannot be used, by name."""
+    name, SI units; units: of these in the file by name; digest: of the file; faults: why other
+    columns cannot be used, by name."""
 
     times: np.ndarray
     columns: dict[str, np.ndarray]
-    dimensions: dict[str, Any]
+    units: dict[str, Unit]
     digest: str
     faults: dict[str, str] = field(default_factory=dict)
 
@@ -66,16 +67,16 @@ class CurvesFile:
             row = reversals[0] + 1
             text = f"the time {times[row]:.9g} s does not follow {times[row - 1]:.9g} s"
             table.refuse(table.lines[row], f"{text}; allowed: increasing times")
-        columns, dimensions, faults = {}, {}, {}
+        columns, units, faults = {}, {}, {}
         for number, name in enumerate(table.names):
-            if number == table.time:
+            if number == table.time or not name:
                 continue
             try:
                 columns[name] = table.numbers(number)
-                dimensions[name] = table.units[number].dimension
+                units[name] = table.units[number]
             except CurvesFileError as error:
                 faults[name] = str(error)
-        return cls(times, columns, dimensions, table.digest, faults)
+        return cls(times, columns, units, table.digest, faults)
 
     def allowed(self, name: str) -> str:
         """Say which names of columns are allowed instead of `name`, and why that one is not."""
@@ -119,7 +120,7 @@ class CsvTable:
             self.refuse(1, f"'' is no line of names with units; allowed: such as {EXAMPLE}")
         self.separator = separator or self._separator(rows[0][1])
         if all(map(_DIGITS.fullmatch, self._cells(rows[0][1]))):  # names may stand in a comment
-            lines_above = [line for line in all_lines[: rows[0][0] - 1] if line[1].strip()]
+            lines_above = [line for line in all_lines[: rows[0][0] - 1] if line[1].strip(" \t;,")]
             if not lines_above:
                 text = "no line of names with units stands above the numbers"
                 self.refuse(rows[0][0], f"{text}; allowed: such as {EXAMPLE}")
@@ -134,19 +135,19 @@ class CsvTable:
         self.time = self._time() if has_time else -1
         if not rows:
             raise CurvesFileError(f"{path}: no rows; allowed: rows of numbers")
-        try:
-            frame = pandas.read_csv(
-                io.StringIO("\n".join(line for _, line in rows)), header=None, dtype=str,
-                sep=r"\s+" if self.separator == " " else self.separator,
-                na_filter=False, skip_blank_lines=False, skipinitialspace=True,
-            ).fillna("")  # fmt: skip
-        except pandas.errors.ParserError:
-            frame = pandas.DataFrame()
+        is_spaced = self.separator == " "
+        most = max(len(x.split()) if is_spaced else x.count(self.separator) + 1 for _, x in rows)
+        frame = pandas.read_csv(
+            io.StringIO("\n".join(line for _, line in rows)), names=range(most), dtype=str,
+            sep=r"\s+" if is_spaced else self.separator,
+            na_filter=False, skip_blank_lines=False, skipinitialspace=True,
+        ).fillna("")  # fmt: skip
         self.cells = [[str(cell).strip() for cell in frame[k]] for k in frame.columns]
-        if len(self.cells) == len(self.names) + 1 and not any(self.cells[-1]):
-            self.cells.pop()  # each row ends with a separator
-        if len(self.cells) != len(self.names):
+        counts = [k for k, cells in enumerate(self.cells, 1) if any(cells)]
+        counts += [k for k, name in enumerate(self.names, 1) if name]
+        if not max(counts) <= min(most, len(self.names)):
             self._refuse_count(rows)
+        self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
         self.comma = self._comma()
 
     def refuse(self, line: int, text: str) -> NoReturn:
@@ -171,7 +172,7 @@ class CsvTable:
         names, units = map(list, zip(*map(_name_with_unit, cells), strict=True))
         if rows and not any(isinstance(u, Unit) for u in units):
             words = [cell.strip("[]() ") for cell in self._cells(rows[0][1])]
-            row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else _NO_UNIT for w in words]
+            row = [_unit(w) if re.search(r"[^\d.,eE+-]", w) else NO_UNIT for w in words]
             is_units = all(
                 isinstance(u, Unit) or w in ("", "-") for u, w in zip(row, words, strict=True)
             )
@@ -187,7 +188,7 @@ class CsvTable:
         times = [k for k, name in enumerate(self.names) if name.lower() in _TIMES]
         matches = [k for k in columns if k in times]
         if columns and not matches:  # `time` without a unit beside `delay [s]`
-            columns += [k for k in times if self.units[k] == _NO_UNIT]
+            columns += [k for k in times if self.units[k] == NO_UNIT]
         columns = matches if len(matches) == 1 else columns
         if len(columns) > 1:
             text = f"the time could be {' or '.join(self.names[k] for k in columns)}"
@@ -204,7 +205,7 @@ class CsvTable:
     def _refuse_count(self, rows: Sequence[tuple[int, str]]) -> NoReturn:
         """Refuse the first row that has another number of cells than the names."""
         count = len(self.names)
-        sizes = [(number, len(self._cells(line))) for number, line in rows]
+        sizes = [(number, len(self._cells(line.rstrip(" \t;,")))) for number, line in rows]
         line, size = next((row for row in sizes if row[1] != count), (self.head, 0))
         is_comma = self.separator == "," and size == 2 * count
         hint = " (decimal commas need semicolons between columns)" if is_comma else ""
@@ -234,7 +235,7 @@ class CsvTable:
         """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
         default: unit of a column without one."""
         name, column_unit = self.names[column], self.units[column]
-        if column_unit == _NO_UNIT and default:
+        if column_unit == NO_UNIT and default:
             column_unit = default
         if self.names.count(name) > 1:
             self.refuse(self.head, f"the column {name} stands twice; allowed: each name once")
@@ -253,7 +254,8 @@ class CsvTable:
             texts.append(re.sub("[dD](?=[-+]?[0-9]+$)", "e", text))
             if not _NUMBER.fullmatch(texts[-1]) or not np.isfinite(float(texts[-1])):
                 allowed = "seconds since the start" if ":" in cell else "a finite number"
-                self.refuse(line, f"{cell!r} is not allowed; allowed: {allowed}, or no such row")
+                text = f"{cell!r} is not allowed" if cell else f"the cell of {name} is empty"
+                self.refuse(line, f"{text}; allowed: {allowed}, or no such row")
         return column_unit.si(np.array(texts, dtype=object).astype(float))
 
 
@@ -269,7 +271,7 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
                 return fold_name(match[1]), column_unit
             if form is _IN_BRACKETS:
                 return fold_name(cell), column_unit
-    return fold_name(cell), _NO_UNIT
+    return fold_name(cell), NO_UNIT
 
 
 def _unit(text: str) -> Unit | str:

@@ -120,9 +120,7 @@ class Structure(StatementTable):
         return self.scene_type.build(**parameters)
 
     def _repr_html_(self) -> str:
-        from fpm.structures.describe import describe, to_html  # 0.1 s
-
-        return to_html(describe(self.scene_type))
+        return self.scene_type._repr_html_()
 
     def text(self) -> str:
         """Return the structure as the text of a YAML file, which loads to the same scenes."""

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fpm.arithmetic.expressions import ExpressionError, parse
-from fpm.arithmetic.units import NUMBER, Unit, UnitError, unit
+from fpm.arithmetic.units import Unit, UnitError, unit
 from fpm.declare import NO_VALUE
 from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
@@ -278,16 +278,16 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenPara
         problems.say(line, f"{key}.value: missing; allowed: a number")
         return None
     texts = {name: str(entry.plain) for name, entry in node.entries.items()}
-    value = _number(f"{key}.value", node.entries["value"], problems)
     if (whole := texts.get("whole", "false")) not in ("true", "false"):
         problems.refuse(node.lines["whole"], f"{key}.whole", whole, "true or false")
     try:
         parameter_unit = unit(texts.get("unit", ""))
     except UnitError as error:
         problems.say(node.lines["unit"], f"{key}.unit: {error}")
-        parameter_unit = None
-    ends = _range(f"{key}.range", node.entries.get("range"), problems)
-    if value is None or parameter_unit is None or ends is None:
+        return None
+    value = _number(f"{key}.value", node.entries["value"], parameter_unit, problems)
+    ends = _range(f"{key}.range", node.entries.get("range"), parameter_unit, problems)
+    if value is None or ends is None:
         return None
     is_whole, (least, most) = whole == "true", ends
     if is_whole and value == round(value):
@@ -302,27 +302,30 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenPara
     return GivenParameter(parameter, parameter_unit, line)
 
 
-def _number(key: str, node: Node, problems: Problems) -> float | None:
-    """Arithmetic of plain numbers; the unit has a key of its own."""
-    allowed = "a number without unit; the unit goes to `unit`"
+def _number(key: str, node: Node, symbol: Unit, problems: Problems) -> float | None:
+    """Arithmetic of numbers, in the unit of the parameter: plain ones, or with units that fit."""
+    allowed = "a number in the parameter's `unit`, or with a unit that fits"
     try:
         expression = parse(node.text)
-        if not expression.names and expression.dimension({}).fits(NUMBER):
-            return expression.value({})
+        if not expression.names and (dimension := expression.dimension({})).fits(symbol.dimension):
+            value = expression.value({})
+            return value if dimension.bare else float(f"{value / symbol.si(1.0):.15g}")
     except ExpressionError as error:
         allowed = f"{allowed}: {error}" if node.text else allowed
     problems.refuse(node.line, key, node.plain, allowed)
     return None
 
 
-def _range(key: str, node: Node | None, problems: Problems) -> tuple[float, float] | None:
+def _range(
+    key: str, node: Node | None, symbol: Unit, problems: Problems
+) -> tuple[float, float] | None:
     """Both ends of a range, infinite without one."""
     if node is None:
         return -math.inf, math.inf
     if len(node.items) != 2:
         problems.refuse(node.line, key, node.plain, "[lowest, highest]")
         return None
-    low, high = (_number(key, item, problems) for item in node.items)
+    low, high = (_number(key, item, symbol, problems) for item in node.items)
     if low is None or high is None:
         return None
     if low > high:

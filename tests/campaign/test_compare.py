@@ -12,11 +12,13 @@ from deployable.campaign.cli import main
 
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory):
-    """Results of a panel with a weak and with a strong spring."""
+    """Results of a panel with a weak and with a strong spring, of other designs and instants."""
     results, early = tmp_path_factory.mktemp("pair"), {"early": {"t_open": {"at_most": 1.9}}}
     strong = {"k": {"nominal": 0.2, "relative": 0.05}}
     raws = [panel(campaign="weak", requirements=early),
             panel(campaign="strong", intervals=strong, requirements=early)]  # fmt: skip
+    raws[1]["design"]["order"], raws[1]["solver"]["instants"] = 4, 801
+    raws[1]["responses"]["speed"] = {"opening_rate": "hinge"}
     return [str(run(raw, results).path) for raw in raws]
 
 
@@ -26,7 +28,8 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     facts = json.loads(capsys.readouterr().out)
     assert [case["name"] for case in facts["cases"]] == ["weak", "strong"]
     assert [case["changes"] for case in facts["cases"]] == [
-        "k 0.1 N m/rad, ± 5 %", "k 0.2 N m/rad, ± 5 %"]  # fmt: skip
+        "k 0.1 N m/rad, ± 5 %; solver.instants 401; design.order 3",
+        "k 0.2 N m/rad, ± 5 %; solver.instants 801; design.order 4"]  # fmt: skip
     (t_open,) = [row for row in facts["quantities"] if row["name"] == "t_open"]
     for row, k in zip(t_open["by_case"], (0.1, 0.2), strict=True):
         expected = [exact_time(1.05 * k), exact_time(0.95 * k)]
@@ -35,27 +38,30 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     met = [row["met"] for row in early["limits"][0]["by_case"]]
     expected = [exact_time(0.95 * k) <= 1.9 for k in (0.1, 0.2)]
     assert [m == "all" for m in met] == expected
-    (curve,) = facts["curves"]
+    curve, only = facts["curves"]
+    assert only["name"] == "speed" and [bool(row) for row in only["by_case"]] == [False, True]
     files = [xarray.load_dataset(f"{folder}/bounds.nc") for folder in pair]
     bounds = [file.sel(response="psi") for file in files]
     for end in ("lower", "upper"):
-        change = np.abs(bounds[1][end].values - bounds[0][end].values).max()
+        change = np.abs(bounds[1][end].values[::2] - bounds[0][end].values).max()
         assert curve["by_case"][1][f"{end}_change"] == pytest.approx(change)
         assert f"{end}_change" not in curve["by_case"][0]
     for row, data in zip(curve["by_case"], bounds, strict=True):
         assert row["width"] == pytest.approx(float((data["upper"] - data["lower"]).max()))
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert page.count("data:image/png;base64") == 1 and "http" not in page.split("</style>")[1]
+    assert page.count("data:image/png;base64") == 2 and "http" not in page.split("</style>")[1]
     assert main(["compare", *pair]) == 0
     text = capsys.readouterr().out
-    assert text.startswith("# weak and strong: 2 cases") and "## Curves by case" in text
+    assert text.startswith("# Comparison of weak, strong\n") and "## Curves by case" in text
+    assert "- speed: " in text and "\n  - weak: –\n" in text and "\\`" not in text
+    assert "No: not all requirements are met in 1 of 2 cases (“weak”)." in text
 
 
 @pytest.mark.parametrize(
     ("names", "words"),
     [
-        (["a"], "a: nothing to compare; allowed: two folders or more"),
-        (["a", "a"], "nothing to compare"),
+        (["a"], "a: nothing to compare; allowed: two different folders or more"),
+        (["a", "./a"], "a: the same folder is given twice; allowed: two different folders"),
         (["a", "b"], "a has no summary.json; allowed: a folder of finished results"),
     ],
 )

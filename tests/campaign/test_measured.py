@@ -54,7 +54,7 @@ def problems(raw, curves=None, **changes):
         ("angle [rad],x [m]\n0,1\n", "line 1: 'angle [rad],x [m]' has no column with a unit of"),
         ("t [s],angle [rad],angle [rad]\n0,1,1\n", "the column angle stands twice"),
         ("t [s],angle [rad]\n", "no rows"),
-        (CURVES + "0.4,\n", "line 5: '' is not allowed; allowed: a finite number"),
+        (CURVES + "0.4,\n", "line 5: the cell of angle is empty; allowed: a finite number"),
         (CURVES + "\n0.4,1,2\n", "line 6: 3 values; allowed: 2"),
         ("t [s],phi [rad]\n0,1\n1,1\n2,1\n", "there is no such column of "),
         (CURVES + "3.1,1\n", "ends 3.1 s into the run, at the least delay, the run at 3 s"),

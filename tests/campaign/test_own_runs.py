@@ -62,8 +62,9 @@ def planned(config):
         ROWS.replace(",", ";").replace(".", ","),
         "run;c;k [N mm/rad];note\n1;0;45;a\n2;0;55;\n3;4e-4;45;\n"
         "4;4e-4;55;\n5;1e-4;50;\n6;3e-4;47,5;\n",
+        "k / N mm/rad;c;;\n45;0;;\n55;0\n45;4e-4;;\n55;4e-4\n50;1e-4\n47,5;3e-4\n;;;\n",
     ],
-    ids=["plain", "decimal commas", "units and other columns"],
+    ids=["plain", "decimal commas", "units and other columns", "of a sheet"],
 )
 def test_rows_are_the_runs(config, tmp_path, text):
     (tmp_path / "doe.csv").write_text(text)
@@ -76,8 +77,13 @@ def test_parameters_without_a_column_are_nominal(config, tmp_path):
     config["intervals"]["c"] = {"lower": 1e-4, "upper": 1e-4}
     runs = planned(config)
     np.testing.assert_allclose(runs, np.transpose([[0.05, 0.045, 0.048, 0.052, 0.055], [1e-4] * 5]))
-    config["design"] = {"values": [0.045, 0.048, 0.052, 0.055]}
-    np.testing.assert_array_equal(planned(config), runs)
+    config["design"] = {"values": [0.045, "48 N mm/rad", 0.052, "0.055 N m/rad"]}
+    del config["intervals"]["c"]
+    config["scene"]["parameters"] = {"c": 1e-4}
+    np.testing.assert_array_equal(planned(config), runs[:, :1])
+    config["design"] = {"values": ["48 N/rad"]}
+    with pytest.raises(ConfigError, match=r"design.values: '48 N/rad' is not allowed; .*N m rad-1"):
+        check_config(config)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +94,9 @@ def test_parameters_without_a_column_are_nominal(config, tmp_path):
         ("k,cc\n0.05,0\n", {}, "line 1: the column cc is of no interval (did you mean c?)"),
         ("k [m],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),
         ("run,note\n1,a\n", {}, "line 1: no column of a parameter; allowed: k, c"),
-        ("k,c\n0.05,\n", {}, "line 2: '' is not allowed; allowed: a finite number"),
+        ("k,c\n0.05,\n", {}, "line 2: the cell of c is empty; allowed: a finite number"),
+        ("k [rpm],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),
+        ("k (Nmmm),c\n0.05,0\n", {}, "line 1: k (Nmmm): 'Nmmm' is not a unit (did you mean"),
         ("k,c\n0.05,0\n0.051,1e-4\n", {}, "design: 3 runs with the nominal one do not "),
         (ROWS, {"order": 3}, "design.order: not allowed beside design.file; allowed: one of"),
         (ROWS, {"values": [1]}, "design.values: not allowed beside design.file; allowed: one of"),

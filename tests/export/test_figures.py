@@ -5,10 +5,13 @@ import zlib
 
 import numpy as np
 import pytest
+import xarray
 
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import choose, export
 from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.drawing import draw_moments, telling_moments
+from deployable.campaign.results.envelopes import Envelopes
 from deployable.campaign.results.figures import envelope
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 
@@ -168,3 +171,21 @@ def test_a_hatch_means_one_thing_in_all_axes():
     meanings = {(patch.get_hatch(), patch.get_label()) for patch in hatched}
     assert meanings == {("///", "error above 10 % of\nthe largest difference")}
     assert len({patch.axes for patch in hatched}) == len(hatched) == 9  # of 12 axes, once in each
+
+
+def test_bounds_in_python_draw_themselves_whole_or_selected(results):
+    data = xarray.load_dataset(results / "bounds.nc")
+    bounds = Envelopes(data.data_vars, data.coords, data.attrs)
+    upper = bounds["upper"].sel(response="x").values
+    early = bounds.sel(response="x").isel(time=slice(0, 5))
+    for figure, count in (
+        (bounds.plot(), None), (bounds.plot("x"), None), (bounds.sel(response="x").plot(), None),
+        (bounds.sel(response=["x"]).plot(), None), (early.plot("x"), 5),
+    ):  # fmt: skip
+        drawn = [line.get_ydata() for line in figure.axes[0].get_lines()]
+        assert any(np.array_equal(y, upper[:count]) for y in drawn)
+    for one in (bounds, early):
+        with pytest.raises(
+            CampaignError, match=r"'X' is no response \(did you mean x\?\); all.*: x"
+        ):
+            one.plot("X")

@@ -33,7 +33,8 @@ WRONG = [
     ("range: [0.1, 10], ", "range: [2, 10], ", "L.value: 1 is not allowed; allowed: a number"),
     ("range: [0.1, 10], ", "range: [3, 2], ", "allowed: the lowest value first"),
     ("unit: deg", "unit: degre", "'degre' is not a unit (did you mean deg?)"),
-    ("value: 1, unit: m", "value: 1 m", "allowed: a number without unit; the unit goes to `unit`"),
+    ("value: 1, unit: m", "value: 1 s, unit: m", "a number in the parameter's `unit`, or with a"),
+    ("value: 1, unit: m", "value: 1 m", "a number in the parameter's `unit`, or with a unit that"),
     ("value: 1, unit", "valeu: 1, unit", "there is no such key (did you mean value?)"),
     ("L*cos(stow), 0", "stow*cos(stow), 0", "points.B: stow*cos(stow) is a number or an angle"),
     ("[L*cos(stow), 0, ", "[L*cos(stow), ", "allowed: three coordinates [x, y, z]"),
@@ -219,6 +220,7 @@ def test_no_number_is_left_out_of_these():
 
 def test_the_command_tells_each_parameter_with_its_default_unit_and_limits():
     found = structure("scissor")
+    assert describe(found)[:100] in found._repr_html_()  # of notebooks
     rows = {line.split()[0]: line for line in describe(found).splitlines()[::-1] if line.strip()}
     for name, parameter in found.parameters.items():
         row, default = rows[name], parameter.default
@@ -226,3 +228,15 @@ def test_the_command_tells_each_parameter_with_its_default_unit_and_limits():
         if default is not None:
             assert float(row.split()[1]) == pytest.approx(float(default), rel=1e-8)
         assert parameter.unit == "1" or parameter.unit in row
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "number"),
+    [("50 N mm/rad", "N m/rad", 0.05), ("pi/2 rad", "deg", 90), ("90", "deg", 90),
+     ("asin(0.5)", "deg", 30), ("5 deg", "deg", 5), ("2*0.3 m", "mm", 600), ("2**3", "", 8)],
+)  # fmt: skip
+def test_values_and_ranges_of_parameters_may_have_units(value, unit, number):
+    keys = f"{{value: {value}, unit: {unit}, range: [{value}, {value}]}}"
+    text = SMALL.replace("parameters:\n", f"parameters:\n  other: {keys}\n")
+    parameter = loads(text.replace("half: L/2", "half: other")).parameters["other"]
+    assert parameter.default == parameter.least == parameter.most == number

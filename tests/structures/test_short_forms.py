@@ -126,7 +126,7 @@ VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
     ("mass: 1,", "mass: w,", "'w' is a vector in m; allowed: a value in kg above 0"),
     ("box: [1, 1, 1]", "box: [P, 1, 1]", "'P' is a vector in m; allowed: three numbers"),
     ("gravity: (-9.81 m/s2)*z", "gravity: 9.81 m/s2", "'9.81 m/s2' is m s-2; allowed: three"),
-    ("{value: 2, unit: m}", "{value: 'cross([1, 0, 0], [0, 1, 0])'}", "a number without unit"),
+    ("{value: 2, unit: m}", "{value: 'cross([1, 0, 0], [0, 1, 0])'}", "in the parameter's"),
 )
 
 

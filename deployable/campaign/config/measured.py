@@ -51,7 +51,7 @@ def resolve_tests(
 
 def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment) -> Iterator[str]:
     curves = {curve.name: curve for curve in experiment.response_list if curve.kind != "margin"}
-    columns = [name for name in file.columns if not name.endswith(_BAND)]
+    columns = [name for name in (*file.columns, *file.faults) if not name.endswith(_BAND)]
     for column, response in test.columns.items():
         band = column + _BAND
         if fault := file.faults.get(column) or file.faults.get(band):
@@ -60,13 +60,13 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
             yield f"columns.{column}: {unknown(column, f'column of {test.file}', columns)}"
         elif response not in curves:
             yield f"columns.{column}: {unknown(response, 'response over time', curves)}"
-        elif not file.dimensions[column].fits(unit(curves[response].unit).dimension):
+        elif not file.units[column].fits(unit(curves[response].unit)):
             text = f"{test.file}: its unit is not that of {response}"
             yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
         elif (has_column := band in file.columns) == (response in test.band):
             text = "has two bands" if has_column else "has no band"
             yield f"band.{response}: {response} {text}; allowed: one here or as {band}"
-        elif has_column and not file.dimensions[band].fits(unit(curves[response].unit).dimension):
+        elif has_column and not file.units[band].fits(unit(curves[response].unit)):
             text = f"{test.file}: the unit of {band} is not one of {column}"
             yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
         elif has_column and not (file.columns[band] > 0).all():

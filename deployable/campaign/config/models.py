@@ -177,8 +177,11 @@ class DesignSection:
     """A CSV file with runs of your own, instead of a method: a row for each run, and a column for
     each parameter that is not at its nominal value, in its unit or a stated one (`k [N mm/rad]`).
     Bounds come from the models that take all runs. The nominal run is added."""
-    values: Annotated[tuple[float, ...], Rule("a list of numbers", least=1)] = ABSENT
-    """Runs of your own for a single interval: its values, in its unit, instead of a file."""
+    values: Annotated[tuple[float, ...], Rule("a list of numbers", least=1, unit="parameter")] = (
+        ABSENT
+    )
+    """Runs of your own for a single interval: its values, in its unit or a stated one, instead of a
+    file."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from fpm.arithmetic.units import Unit, unit
 from fpm.errors import did_you_mean
-from fpm.structures.curves_file import CsvTable, CurvesFileError
+from fpm.structures.curves_file import NO_UNIT, CsvTable, CurvesFileError
 
 LABELS = ("", "run", "id", "no", "number", "name", "note")
 """Names of columns that are of no parameter, in lower case."""
@@ -83,9 +83,12 @@ def _read_columns(design: Any, experiment: Any) -> tuple[dict[str, np.ndarray], 
             symbol = experiment.scene_type.parameters[name].unit.replace("degree", "deg")
             si_unit, column_unit = unit(symbol), table.units[number]
             columns[name] = table.numbers(number, si_unit) / si_unit.si(1.0)
-            if isinstance(column_unit, Unit) and not column_unit.dimension.fits(si_unit.dimension):
+            if isinstance(column_unit, Unit) and not column_unit.fits(si_unit):
                 table.refuse(table.head, f"the unit of {name} does not fit; allowed: {symbol}")
         elif name.lower() not in LABELS:
+            fault = table.units[number]
+            if isinstance(fault, str) and fault != NO_UNIT:
+                table.refuse(table.head, f"{name}: {fault}")
             text = f"the column {name} is of no interval{did_you_mean(name, experiment.intervals)}"
             table.refuse(table.head, f"{text}; allowed: {names}, and `run` or `note`")
     if not columns:

@@ -116,7 +116,10 @@ class StatedUnits:
     def _symbol_of(self, symbol: str, path: tuple, owner: str, parent: Any) -> str:
         """Return the unit of a key, by name."""
         if symbol == "parameter":
-            return self._structure(path).parameters[owner].unit
+            owners = [owner] if owner else self._source["intervals"]  # of runs of one parameter
+            parameters = self._structure(path).parameters
+            (symbol,) = {parameters[name].unit for name in owners}
+            return symbol
         if symbol == "quantity":
             return self._quantities[owner].unit
         if symbol == "response":
@@ -176,7 +179,7 @@ def number_in(symbol: str, text: Any) -> Any:
 def _convert(number: str, name: str, symbol: str) -> float | None:
     """A number with the unit `name` in the unit `symbol`; None where it does not fit."""
     source, target = _unit(name), _unit(symbol)
-    if not _fits(source, target):
+    if not source.fits(target):
         return None
     factor = Fraction(source.numerator) / Fraction(source.denominator)
     factor *= Fraction(target.denominator) / Fraction(target.numerator)
@@ -186,12 +189,3 @@ def _convert(number: str, name: str, symbol: str) -> float | None:
 
 def _unit(text: str) -> Unit:
     return _CONFIG_UNITS.get(text) or unit(text.replace("degree", "deg"))
-
-
-def _fits(source: Unit, target: Unit) -> bool:
-    """Return whether a number in one unit may stand for another: of the same dimension, no angle
-    for a plain number, no frequency for an angular one."""
-    first, second = (bool(re.search("rad|degree|rpm", x.udunits)) for x in (source, target))
-    is_same = source.dimension.powers == target.dimension.powers
-    is_free = any(target.dimension.powers) and "Hz" not in source.udunits + target.udunits
-    return is_same and (first == second or is_free)

@@ -1,5 +1,6 @@
 """Results of several campaigns side by side: facts like those of cases, and their curves."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,51 +13,61 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.results.cases import facts_of_cases
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 from deployable.campaign.text.numbers import quantity, spread
+from fpm.structures.reading import commas
 
 Curves = dict[str, dict[str, ResponseBounds]]
 """Bounds of responses by name, then by the label of their results."""
 
 
 def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
-    """Return the facts of several folders of results as plain data, with the curves of those
-    responses that two or more of them have. Raises `CampaignError` for a folder without results."""
-    labels = [Path(path).resolve().name for path in paths]
+    """Return the facts of several folders of results as plain data, with the curves of all
+    responses. Raises `CampaignError` for a folder without results."""
+    for path in (path_by_folder := {Path(path).resolve(): str(path) for path in paths}).values():
+        if len(path_by_folder) < max(len(paths), 2):
+            text = "the same folder is given twice" if len(paths) > 1 else "nothing to compare"
+            raise CampaignError(f"{path}: {text}; allowed: two different folders or more")
+    labels = [path.name for path in path_by_folder]
     if len({*labels}) < len(labels):  # of the same campaign
-        labels = [str(path) for path in paths]
-    if len({*labels}) < max(len(labels), 2):
-        text = f"{', '.join(labels)}: nothing to compare; allowed: two folders or more"
-        raise CampaignError(text)
+        labels = [*path_by_folder.values()]
     folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
     for folder in folders.values():
         if not (folder / "summary.json").exists():
             text = f"{folder.path} has no summary.json; allowed: a folder of finished results"
             raise CampaignError(f"{text}, of a campaign with cases that of one case")
     summaries = {label: read_json(folder / "summary.json") for label, folder in folders.items()}
-    states = {label: _state(facts) for label, facts in summaries.items()}
+    states = {label: _state(facts, folders[label]) for label, facts in summaries.items()}
     names = dict.fromkeys(name for state in states.values() for name in state)
-    differences = [n for n in names if len({state.get(n) for state in states.values()}) > 1]
+    differences = [
+        name for name in names
+        if len({state.get(name) for state in states.values()}) > 1
+        and (name.startswith("design.") or all(name in state for state in states.values()))
+    ]  # fmt: skip
     changes = {
-        label: "; ".join(f"{n} {state.get(n, 'absent')}" for n in differences) or "nothing"
+        label: "; ".join(f"{n} {state[n]}" for n in differences if n in state) or "nothing"
         for label, state in states.items()
     }
     curves: Curves = {}
     for label, folder in folders.items():
         for response in read_bounds(folder).responses:
             curves.setdefault(response.name, {})[label] = response
-    curves = {name: by_label for name, by_label in curves.items() if len(by_label) > 1}
-    facts = facts_of_cases(" and ".join(labels), folders, summaries, changes)
+    facts = facts_of_cases(f"Comparison of {commas(labels)}", folders, summaries, changes)
     return facts | {"curves": [_curve(rows, labels) for rows in curves.values()]}, curves
 
 
-def _state(facts: Mapping[str, Any]) -> dict[str, str]:
-    """Describe by name what determines the results of a campaign."""
+def _state(facts: Mapping[str, Any], folder: Folder) -> dict[str, str]:
+    """Describe by name what determines the results of a campaign in a folder."""
     state = {"structure": facts["scene"], "duration": quantity(facts["duration"], "s", 6)}
     for row in facts["fixed"]:
         is_number = isinstance(row["value"], int | float)
         state[row["name"]] = quantity(row["value"], row["units"], 6) if is_number else row["value"]
     for row in facts["parameters"]:
         state[row["name"]] = f"{quantity(row['nominal'], row['units'], 6)}, {spread(row)}"
-    return state
+    plan = read_json(folder.plan)
+    for section in ("solver", "design", "accuracy", "responses", "quantities"):
+        for key, value in plan["config"][section].items():
+            if key != "duration" and value not in (None, "", [], {}):
+                state[f"{section}.{key}"] = re.sub("[\"'{}]", "", str(value))
+    return state | {"bounds": facts["bounds"], "structure and code": plan["mechanics"]}
 
 
 def _curve(rows: Mapping[str, ResponseBounds], labels: list[str]) -> dict[str, Any]:
@@ -71,7 +82,8 @@ def _curve(rows: Mapping[str, ResponseBounds], labels: list[str]) -> dict[str, A
         time = first.time[first.time <= response.time[-1]]
         for end in ("lower", "upper") if is_same and response is not first else ():
             curve = np.interp(time, response.time, getattr(response, end))
-            row[f"{end}_change"] = np.abs(curve - getattr(first, end)[: len(time)]).max()
+            change = np.abs(curve - getattr(first, end)[: len(time)]).max()
+            row[f"{end}_change"] = change if change > 1e-12 * np.abs(curve).max() else 0.0
         by_case[label] = {name: float(value) for name, value in row.items()} | {"units": units}
     keys = {"name": first.name, "long_name": first.long_name, "units": first.units}
     return {**keys, "by_case": [*by_case.values()]}

@@ -2,10 +2,13 @@
 
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.results.figures import envelope
 from deployable.campaign.results.response_bounds import ResponseBounds
+from fpm.errors import did_you_mean
 
 
 class Envelopes(xr.Dataset):
@@ -15,11 +18,15 @@ class Envelopes(xr.Dataset):
 
     def plot(self, *names: str) -> Any:  # type: ignore[override]
         """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
-        responses, none: all."""
-        return envelope([self._read(str(x)) for x in names or self["response"].values], 0.1)
+        responses, none: all. Raises CampaignError for another name."""
+        responses = [str(name) for name in np.atleast_1d(self["response"].values)]
+        for name in {*names} - {*responses}:
+            text = f"{name!r} is no response{did_you_mean(name, responses)}"
+            raise CampaignError(f"{text}; allowed: {', '.join(responses)}")
+        return envelope([self._read(name) for name in names or responses], 0.1)
 
     def _read(self, name: str) -> ResponseBounds:
-        data = self.sel(response=name)
+        data = self.sel(response=name) if "response" in self.dims else self
         keys = [key for key in ("lower", "upper", "nominal", "error") if key in data]
         curves: Any = {key: data[key].values for key in keys}
         return ResponseBounds(

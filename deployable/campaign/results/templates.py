@@ -76,7 +76,7 @@ def _escape(facts: Any, code: str = "") -> Any:
     escaped."""
     if isinstance(facts, Mapping):
         return {
-            _escape(key): _escape(value, "`" if key in ("doubt", "notes") else "")
+            _escape(key): _escape(value, "`" if key in ("doubt", "headline", "notes") else "")
             for key, value in facts.items()
         }
     if isinstance(facts, list | tuple):

@@ -139,7 +139,7 @@ def folder(tmp_path_factory, shipped):
     (folder / "mast.yaml").symlink_to(ROOT / "config/structures/scissor.yaml")
     shutil.copytree(shipped("small")[0], folder / "results/small")
     for other in ("paper", "first", "second"):
-        (folder / "results" / other).symlink_to(folder / "results/small")
+        shutil.copytree(folder / "results/small", folder / "results" / other)
     return folder
 
 

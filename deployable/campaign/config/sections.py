@@ -66,15 +66,11 @@ def scene_type(name: str, file: str = "") -> Any:
             hint = hint or did_you_mean(name, files)
             raise SceneError("scene.name", name, f"one of {', '.join(files)}{hint}")
         file = str(files[name])
-    structure = _structure_from_text(read_text(file), file)
+    structure = _structure_of(read_text(file), file)
     return structures.load(file) if structure.files else structure  # the text has not all of it
 
 
-@lru_cache(maxsize=8)
-def _structure_from_text(text: str, source: str) -> Any:
-    """Load a structure from its text, once for all stages and rounds that use it."""
-    return structures.loads(text, source)
-
+_structure_of = lru_cache(maxsize=8)(structures.loads)  # once for all stages and rounds
 
 BY_STANDARD = "_by_standard"
 """What ends the name of a margin by its standard's factors, which stands beside one by others."""

@@ -206,14 +206,6 @@ def _mark_largest(
     ax.plot([], [], label=label, **sign)
 
 
-def without_formulas(figure: Any) -> None:
-    """Change all texts of a matplotlib figure so that dollar signs start no formula."""
-    from matplotlib.text import Text
-
-    for text in figure.findobj(Text):
-        text.set_parse_math(False)
-
-
 @contextmanager
 def small_fonts() -> Iterator[None]:
     """Context manager in which fonts that matplotlib embeds come without the tables by which other
@@ -246,8 +238,10 @@ def save(
     give equal files. path: without suffix; file: context manager that gives a temporary path for
     each; by default it seals them."""
     from matplotlib import rc_context
+    from matplotlib.text import Text
 
-    without_formulas(figure)
+    for text in figure.findobj(Text):  # in which dollar signs start no formula
+        text.set_parse_math(False)
     for kind in kinds:
         with (
             file(path.with_name(f"{path.name}.{kind}")) as temporary,

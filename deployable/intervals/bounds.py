@@ -165,9 +165,10 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, tuple
 
 def _share(name: str, text: str, error: np.ndarray, time: np.ndarray, bounds: Range) -> dict:
     """Return the variable (n) of an error (n, T), integrated over time, as a share of the width."""
-    area = np.trapezoid(bounds.upper - bounds.lower, time)
+    area, integrals = (np.trapezoid(x, time) for x in (bounds.upper - bounds.lower, error))
+    shares = np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
     attrs = {"long_name": f"{text}, as a share of the width", "units": "1"}
-    return {name: ("response", share_of(error, time, area), attrs)}
+    return {name: ("response", shares, attrs)}
 
 
 def _numbers(time: np.ndarray, bounds: Range, error: np.ndarray) -> dict[str, tuple]:
@@ -239,13 +240,6 @@ def include_runs(bounds: xr.Dataset, runs: RunBounds, values: np.ndarray) -> xr.
     for name in _RANGE:
         variables[name] = (bounds[name].dims, getattr(wider_range, name), bounds[name].attrs)
     return bounds.assign(variables)
-
-
-def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Relative errors (n) of n responses: errors (n, T) integrated over time (T, s), divided by
-    `area` (n), the integrals over time of upper less lower bound; 0 where these are 0."""
-    integrals = np.trapezoid(error, time)
-    return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
 
 def hausdorff(

@@ -33,7 +33,7 @@ from .estimates import (
     widen,
 )
 from .ranges import Range, find_surrogate_range, spread_out, to_range
-from .samples import RunBounds, Samples
+from .samples import Samples
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline, level_errors
 
@@ -156,8 +156,14 @@ class ScanModel(Model):
             total = quarter.merge(total) if quarter else total
             totals.append(total)
         self.total = total
-        self.growth, self.growth_quarter = (_growth(part, total) for part in totals[1:3])
-        draws = len(self.points) - _count_corners(samples)
+        self.growth, self.growth_quarter = (  # on the side where they grew more
+            np.maximum(part.low - total.low, total.high - part.high) if part
+            else np.zeros_like(total.low) for part in totals[1:3]
+        )  # fmt: skip
+        free = np.ptp(self.points, axis=0) > 0
+        is_drawn = (np.abs(self.points[:, free]) != 1.0).any(axis=1)
+        is_drawn[slice(0) if samples.nominal is None else samples.nominal] = False
+        draws = int(is_drawn.sum())
         self.attributes = {
             "design_runs": len(self.points),
             "error_kind": "growth of the bounds from the first half of the samples to all",
@@ -178,22 +184,6 @@ class ScanModel(Model):
     def variables(self) -> dict:
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
-
-
-def _growth(previous: RunBounds | None, current: RunBounds) -> np.ndarray:
-    """Return by how much bounds grew, on the side where they grew more."""
-    if previous is None:
-        return np.zeros_like(current.low)
-    return np.maximum(previous.low - current.low, current.high - previous.high)
-
-
-def _count_corners(samples: Samples) -> int:
-    """Runs that were not drawn: the nominal one, and corners of the box."""
-    free = np.ptp(samples.points, axis=0) > 0
-    corners = (np.abs(samples.points[:, free]) == 1.0).all(axis=1)
-    if samples.nominal is not None:
-        corners[samples.nominal] = True
-    return int(corners.sum())
 
 
 class SplineModel(Model):

@@ -45,7 +45,9 @@ def choose_bound_points(
     t = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))
     points = np.concatenate([x[:, t].reshape(-1, x.shape[2]) for x in (argmin, argmax)])
     weight = np.tile(weight[:, t].ravel(), 2)
-    trial = _one_of_each_cell(points, weight)
+    cell = np.round((points + 1) / 2 * _CELLS).astype(int)  # of each the point of largest weight
+    order = np.lexsort((np.arange(len(points)), -weight))
+    trial = points[order[np.unique(cell[order], axis=0, return_index=True)[1]]]
     distances = np.linalg.norm(trial[:, None] - points[None], axis=2)
     nearest = np.full(len(points), np.inf)
     indices: list[int] = []
@@ -57,21 +59,11 @@ def choose_bound_points(
         indices.append(best)
         nearest = np.minimum(nearest, distances[best])
     normalized = trial[indices]
-    return BoundPoints(normalized, *(_nearest(x, normalized) for x in (argmin, argmax)))
-
-
-def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return from points (N, k) the one with the largest weight in each cell of the box."""
-    cell = np.round((points + 1) / 2 * _CELLS).astype(int)
-    order = np.lexsort((np.arange(len(points)), -weight))
-    _, first = np.unique(cell[order], axis=0, return_index=True)
-    return points[order[first]]
-
-
-def _nearest(points: np.ndarray, candidates: np.ndarray) -> np.ndarray:
-    """Index (n, T) of the place (P, k) nearest to each point (n, T, k)."""
-    distances = np.stack([((points - candidate) ** 2).sum(axis=-1) for candidate in candidates])
-    return distances.argmin(axis=0)
+    squares = (
+        np.stack([((x - point) ** 2).sum(axis=-1) for point in normalized])
+        for x in (argmin, argmax)
+    )
+    return BoundPoints(normalized, *(x.argmin(axis=0) for x in squares))
 
 
 def seek_points(

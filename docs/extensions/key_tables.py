@@ -2,10 +2,9 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import MISSING
 from typing import Any
 
-from deployable.campaign.config.keys import ConfigKey, docstrings
+from deployable.campaign.config.keys import Rule, docstrings
 from fpm.declare import NO_VALUE
 from fpm.structures.model import overall
 from fpm.structures.statement import Statement
@@ -21,21 +20,21 @@ _UNIT_TEXTS = {
 """What stands for units in the table."""
 
 
-def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
+def rows(section: Rule, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
     """Yield the rows of the table of all config keys below a section: full name, description, what
     is allowed and default, as texts. prefix: put before the names, such as `solver.`."""
     texts = docstrings(section.section) if section.section else {}
     entries = {"<name>": section.entry} if section.entry and section.entry.text else {}
     for name, child in (section.children | entries).items():
-        unit = child.rule.unit and f" ({_UNIT_TEXTS.get(child.rule.unit, child.rule.unit)})"
+        unit = child.unit and f" ({_UNIT_TEXTS.get(child.unit, child.unit)})"
         default = "" if name == "<name>" else _default_text(child)
         yield f"{prefix}{name}", texts.get(name, child.text) + unit, child.allowed, default
         yield from rows(child, f"{prefix}{name}.")
 
 
-def _default_text(key: ConfigKey) -> str:
+def _default_text(key: Rule) -> str:
     """The default in the table: nothing for what is absent, empty, or a section."""
-    if key.default is MISSING:
+    if key.default is NO_VALUE:
         return "required"
     if key.default in (None, (), "") or key.children or key.entry:
         return ""
@@ -43,7 +42,7 @@ def _default_text(key: ConfigKey) -> str:
     return f"`{text}`"
 
 
-def table(config: ConfigKey) -> str:
+def table(config: Rule) -> str:
     """Return all keys of a config as Markdown, a heading and a table for each section.
 
     config: description of a whole config, as `read.whole` returns it."""

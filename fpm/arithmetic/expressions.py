@@ -222,7 +222,9 @@ class Expression:
                     pairs = list(combinations(values, 2))
                     if name == "interpolate":
                         pairs = [(values[0], place) for place in values[1::2]]
-                    self.parts += [partial(_difference, *pair) for pair in pairs]
+                    self.parts += [
+                        partial(lambda a, b, names: a(names) - b(names), *pair) for pair in pairs
+                    ]
                 return (
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _call_dimension(
@@ -255,10 +257,6 @@ class Expression:
                 return lambda u, w: _power(u, w, None if has_name else value)
         verb = "added" if isinstance(op, ast.Add) else "subtracted"
         return lambda u, w: _common_dimension((u, w), verb)
-
-
-def _difference(first: Evaluator, second: Evaluator, names: Mapping[str, Value]) -> Value:
-    return first(names) - second(names)
 
 
 def _product(first: Dimension, second: Dimension) -> Dimension:

@@ -107,7 +107,10 @@ class Batch:
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
         self._blocks, self._end = [blank(BLOCK, dtype)], 0
         self._parts: dict[type, NamedTuple] = {}
-        self.accounts = self._accounts()
+        # Energies given, then taken: one account for all element types with the same.
+        works = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
+        losses = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
+        self.givers, self.accounts = len(works), [*works, *losses]
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
         of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]
         self.rows = Slices({kind: len(kind.names(self.scene)) for kind in of_kinds})
@@ -117,13 +120,6 @@ class Batch:
         self._rows = self.blank(self.rows.count, 1)
         self.events = np.full((room, 3, width), np.nan, dtype)
         self.event_count = np.zeros(width, np.int64)
-
-    def _accounts(self) -> list:
-        """Energies given, then taken: one account for all element types with the same."""
-        works = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
-        losses = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
-        self.givers = len(works)
-        return [*works, *losses]
 
     # -- arrays of numbers that differ from scene to scene ----------------------------------------
 

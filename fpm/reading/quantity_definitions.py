@@ -108,7 +108,8 @@ def unit_of(text: str, units: Mapping[str, str]) -> str:
     unit of the first quantity of the same dimension, if there is one: N m, not J. Angles count as
     numbers; whether the result is one is told by the powers of rad where these agree."""
     expression = expressions.parse(text)
-    dimensions = {name: _dimension(symbol) for name, symbol in units.items()}
+    watt = Dimension(1, 2, -3)
+    dimensions = {name: watt if s == "W" else unit(s).dimension for name, s in units.items()}
     dimension = expression.dimension(dimensions)
     if dimension.vector:
         raise ExpressionError(f"{dimension}, not a number")
@@ -132,16 +133,11 @@ def unit_of(text: str, units: Mapping[str, str]) -> str:
     return " ".join(parts) or "1"
 
 
-def _dimension(symbol: str) -> Dimension:
-    return Dimension(1, 2, -3) if symbol == "W" else unit(symbol).dimension
-
-
 DIRECTIONS = ("rising", "falling", "either")
 _COUNT = NumberLimits(least=1, most=10_000, is_whole=True)
 
 
 def _count(key: str, value: object) -> int:
-    """Read a number of times; raises an error if it is not a whole number of at least 1."""
     if not isinstance(value, int):
         raise SceneError(key, value, _COUNT.describe())
     return int(_COUNT.check(key, value))

@@ -228,7 +228,7 @@ def _section(spec: Definition) -> Response:
 def _of_cable(key: str, variable: str, unit: str, spec: Definition) -> Response:
     """Make a response of a cable: the tension of a stretch, or the length that ran over a point
     between its ends, both numbered from 1. Without a number it is the first stretch."""
-    name = spec.one_of(_cables(spec.scene))
+    name = spec.one_of(cable.name for cable in spec.scene.cables)
     count = next(len(cable.beams) - 1 for cable in spec.scene.cables if cable.name == name)
     number, least = spec.data.get(key, 1), 1 if key == "stretch" else 2
     if isinstance(number, bool) or number not in range(least, count + 1):
@@ -406,18 +406,8 @@ FORMS: dict[str, tuple[Callable, tuple[str, ...]]] = {
 """How definitions name columns of variables, and the other keys that it takes."""
 
 
-def _read_record(variable: Variable) -> ResponseType:
-    """Return the response type of a variable by itself."""
-    read, mandatory = FORMS[variable.response_form]
-    return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
-
-
 def _points(scene: Scene) -> Iterable[str]:
     return scene.points
-
-
-def _cables(scene: Scene) -> Iterable[str]:
-    return (cable.name for cable in scene.cables)
 
 
 def _struts(scene: Scene) -> Iterable[str]:
@@ -460,7 +450,9 @@ KINDS = {
                    positive=("strain", "spring", "contact")),
     **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
     "latch_impact": ResponseType(_latch, optional=("component",)),
-    **{name: _read_record(v) for name, v in VARIABLES.items() if v.response_form},
+    **{name: ResponseType(FORMS[v.response_form][0], mandatory=FORMS[v.response_form][1],
+                          positive=v.positive, shock=v.shock)
+       for name, v in VARIABLES.items() if v.response_form},
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
     "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),

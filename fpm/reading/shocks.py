@@ -33,7 +33,10 @@ def warn(scene: Scene, response: Response) -> str:
             "as large as mesh and step make it: state the `stiffness` of the latch, or of what "
             "bears it"
         )
-    starts = any(_is_sudden(scene, load) for load in Load.find(scene))
+    starts = any(
+        scene.curve(load.curve).value(0.0) * max(np.abs([*load.force, *load.moment]))
+        for load in Load.find(scene)
+    )
     if scene.beams and starts and not _is_damped(scene):
         return (
             "a load begins at once, and the wave that it sends through the bars rings in the last "
@@ -61,9 +64,3 @@ def _is_damped(scene: Scene) -> bool:
         for length in beams.length
     ]
     return BarDamping.viscosity(scene) > 0 or min(shares) >= USUAL_SHARE
-
-
-def _is_sudden(scene: Scene, load: Load) -> bool:
-    """Return whether a load is there from the start on."""
-    first = scene.curve(load.curve).value(0.0)
-    return bool(first * (np.abs(load.force).max() + np.abs(load.moment).max()))

@@ -1,9 +1,7 @@
 """Scenes that can run side by side, as one batch: those that differ in numbers only; and lanes of a
 run back to each sample's outcome."""
 
-from collections.abc import Callable, Hashable, Sequence
-from functools import partial
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -40,11 +38,6 @@ def topology(scene: Scene) -> tuple:
     )
 
 
-def _of_kind(kind: type[Any], scene: Scene) -> Hashable:
-    """Return what must be equal of the elements of one type in scenes that run side by side."""
-    return kind.topology_of(scene) if kind.find(scene) else None
-
-
 def _layout(scene: Scene) -> tuple:
     """Return what else must be equal in scenes that run side by side."""
     return (
@@ -64,10 +57,9 @@ def curve_bytes(scene: Scene) -> tuple:
 def check_topology(scenes: Sequence[Scene]) -> None:
     """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
     scenes = SceneList(scenes)
-    functions: list[Callable] = [
-        _layout,
-        *(partial(_of_kind, kind) for kind in kinds_of(scenes)),
-    ]
+    functions: list[Callable] = [_layout]
+    for kind in kinds_of(scenes):
+        functions.append(lambda scene, k=kind: k.topology_of(scene) if k.find(scene) else None)
     mismatches = []
     for function in functions:
         first, *values = scenes.map(function)
@@ -109,8 +101,11 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
     steps = division.output_steps * (instants - 1)
     tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
+    # The mean of the half steps before and after the start is accurate to second order only.
     for name, beam in scene.points.items():
-        _start_velocity(scene, beam, points[name][1])
+        if (p := beam.particle) not in Drive.moved_particles(scene):
+            spin = cross(scene.spin[p] * ~scene.fixed[p, 3:], scene.frame[p] @ beam.arm)
+            points[name][1][0] = scene.velocity[p] + spin
     kinds = (KINETIC, *energies_of(batch.kinds), BALANCE)
     records: dict[str, Series] = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
@@ -149,16 +144,6 @@ def _outcome_of(run, lane: int, times, division, extra, limit, motion, elements)
         largest=largest,
         final=motion,
     )
-
-
-def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
-    """Set the first row of a velocity (t, 3) m/s of a point to that of the scene at its start, in
-    place; the mean of the half steps before and after the start is accurate to second order."""
-    particle = beam.particle
-    if particle not in Drive.moved_particles(scene):
-        arm = scene.frame[particle] @ beam.arm
-        spin = scene.spin[particle] * ~scene.fixed[particle, 3:]
-        velocity[0] = scene.velocity[particle] + cross(spin, arm)
 
 
 def _energies(batch, record, lane: int, instants: int) -> Energies:

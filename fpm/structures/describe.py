@@ -12,11 +12,11 @@ from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.cables.strut import Strut
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.kind import ElementType, VirtualBeam
+from fpm.elements.kind import ElementType
 from fpm.elements.openings.release import Release
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
-from fpm.scenes.scene_type import Parameter, SceneType
+from fpm.scenes.scene_type import SceneType
 from fpm.solver.start import consistent_scene
 from fpm.structures import report
 from fpm.structures.plausible import opening_text, warnings
@@ -27,11 +27,18 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
     """Return a text of several lines on a structure at its default values: parameters, points,
     joints, mass, mobility, stable step, and what a run of `duration` (s) costs."""
     scene = structure.build()
-    rows = [[name, *_row(p, name == structure.mesh)] for name, p in structure.parameters.items()]
+    rows = [["parameter", "default", "unit", "allowed", "description"]]
+    for name, p in structure.parameters.items():
+        default = "(from others)" if p.default is None else _number(p.default)
+        unit = "" if p.unit == "1" else p.unit
+        notes = p.text, "the mesh" * (name == structure.mesh), "no interval" * p.is_whole
+        allowed = p.allowed.removesuffix(f" ({unit})")
+        rows.append([name, default, unit, allowed, "; ".join(filter(None, notes))])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [
         f"{structure.name}: {structure.description}" if structure.description else structure.name,
         "",
-        *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
+        *("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows),
         "",
         *list_parts(scene),
         "",
@@ -43,7 +50,9 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 
 def list_parts(scene: Scene) -> list[str]:
     """Return lines on the points, parts, joints and what acts on them in a scene."""
-    points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
+    position, frame = scene.position, scene.frame
+    points = [f"{name} {_vector(position[b.particle] + frame[b.particle] @ b.arm)}"
+              for name, b in scene.points.items()]  # fmt: skip
     lists = [("points", points or ["none"]), *_lists(scene)]
     return [line for title, names in lists if names for line in (title, *(f"  {n}" for n in names))]
 
@@ -82,15 +91,33 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     conditions = f"{mobility.conditions} conditions, {mobility.redundant} of them redundant"
     yield "mobility", f"{freedom} to move: {parts}, {conditions}"
     yield "redundant", ", ".join(report.redundant(scene))
-    yield "assembled", _describe_misfit(scene) if scene.assembly is not None else ""
-    yield "equilibrium", _describe_balance(scene) if scene.equilibrium is not None else ""
+    if scene.assembly is not None:
+        joint, gap, tilt = scene.assembly[1:4]
+        parts = " and ".join([f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0))
+        text = f"joint {joint} was open by {parts}" if parts else "nothing was open"
+        yield "assembled", f"{text}; {scene.assembly.energy:.4g} J of strain energy are left"
+    if scene.equilibrium is not None:
+        _, imbalance, largest, energy, motion, _ = scene.equilibrium
+        text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
+        text += f"; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
+        yield "equilibrium", text
     start = consistent_scene(scene)
     energy = report.kinetic_energy(start, start.velocity, start.spin)
     yield "at the start", f"kinetic energy {energy:.4g} J" if energy else ""
-    yield "stable step", _step(cost)
-    if any(beams.material.stiffness_damping for beams in scene.beams):
-        yield "", f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
-    yield "", _remedy(structure, scene, cost)
+    if cost.step == np.inf:
+        text = "none, as nothing is elastic: a step is at most the time between two instants"
+        yield "stable step", text
+    else:
+        yield "stable step", f"{cost.step:.4g} s, set by {cost.element}"
+        if any(beams.material.stiffness_damping for beams in scene.beams):
+            yield "", f"{report.undamped_step(scene):.4g} s without `stiffness_damping`"
+        changes = [
+            f"{name} = {_number(value)} (x {ratio:.3g})"
+            for name, value, ratio in report.longer_steps(structure, cost.step)
+        ]
+        if cost.element.startswith(ON_JOINTS) and scene.beams:
+            changes.append("`masses` with the fittings' inertia at its joint, where bars are light")
+        yield "", f"longer with {'; '.join(changes)}" if changes else ""
     steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"
     seconds = f"about {cost.seconds:.2g} s of a core (one of eight side by side)"
     yield "a run", f"{len(scene.elements)} elements, {steps}, {seconds}"
@@ -106,26 +133,6 @@ def _opening(hinge: Hinge, specified_opening: float) -> str:
 
 def _count_text(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
-def _step(cost: report.RunCost) -> str:
-    """The stable step, and what sets it."""
-    if cost.step == np.inf:
-        return "none, as nothing is elastic: a step is at most the time between two instants"
-    return f"{cost.step:.4g} s, set by {cost.element}"
-
-
-def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:
-    """What would make the stable step longer."""
-    if cost.step == np.inf:
-        return ""
-    changes = [
-        f"{name} = {_number(value)} (x {ratio:.3g})"
-        for name, value, ratio in report.longer_steps(structure, cost.step)
-    ]
-    if cost.element.startswith(ON_JOINTS) and scene.beams:
-        changes.append("`masses` with the fittings' inertia at its joint, where bars are light")
-    return f"longer with {'; '.join(changes)}" if changes else ""
 
 
 ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damper ", "release ")
@@ -171,34 +178,6 @@ def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
         yield f"{name.replace('_', ' ')} {value:.4g} {unit}".rstrip()
 
 
-def _describe_misfit(scene: Scene) -> str:
-    """What forced the parts together."""
-    joint, gap, tilt = scene.assembly[1:4]
-    parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
-    text = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
-    return f"{text}; {scene.assembly.energy:.4g} J of strain energy are left"
-
-
-def _describe_balance(scene: Scene) -> str:
-    """What the equilibrium at the start took, and how exact it is."""
-    _, imbalance, largest, energy, motion, _ = scene.equilibrium
-    text = f"{motion:.4g} m away at most; {energy:.4g} J of strain energy in bars"
-    return f"{text}; {imbalance:.2g} of forces up to {largest:.4g} (N, N m) is left"
-
-
-def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
-    """Default, unit, what is allowed and description of a parameter."""
-    default = "(from others)" if parameter.default is None else _number(parameter.default)
-    unit = "" if parameter.unit == "1" else parameter.unit
-    notes = [
-        parameter.text,
-        "the mesh" * is_mesh,
-        "no interval" * parameter.is_whole,
-    ]
-    allowed = parameter.allowed.removesuffix(f" ({unit})")
-    return [default, unit, allowed, "; ".join(filter(None, notes))]
-
-
 def _number(value: object) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
@@ -213,29 +192,12 @@ def _cable(scene: Scene, cable: Cable) -> str:
 
 def _strut(scene: Scene, strut: Strut) -> str:
     """Length and force of a strut at the start."""
-    length = strut.distance(scene)
-    force = strut.force(length)
-    verb = "pushes" if force > 0 else "pulls"
-    state = f"{verb} with {abs(force):.4g} N" if force else "no force"
+    force = strut.force(length := strut.distance(scene))
+    state = f"{'pushes' if force > 0 else 'pulls'} with {abs(force):.4g} N"
     damper = f", damping {strut.damping:.4g} N s/m" if strut.damping else ""
-    return f"{strut.name} ({length:.4g} m, {state}{damper})"
-
-
-def _place(scene: Scene, beam: VirtualBeam) -> str:
-    """Where a named point is at the start."""
-    particle = beam.particle
-    return _vector(scene.position[particle] + scene.frame[particle] @ beam.arm)
+    return f"{strut.name} ({length:.4g} m, {state if force else 'no force'}{damper})"
 
 
 def _vector(values: np.ndarray) -> str:
     """Metres, those that are rounding as zero."""
     return f"({', '.join(f'{x:.4g}' for x in np.round(values, 9) + 0.0)}) m"
-
-
-def _table(rows: list[list[str]]) -> list[str]:
-    """Rows in columns of equal width."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]

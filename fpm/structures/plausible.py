@@ -158,10 +158,14 @@ def _line(scene: Scene, hinge: Hinge) -> tuple[np.ndarray, np.ndarray]:
     return frame @ hinge.axes[0], scene.position[first.particle] + frame @ first.arm
 
 
+def _actions(scene: Scene) -> list[Any]:
+    """Elements that act on openings of hinges."""
+    return [e for kind in kinds_of([scene]) if kind.acts_as for e in kind.find(scene)]
+
+
 def _active_hinges(scene: Scene) -> set[int]:
     """Indices of the hinges on whose openings something acts."""
-    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    return {hinge for kind in kinds for element in kind.find(scene) for hinge in element.acts_on()}
+    return {hinge for element in _actions(scene) for hinge in element.acts_on()}
 
 
 def extent(scene: Scene) -> float:
@@ -222,11 +226,9 @@ def _rigid(scene: Scene) -> Iterator[str]:
 
 def _stuck(scene: Scene) -> Iterator[str]:
     """Friction that bears all that springs give at the start, where nothing else moves parts."""
-    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    driving_kinds = [kind for kind in kinds if kind.acts_as in ("motor", "contact")]
-    drivers = any(kind.find(scene) for kind in driving_kinds)
+    is_driven = not {"motor", "contact"}.isdisjoint(e.acts_as for e in _actions(scene))
     is_strained = scene.assembly is not None or scene.unstrained is not None
-    if drivers or scene.curves or is_strained or _is_moved(scene):
+    if is_driven or scene.curves or is_strained or _is_moved(scene):
         return
     pushes: dict[int, float] = defaultdict(float)
     bounds: dict[int, float] = defaultdict(float)
@@ -240,14 +242,12 @@ def _stuck(scene: Scene) -> Iterator[str]:
             bounds[friction.hinge] += share * friction.moment
     active = {hinge: abs(push) for hinge, push in pushes.items() if push}
     if active and all(bounds[hinge] > push for hinge, push in active.items()):
-        texts = (
-            f"on {scene.hinges[h].name} {bounds[h]:.4g} {'N' if scene.hinges[h].slides else 'N m'} "
-            f"against {push:.4g}"
-            for h, push in active.items()
-        )
+        h, push = next(iter(active.items()))
+        unit = "N" if scene.hinges[h].slides else "N m"
         yield (
-            f"nothing moves at the start: friction bears what the springs give, {next(texts)}: "
-            "take less friction, or stronger springs"
+            "nothing moves at the start: friction bears what the springs give, on "
+            f"{scene.hinges[h].name} {bounds[h]:.4g} {unit} against {push:.4g}: take less "
+            "friction, or stronger springs"
         )
 
 
@@ -299,8 +299,7 @@ def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
 
 def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Iterator[str]:
     """Describe what keeps the springs on a hinge from moving it by `travel` (rad, m) to `head`."""
-    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    actions = [e for kind in kinds for e in kind.find(scene) if number in e.acts_on()]
+    actions = [e for e in _actions(scene) if number in e.acts_on()]
     springs = [e for e in actions if e.acts_as == "spring"]
     is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in actions)
     if springs and abs(travel) >= 1e-9 and not is_led:

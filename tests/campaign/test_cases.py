@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,6 @@ from scipy.integrate import solve_ivp
 from deployable import campaign
 from deployable.campaign.cli import main
 from deployable.campaign.config.loader import read_file
-from deployable.campaign.config.sections import plain_data
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.page import render_cases
 from deployable.campaign.results.cases import cases_facts, combine_met
@@ -36,7 +36,7 @@ def test_a_case_is_the_campaign_with_what_differs():
     whole = checked(requirements={"in_time": {**LATE, "cases": ["heavy"]}, "early": LATE})
     own = whole.case_campaigns
     alone = campaign.check_config(panel(campaign="as-it-is", requirements={"early": LATE}))
-    assert plain_data(own["as it is"]) == plain_data(alone)
+    assert asdict(own["as it is"]) == asdict(alone)
     assert own["heavy"].experiment.parameters({})["mass"] == 2.0
     assert own["heavy"].experiment.solver.duration == 4.0
     assert own["soft"].experiment.intervals["k"].upper == pytest.approx(0.055)

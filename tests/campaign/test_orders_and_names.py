@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import asdict
 from itertools import permutations
 
 import numpy as np
 import pytest
 
 from deployable import campaign
-from deployable.campaign.config.sections import plain_data
 from deployable.intervals import METHODS
 
 INTERVALS = {"a": {"relative": 0.01}, "E": {"relative": 0.0}, "rho": {"relative": 0.02}}
@@ -29,7 +29,7 @@ def test_a_campaign_does_not_know_in_which_order_its_parameters_were_named(raw, 
     first = told(raw, INTERVALS)
     for names in permutations(INTERVALS):
         other = told(raw, names)
-        assert plain_data(other) == plain_data(first)
+        assert asdict(other) == asdict(first)
         assert list(other.experiment.intervals) == list(first.experiment.intervals)
 
 

@@ -24,7 +24,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import LANES, run_seconds
-from deployable.campaign.plan.plan import Plan, choose_step, make_plan, read_plan
+from deployable.campaign.plan.plan import choose_step, make_plan, read_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.text.numbers import duration_text, size_text
@@ -295,16 +295,6 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     return refinement
 
 
-def count_missing_runs(campaign: Campaign, folder: Folder, plan: Plan) -> tuple[int, int, set[Any]]:
-    """Return how many runs of a campaign's plan are not stored in its folder of results, how many
-    there are in all, and variables that stored ones lack."""
-    keep = campaign.jobs.keep
-    store = open_store(keep, folder.runs(keep), campaign.experiment)
-    groups = store.groups(plan.unique_runs, campaign.jobs.group)
-    missing = sum(len(store.missing(group)) for group in groups)
-    return missing, sum(map(len, groups)), set().union(*store.absences.values())
-
-
 def describe_work(
     campaign: Campaign, folder: Folder, find_stages: Callable[[bool], Collection[str]]
 ) -> str:
@@ -315,8 +305,11 @@ def describe_work(
     if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
         is_planned = "plan" not in find_stages(False)
         plan = read_plan(folder.plan) if is_planned else make_plan(campaign.experiment)
-        missing, total, lacks = count_missing_runs(campaign, folder, plan)
-        share = missing / total
+        keep = campaign.jobs.keep
+        store = open_store(keep, folder.runs(keep), campaign.experiment)
+        groups = store.groups(plan.unique_runs, campaign.jobs.group)
+        missing, total = (sum(map(len, x)) for x in (map(store.missing, groups), groups))
+        share, lacks = missing / total, set().union(*store.absences.values())
         if lacks or missing < total:
             notes = f"; {total - missing} of them are there"
         if lacks:
@@ -335,10 +328,6 @@ def count_cores() -> int:
 
 
 def _duration(seconds: Any) -> str:
-    return duration_text(_round(seconds))
-
-
-def _round(seconds: float) -> float:
-    """Round to two digits."""
+    """Write a time with two digits."""
     power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
-    return max(1.0, round(seconds / power) * power)
+    return duration_text(max(1.0, round(seconds / power) * power))

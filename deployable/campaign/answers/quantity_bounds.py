@@ -115,7 +115,11 @@ def converge_bounds(
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
-        points = _infill(model, unmet if is_extra else bounds)
+        points = []
+        for b in unmet if is_extra else bounds:
+            points += [point for estimate in b.estimates for point in estimate.points]
+            if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
+                points += list(b.surrogate.occurrence.infill_points(_SURFACE))
         if not is_extra:
             points += _find_deciding_points(model, bounds, specs, has_borders=True)
         if unmet and (is_extra or not points):
@@ -277,33 +281,17 @@ def _bounds(
     lower, upper = (float(values[row]) for row in rows)
     estimates: Any = estimate_bounds(surrogate, model.points, values, tuple(mispredictions))
     if is_searched:
-        pairs = zip(estimates, (lower, upper), strict=True)
-        estimates = tuple(_attain(estimate, value, surrogate) for estimate, value in pairs)
+        estimates = tuple(  # with their errors at least what they differ by, but at the runs' end
+            e if e.value == surrogate.latest
+            else e._replace(value=value, error=max(e.error, abs(e.value - value)))
+            for e, value in zip(estimates, (lower, upper), strict=True)
+        )  # fmt: skip
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
     first, last = model.points[list(rows)]
     return QuantityBounds(
         surrogate, surrogate_range, lower, upper, first, last, estimates, unconverged, remainders
     )
-
-
-def _attain(estimate: Any, value: float, surrogate: Any) -> Any:
-    """Return an estimate with the value of the extreme run; its error covers at least the
-    difference. An estimate that is the end of the runs is returned unchanged."""
-    if estimate.value == surrogate.latest:
-        return estimate
-    error = max(estimate.error, abs(estimate.value - value))
-    return estimate._replace(value=value, error=error)
-
-
-def _infill(model: ModelEvaluator, bounds: Sequence[QuantityBounds]) -> list[np.ndarray]:
-    """Unit points (k) of the next runs for some quantities."""
-    points = []
-    for b in bounds:
-        points += [point for estimate in b.estimates for point in estimate.points]
-        if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
-            points += list(b.surrogate.occurrence.infill_points(_SURFACE))
-    return points
 
 
 def _find_deciding_points(

@@ -5,14 +5,15 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from itertools import pairwise
 from math import inf
 from textwrap import dedent
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from fpm.declare import NO_VALUE, NumberLimits
+from fpm.declare import NO_VALUE, Key, NumberLimits
 
 
 class RefusedError(ValueError):
@@ -25,17 +26,24 @@ class RefusedError(ValueError):
 
 
 @dataclass(frozen=True)
-class Rule(NumberLimits):
-    """Declaration of a config key, put beside its type by `Annotated`. Limits are of the number, or
-    of how many entries a mapping or list has; `unit`: of the number, "1": none, or what has it:
-    "parameter", "response", "quantity". allowed: what is allowed, in words, if the limits do not
-    say it; text: what an entry of a mapping is; units: of the numbers of a definition, pairs of key
-    and unit; pattern: regular expression for the whole text."""
+class Rule(Key, NumberLimits):
+    """A config key. What its type does not say stands beside this by `Annotated`: limits of the
+    number, or of how many entries a mapping or list has; `unit`: of the number, "1": none, or what
+    has it: "parameter", "response", "quantity"; allowed: what is allowed, in words; text: what an
+    entry of a mapping is; units: of the numbers of a definition, pairs of key and unit; pattern:
+    regular expression for the whole text. `rule_of` adds `options`, types that its value may be of,
+    and keys below it: `children` by name, of a `section` (class), or `entry` for all `names`."""
 
     allowed: str = ""
-    text: str = ""
+    default: Any = field(default=NO_VALUE, kw_only=True)
+    text: str = field(default="", kw_only=True)
     units: tuple[tuple[str, str], ...] = ()
     pattern: str = ""
+    section: Any = None
+    children: Mapping[str, Rule] = field(default_factory=dict, hash=False)
+    entry: Rule | None = None
+    names: Any = None
+    options: tuple[Any, ...] = ()
 
     def fits(self, value: Any) -> bool:
         """Return whether a `value` is within the limits, or fits the pattern."""
@@ -43,39 +51,7 @@ class Rule(NumberLimits):
         number = len(value) if isinstance(value, str | dict | tuple) else value
         return is_fit and (not isinstance(number, int | float) or self.allows(number))
 
-    def words(self, hint: Any) -> str:
-        """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
-        limits and the type `hint` of the key imply, such as "a whole number above 0"."""
-        if self.allowed or is_dataclass(hint):
-            return self.allowed or "a mapping"
-        if get_origin(hint) is Literal:
-            return f"one of {', '.join(f'`{word}`' for word in get_args(hint))}"
-        if hint is bool:
-            return "`true` or `false`"
-        return self.describe("a whole number" if hint is int else "")
-
-
-@dataclass(frozen=True)
-class ConfigKey:
-    """A config key and the keys below it: `children` by name, or `entry`, which describes entries
-    of any name, as `names` allows them; allowed: in words; default: `MISSING` if required; section:
-    class of which the children are fields, or None; options: types that its value may be of."""
-
-    rule: Rule
-    allowed: str
-    default: Any
-    section: Any
-    children: dict[str, ConfigKey]
-    entry: ConfigKey | None
-    names: Rule
-    options: tuple[Any, ...]
-
-    @property
-    def text(self) -> str:
-        """What the key is, in words, but for those that its own section has of it."""
-        return " ".join(self.section.__doc__.split()) if self.section else self.rule.text
-
-    def child(self, name: Any) -> ConfigKey | None:
+    def child(self, name: Any) -> Rule | None:
         """Return the description of the key `name` below this one, else of any entry, else None."""
         return self.children.get(name, self.entry)
 
@@ -85,26 +61,24 @@ class ConfigKey:
         limits."""
         values = (_take(option, value) for option in self.options)
         value = next((x for x in values if x is not NO_VALUE), NO_VALUE)
-        return value if value is NO_VALUE or self.rule.fits(value) else NO_VALUE
+        return value if value is NO_VALUE or self.fits(value) else NO_VALUE
 
     @property
-    def schema(self) -> dict[str, Any]:
-        """What JSON Schema says of the key's values."""
-        parts = [_schema(option, self.rule) for option in self.options]
+    def schema(self) -> dict[str, Any]:  # type: ignore[override]
+        parts = [_schema(option, self) for option in self.options]
         if self.section or self.entry:
             texts = docstrings(self.section) if self.section else {}
             children = {name: child.schema for name, child in self.children.items()}
             for name, text in texts.items():
                 children[name]["description"] = text
-            limits = {"minProperties": self.rule.least, "maxProperties": self.rule.most}
             table: dict[str, Any] = {
                 "type": "object",
                 "properties": children,
                 "additionalProperties": self.entry.schema if self.entry else False,
-                "required": [n for n, child in self.children.items() if child.default is MISSING],
-                **{name: int(limit) for name, limit in limits.items() if abs(limit) < inf},
+                "required": [n for n, child in self.children.items() if child.default is NO_VALUE],
+                **_finite(minProperties=self.least, maxProperties=self.most),
             }
-            if self.names.pattern:
+            if self.names and self.names.pattern:
                 table["propertyNames"] = {"pattern": f"^(?:{self.names.pattern})$"}
             parts.append(table)
         parts = [part for part in parts if part]
@@ -112,22 +86,34 @@ class ConfigKey:
         return result | ({"description": self.text} if self.text else {})
 
 
-def config_key_of(hint: Any, default: Any = MISSING) -> ConfigKey:
+def rule_of(hint: Any, default: Any = NO_VALUE) -> Rule:
     """Describe a config key of a type, a dataclass, a dict or a union of these, with all keys below
-    it."""
+    it; default: its value when it is left out."""
     rule, hint = _parts(hint)
-    section, children, entry, names = None, {}, None, Rule()
+    parts: dict[str, Any] = {}
     options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     for option in options:
         if get_origin(option) is dict:
-            names, entry = _parts(get_args(option)[0])[0], config_key_of(get_args(option)[1])
+            name, entry = get_args(option)
+            parts |= {"names": _parts(name)[0], "entry": rule_of(entry)}
         elif is_dataclass(option):
-            section, hints = option, get_type_hints(option, include_extras=True)
+            hints, children = get_type_hints(option, include_extras=True), {}
             for f in fields(option):
-                value = f.default if f.default_factory is MISSING else f.default_factory()
-                children[f.name] = config_key_of(hints[f.name], value)
-    allowed = rule.words(hint)
-    return ConfigKey(rule, allowed, default, section, children, entry, names, options)
+                made = NO_VALUE if f.default_factory is MISSING else f.default_factory()
+                value = made if f.default is MISSING else f.default
+                children[f.name] = rule_of(hints[f.name], value)
+            text = " ".join((option.__doc__ or "").split())
+            parts |= {"section": option, "children": children, "text": text}
+    if is_dataclass(hint):
+        usual = "a mapping"
+    elif get_origin(hint) is Literal:
+        usual = f"one of {', '.join(f'`{word}`' for word in get_args(hint))}"
+    elif hint is bool:
+        usual = "`true` or `false`"
+    else:
+        usual = rule.describe("a whole number" if hint is int else "")
+    words = rule.allowed or usual
+    return replace(rule, allowed=words, default=default, options=options, **parts)
 
 
 def _parts(hint: Any) -> tuple[Rule, Any]:
@@ -158,9 +144,8 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
     rule = rule if type_rule == Rule() else type_rule
     kind, kinds = get_origin(hint), get_args(hint)
     if hint in (int, float):
-        limits = {"minimum": rule.least, "exclusiveMinimum": rule.above, "maximum": rule.most}
-        number: dict[str, Any] = {"type": "integer" if hint is int else "number"}
-        number |= {name: limit for name, limit in limits.items() if abs(limit) < inf}
+        limits = _finite(minimum=rule.least, exclusiveMinimum=rule.above, maximum=rule.most)
+        number = {"type": "integer" if hint is int else "number", **limits}
         with_unit = {"type": "string", "pattern": r"^\s*[-+.\d]"}
         return {"anyOf": [number, with_unit]} if rule.unit else number
     if kind is Literal:
@@ -168,10 +153,13 @@ def _schema(hint: Any, rule: Rule) -> dict[str, Any]:
     if kind is tuple:
         is_open = kinds[-1] is ...  # whose number of items the rule limits
         least, most = (rule.least, rule.most) if is_open else (len(kinds), len(kinds))
-        count = {"minItems": least, "maxItems": most}
-        count = {name: int(limit) for name, limit in count.items() if abs(limit) < inf}
+        count = _finite(minItems=least, maxItems=most)
         return {"type": "array", "items": _schema(kinds[0], Rule(unit=rule.unit)), **count}
     return {str: {"type": "string"}, bool: {"type": "boolean"}}.get(hint, {})
+
+
+def _finite(**limits: float) -> dict[str, Any]:
+    return {name: limit for name, limit in limits.items() if abs(limit) < inf}
 
 
 def docstrings(hint: type) -> dict[str, str]:

@@ -4,11 +4,10 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import MISSING
 from functools import cache
 from typing import Any
 
-from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_of
+from deployable.campaign.config.keys import RefusedError, Rule, rule_of
 from deployable.campaign.config.models import Config
 from fpm.declare import NO_VALUE
 from fpm.errors import did_you_mean, likely, number_hint
@@ -35,9 +34,9 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 
 @cache
-def whole() -> ConfigKey:
+def whole() -> Rule:
     """Describe all keys that a config may have: the tree of the whole config, made once."""
-    return config_key_of(Config)
+    return rule_of(Config)
 
 
 def schema() -> dict[str, Any]:
@@ -67,7 +66,7 @@ def schema() -> dict[str, Any]:
     return result
 
 
-def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool) -> Any:
+def _load(key: Rule, value: Any, path: tuple, faults: list, is_entry: bool) -> Any:
     """The value of a key as its section has it. What is wrong goes to `faults`, as path and
     sentence, and is taken out of `value`, of an entry of any name (is_entry: within one) the whole
     entry; RefusedError where the rest cannot be used."""
@@ -93,7 +92,7 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
         except RefusedError:
             if not is_entry:
                 del value[name]
-    mandatory = [name for name, child in key.children.items() if child.default is MISSING]
+    mandatory = [name for name, child in key.children.items() if child.default is NO_VALUE]
     for name in {*mandatory} - {*names}:
         place = (*path, name)
         text = f"{'.'.join(place)}: missing; allowed: {key.children[name].allowed}"
@@ -104,11 +103,11 @@ def _load(key: ConfigKey, value: Any, path: tuple, faults: list, is_entry: bool)
     return _section_of(key, result, value, path, faults if is_sound else [])
 
 
-def _section_of(key: ConfigKey, result: dict, value: Any, path: tuple, faults: list) -> Any:
+def _section_of(key: Rule, result: dict, value: Any, path: tuple, faults: list) -> Any:
     """The section that a key's values make together; where they must not be, `faults` gets the path
     and a sentence, and RefusedError is raised."""
     try:
-        if not key.rule.fits(result):
+        if not key.fits(result):
             raise RefusedError
         return key.section(**result) if key.section else result
     except RefusedError as error:
@@ -137,9 +136,9 @@ _SHORT_FORMS = {
 """What is written for a mapping, key and value, and the mapping that is meant; the last counts."""
 
 
-def _refusal(key: ConfigKey, path: tuple, value: Any) -> str:
+def _refusal(key: Rule, path: tuple, value: Any) -> str:
     """That a key may not have a value, with what is likely meant."""
-    allowed, unit = key.allowed, key.rule.unit
+    allowed, unit = key.allowed, key.unit
     hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
     if "number" not in allowed:
         is_word = isinstance(value, str) and value[:1].isalpha()
@@ -170,7 +169,7 @@ _OF_DISTRIBUTIONS = (
 )  # fmt: skip
 
 
-def _no_key(path: list[str], name: str, section: ConfigKey) -> str:
+def _no_key(path: list[str], name: str, section: Rule) -> str:
     """That a key is not known, with the likely one."""
     hint = did_you_mean(name, section.children)
     if not hint and path and name in Config.__dataclass_fields__:

@@ -8,7 +8,6 @@ from deployable.campaign.config.keys import RefusedError
 from deployable.campaign.config.models import (
     Aim,
     BoundsChoice,
-    ChooseSection,
     Config,
     IntervalSpec,
     Limits,
@@ -68,13 +67,19 @@ def campaign_of(
         accuracy=accuracy,
     )
     rest = ("bounds", "published", "review", "error", "figures", "verify", "jobs")
+    choose = config.choose
+    minimise, maximise = (
+        (goal,) if isinstance(goal, str) else goal for goal in (choose.minimise, choose.maximise)
+    )
+    given = {name: config.intervals.get(name) for name in choose.parameters}
+    relative = tuple(name for name, spec in given.items() if spec and spec.relative is not None)
     return Campaign(
         experiment=experiment,
         requirements={
             name: {quantity: limits.by_name for quantity, limits in section.items()}
             for name, section in config.requirements.items()
         },
-        choose=choose_of(config.choose, config.intervals),
+        choose=Choose(choose.parameters, minimise, maximise, choose.order, relative),
         **{name: getattr(config, name) for name in rest},
     )
 
@@ -171,16 +176,6 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
         verify=replace(config.verify, discretization=True),
     )
     return config, Accuracy(tolerances, aim.max_runs, aim.max_core_minutes, mesh)
-
-
-def choose_of(section: ChooseSection, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """Resolve the section `choose` of a config (nominal values to be chosen): goals become tuples,
-    and names of parameters whose intervals are `relative` are noted. intervals: section of it."""
-    names = [name for name in section.parameters if name in intervals]
-    relative = tuple(name for name in names if intervals[name].relative is not None)
-    goals: Any = (section.minimise, section.maximise)
-    minimise, maximise = ((goal,) if isinstance(goal, str) else goal for goal in goals)
-    return Choose(section.parameters, minimise, maximise, section.order, relative)
 
 
 def intervals_of(

@@ -66,15 +66,11 @@ def scene_type(name: str, file: str = "") -> Any:
             hint = hint or did_you_mean(name, files)
             raise SceneError("scene.name", name, f"one of {', '.join(files)}{hint}")
         file = str(files[name])
-    structure = _structure_from_text(read_text(file), file)
+    structure = _structure_of(read_text(file), file)
     return structures.load(file) if structure.files else structure  # the text has not all of it
 
 
-@lru_cache(maxsize=8)
-def _structure_from_text(text: str, source: str) -> Any:
-    """Load a structure from its text, once for all stages and rounds that use it."""
-    return structures.loads(text, source)
-
+_structure_of = lru_cache(maxsize=8)(structures.loads)  # once for all stages and rounds
 
 BY_STANDARD = "_by_standard"
 """What ends the name of a margin by its standard's factors, which stands beside one by others."""
@@ -431,22 +427,12 @@ def count_first_runs(experiment: Experiment) -> int:
 
 def as_json(**sections: Any) -> str:
     """Write sections of the config, given by name, as one line of JSON, in the order given."""
-    return json.dumps(plain_data(sections), separators=(",", ":"), allow_nan=False)
-
-
-def plain_data(section: Any) -> Any:
-    """Turn a config section, or a mapping of some, into dicts and lists; leave others unchanged."""
-    if isinstance(section, Mapping):
-        return {name: plain_data(item) for name, item in section.items()}
-    if isinstance(section, type) or not is_dataclass(section):
-        return section
-    values: Any = section
-    return asdict(values)
+    return json.dumps(sections, default=asdict, separators=(",", ":"), allow_nan=False)
 
 
 def from_data(kind: Any, data: Any) -> Any:
     """Rebuild a section of type `kind` (a dataclass) from nested dicts and lists (made tuples), as
-    `plain_data` returns them, without checks."""
+    `dataclasses.asdict` returns them, without checks."""
     if is_dataclass(kind):
         make: Any = kind
         hints = _hints(make)
@@ -462,8 +448,9 @@ _hints = cache(get_type_hints)
 
 
 def digest(data: Any) -> str:
-    """Return 16 hex digits (of the SHA-256) that identify plain data or a section by its JSON."""
-    text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    """Return 16 hex digits (of the SHA-256) that identify data, of sections, say, by its JSON."""
+    form: Any = {"sort_keys": True, "separators": (",", ":"), "allow_nan": False}
+    text = json.dumps(data, default=asdict, **form)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import fpm
-from deployable.campaign.config.keys import ConfigKey
+from deployable.campaign.config.keys import Rule
 from deployable.campaign.config.models import Config
 from deployable.campaign.config.read import show, whole
 from deployable.campaign.config.resolve import with_margins
@@ -53,21 +53,21 @@ class StatedUnits:
         if name not in self._sections:
             value, key = self._source.get(name), whole().children.get(name)
             self._sections[name] = (
-                self._resolve(value, key, key.rule.unit, (name,), "") if key else value
+                self._resolve(value, key, key.unit, (name,), "") if key else value
             )
         return self._sections[name]
 
     def _resolve(
-        self, value: Any, key: ConfigKey, symbol: str, path: tuple, owner: str, parent: Any = None
+        self, value: Any, key: Rule, symbol: str, path: tuple, owner: str, parent: Any = None
     ) -> Any:
         """Convert the numbers of a value at a path to the unit `symbol`, or to that of `owner`, a
         name. parent: the mapping that has the value."""
         if isinstance(value, Mapping):
             result: dict[str, Any] = {}
-            symbols = dict(key.rule.units)
+            symbols = dict(key.units)
             for name, item in value.items():
                 entry = key.child(name)
-                symbol = entry.rule.unit or symbols.get(name, "") if entry else ""
+                symbol = entry.unit or symbols.get(name, "") if entry else ""
                 label = owner if name in key.children else name
                 place = (*path, str(name))
                 result[name] = (
@@ -91,7 +91,7 @@ class StatedUnits:
         return self._number(value, number, unit_name, symbol, path, key)
 
     def _number(
-        self, text: str, number: str, name: str, symbol: str, path: tuple, key: ConfigKey
+        self, text: str, number: str, name: str, symbol: str, path: tuple, key: Rule
     ) -> Any:
         """Return a number in the unit `symbol`. If its unit does not fit, note the problem and
         return the text."""

@@ -4,7 +4,7 @@ A row of the file is of the variables of a result: dimensions; `text` or `number
 what it is. A text in the place of a row stands for all rows of that name."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,25 +24,22 @@ class VariableSpec(NamedTuple):
 @cache
 def variables_of(result: str) -> dict[str, VariableSpec]:
     """Variables of a result by name of its file; {} for one of which nothing is stated."""
-    return dict(_rows(_tables(), result))
-
-
-@cache
-def _tables() -> dict[str, list]:
-    text = Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
-    return json.loads(text)
-
-
-def _rows(tables: Mapping[str, list], name: str) -> Iterator[tuple[str, VariableSpec]]:
-    for row in tables.get(name, ()):
+    variables: dict[str, VariableSpec] = {}
+    for row in _tables().get(result, ()):
         if isinstance(row, str):
-            yield from _rows(tables, row)
+            variables |= variables_of(row)
             continue
         dims, content, names, units, text = (*row, "", "")[:5]
         attributes = {"units": units} if units else {}
         attributes |= {"long_name": text} if text else {}
-        for field in names.split():
-            yield field, VariableSpec(tuple(dims.split()), content, attributes)
+        spec = VariableSpec(tuple(dims.split()), content, attributes)
+        variables |= dict.fromkeys(names.split(), spec)
+    return variables
+
+
+@cache
+def _tables() -> dict[str, list]:
+    return json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
 
 
 def create(

@@ -30,7 +30,6 @@ from deployable.campaign.config.sections import (
     digest,
     from_data,
     make_design,
-    plain_data,
     steps_problems,
 )
 from deployable.campaign.errors import CampaignError
@@ -283,7 +282,7 @@ class Plan:
     @cached_property
     def config_hash(self) -> str:
         """Digest of the experiment; of a structure's file not the path counts but `mechanics`."""
-        data = plain_data(self.experiment)
+        data = asdict(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
         if data["design"]["file"]:
@@ -303,7 +302,7 @@ class Plan:
             "campaign": self.experiment.name,
             "scene": self.experiment.scene.name,
             "config_hash": self.config_hash,
-            "config": json.dumps(plain_data(self.experiment)),
+            "config": json.dumps(asdict(self.experiment)),
             "mechanics": self.mechanics,
         }
 

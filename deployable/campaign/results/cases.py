@@ -65,18 +65,12 @@ def facts_of_cases(
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
         "next": max(  # that separates runs most: in bands, or unmeasured, as a share of the width
-            _next_tests(summaries), default=None,
-            key=lambda row: (row["bands"] or 0.0, row["fraction"]),
+            ({**rows[0], "case": name} for name, facts in summaries.items()
+             if (rows := facts.get("measured", {}).get("next"))),
+            key=lambda row: (row["bands"] or 0.0, row["fraction"]), default=None,
         ),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
     }  # fmt: skip
-
-
-def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
-    """Return the clearest next test of each case, where runs that measured curves leave differ
-    most."""
-    tests = {name: facts.get("measured", {}).get("next") for name, facts in summaries.items()}
-    return [{**rows[0], "case": name} for name, rows in tests.items() if rows]
 
 
 def combine_met(verdicts: Iterable[str]) -> str:

@@ -24,6 +24,8 @@ NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nomina
 RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
 DOUBT = f"do not rely on these bounds: error\nfrom {100 * LARGE:.0f} % of the largest difference"
 FAINT = {"linestyle": (0, (1, 1)), "linewidth": 1.0, "alpha": 0.6, "label": DOUBT}
+ARROW = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+SIGN: Any = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
 SHADE: Any = {"facecolor": "#F0E442", "edgecolor": "0.6", "hatch": "///", "alpha": 0.25}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
@@ -99,8 +101,11 @@ def _draw_envelope(axes: Any, bounds: ResponseBounds, shade_above: float, letter
             axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
         for axis in axes:
             _shade(axis, time, error > shade_above * difference.max(), label)
-    if sure[difference.argmax()]:
-        _mark_largest(ax, time, lower, upper, bounds.units, letter)
+    if sure[i := int(difference.argmax())] and difference[i] > 0:  # marked, and told in the legend
+        ends = (time[i], lower[i]), (time[i], upper[i])
+        ax.annotate("", *ends, arrowprops=ARROW, zorder=5)
+        label = f"{letter} largest difference {difference[i]:.3g} {pretty(bounds.units)}"
+        ax.plot([], [], label=label.strip().removesuffix(" 1"), **SIGN)
     ax.set_title(letter, loc="left", fontsize="medium")
     for axis in difference_axes:
         axis.set_ylabel(f"difference{_unit(bounds)}")
@@ -191,29 +196,6 @@ def _shade(ax: Any, time: np.ndarray, mask: np.ndarray, label: str) -> None:
         ax.axvspan(*ends, label=label if count == 0 else None, linewidth=0, zorder=0, **SHADE)
 
 
-def _mark_largest(
-    ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str, letter: str
-) -> None:
-    """Mark the largest difference of the bounds with an arrow, and tell its size in the legend."""
-    i = int((upper - lower).argmax())
-    width = upper[i] - lower[i]
-    if width <= 0:
-        return
-    arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", (time[i], lower[i]), (time[i], upper[i]), arrowprops=arrow, zorder=5)
-    sign = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
-    label = f"{letter} largest difference {width:.3g} {pretty(units)}".strip().removesuffix(" 1")
-    ax.plot([], [], label=label, **sign)
-
-
-def without_formulas(figure: Any) -> None:
-    """Change all texts of a matplotlib figure so that dollar signs start no formula."""
-    from matplotlib.text import Text
-
-    for text in figure.findobj(Text):
-        text.set_parse_math(False)
-
-
 @contextmanager
 def small_fonts() -> Iterator[None]:
     """Context manager in which fonts that matplotlib embeds come without the tables by which other
@@ -246,8 +228,10 @@ def save(
     give equal files. path: without suffix; file: context manager that gives a temporary path for
     each; by default it seals them."""
     from matplotlib import rc_context
+    from matplotlib.text import Text
 
-    without_formulas(figure)
+    for text in figure.findobj(Text):  # in which dollar signs start no formula
+        text.set_parse_math(False)
     for kind in kinds:
         with (
             file(path.with_name(f"{path.name}.{kind}")) as temporary,

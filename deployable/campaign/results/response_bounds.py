@@ -111,7 +111,8 @@ def read_bounds(folder: Folder, of_design: bool = False) -> CampaignBounds:
             "growth": _column(file, "growth_quarter"),
             "impossible": [*zip(*(file[f"largest_impossible{end}"][:].tolist()
                                   for end in ("", "_time")), strict=True)],
-            "abscissa": [_axis(text, time) for text in _column(file, "response_along", nones)],
+            "abscissa": [(axis := json.loads(text)) and axis | {"duration": float(time[-1])}
+                         for text in _column(file, "response_along", nones)],
         }  # fmt: skip
         errors = _components(file, "error", ("held_out", "decay", *COMPONENTS))
         shares = {"surrogate": _column(file, "error_share_of_width", [np.nan] * len(nones))}
@@ -147,8 +148,3 @@ def _components(file: Any, prefix: str, names: Sequence[str] = COMPONENTS) -> di
     """Variables of an open file by component of an error, those that there are."""
     columns = {name: _column(file, f"{prefix}_{name}") for name in names}
     return {name: values for name, values in columns.items() if values is not None}
-
-
-def _axis(text: str, time: np.ndarray) -> dict[str, Any] | None:
-    axis = json.loads(text)
-    return axis and axis | {"duration": float(time[-1])}

@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
+from deployable.campaign.config.sections import Campaign, Experiment, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
 from deployable.campaign.files import HISTORY, check_results, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
@@ -88,7 +88,7 @@ class Stage:
         """Return a digest of what the stage's results depend on apart from the files that it reads:
         program, structure and `sections` of the config, by name."""
         mechanics = [s.mechanics for s in sections.values() if isinstance(s, Experiment)]
-        return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
+        return digest([program_digest(), sections, mechanics])
 
     def inputs(self, campaign: Campaign) -> list[str]:
         """List the names of all result files that the stage may read."""

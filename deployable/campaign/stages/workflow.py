@@ -213,8 +213,7 @@ def run(
 
     with threadpool_limits(limits=1, user_api="blas"):
         campaign = config if isinstance(config, Campaign) else check_config(config)
-        complete(campaign, results, figures, notify)
-    workflow = Workflow(campaign, results)
+        workflow = complete(campaign, results, figures, notify)
     bounds = {name: _load(case.folder.bounds) for name, case in workflow.cases.items()}
     return bounds or _load(workflow.folder.bounds)
 
@@ -229,34 +228,27 @@ def _load(path: Path) -> Any:
 
 def complete(
     campaign: Campaign, results: str | Path, figures: bool = True, notify: Notify | None = None
-) -> None:
+) -> Workflow:
     """Make the results of a campaign that are missing or not of its config, as `run` does, which
-    has the same arguments and errors, in a process whose linear algebra has one thread."""
+    has the same arguments and errors, in a process whose linear algebra has one thread; returns the
+    workflow, which knows where they are."""
     notify, workflow = notify or MessagePrinter(sys.stderr), Workflow(campaign, results)
-    workflow.stale()
+    stale = workflow.stale()
     for text in workflow.describe_foreign_results():
         notify(f"warning: {text}")
     with results_of({"config": workflow.config}):
-        (_run_cases if campaign.cases else _run)(campaign, results, figures, notify)
+        for name, case in workflow.cases.items():
+            notify(f"Case {name}")
+            try:
+                _run(case, case.stale(), figures, notify)
+            except CampaignError as error:
+                raise CampaignError(f"case {name}: {error}") from error
+        _run(workflow, stale, figures, notify)
+    return workflow
 
 
-def _run_cases(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> None:
-    """Run the cases of a campaign one after another, and compare them."""
-    folder = Workflow(campaign, results).folder
-    for name, case in campaign.case_campaigns.items():
-        notify(f"Case {name}")
-        try:
-            _run(case, folder.path, figures, notify)
-        except CampaignError as error:
-            raise CampaignError(f"case {name}: {error}") from error
-    _stage(STAGES["cases"], campaign, folder, notify)
-    for text in Workflow(campaign, results).answer():
-        notify(text)
-
-
-def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> None:
-    workflow = Workflow(campaign, results)
-    folder, stale, is_remade = workflow.folder, workflow.stale(), False
+def _run(workflow: Workflow, stale: Mapping[str, str], figures: bool, notify: Notify) -> None:
+    folder, campaign, is_remade = workflow.folder, workflow.campaign, bool(workflow.cases)
     drawing_paths = {folder.figures, folder.motions, folder.report}
     for error in workflow.damage.values():
         if figures or drawing_paths.isdisjoint([error.path, *error.path.parents]):

@@ -147,8 +147,14 @@ def _gains(
     surrogate: ScalarSurrogate, sign: float, value: float, argument: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k), most promising first, and how far a run there may exceed `value` (P)."""
-    occurrence = surrogate.occurrence
-    candidates = _candidates(surrogate, argument)
+    occurrence, points = surrogate.occurrence, surrogate.occurrence.points
+    free = np.ptp(points, axis=0) > 0
+    # Spread over the box, by the extreme run, and on the limit-state surface.
+    spread = spread_points(free, _CANDIDATES)
+    spread[:, ~free] = points[0, ~free]
+    cloud = spread_points(free, _CLOUD, seed=3) * free
+    clouds = [np.clip(argument + size * cloud, -1.0, 1.0) for size in _CLOUD_SIZES]
+    candidates = np.concatenate([spread, *clouds, occurrence.surface_points])
     decision, band = occurrence.decision(candidates), occurrence.band(candidates)
     candidates, is_open = candidates[decision > -band], (decision < band)[decision > -band]
     values = sign * surrogate.predict(candidates)
@@ -160,17 +166,6 @@ def _gains(
     gains = np.minimum(gains, sign * (physical - value))
     order = np.argsort(-gains, kind="stable")
     return candidates[order], gains[order]
-
-
-def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
-    """Unit points (P, k): spread over the box, by the extreme run, on the limit-state surface."""
-    points = surrogate.occurrence.points
-    free = np.ptp(points, axis=0) > 0
-    spread = spread_points(free, _CANDIDATES)
-    spread[:, ~free] = points[0, ~free]
-    cloud = spread_points(free, _CLOUD, seed=3) * free
-    clouds = [np.clip(argument + size * cloud, -1.0, 1.0) for size in _CLOUD_SIZES]
-    return np.concatenate([spread, *clouds, surrogate.occurrence.surface_points])
 
 
 def _moves(

@@ -159,10 +159,7 @@ class Beams(ElementType):
     @staticmethod
     def create(scene, nodes, section, material, normal, name) -> "Beams":
         """Return a group of beam elements between particles of a scene, unstressed as these are
-        placed now; the caller adds it to the scene. nodes (m, 2): particle indices; section
-        (Section); material (Material); normal: global vector in the plane of the local x and z
-        axes, (3,) for all or (m, 3), not parallel to an element; name: of the group. SceneError if
-        particles are missing or coincide, or a normal is parallel."""
+        placed now; `Scene.add_beams` adds it, and says what the arguments are."""
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
             raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")

@@ -94,11 +94,8 @@ class Cable(ElementType):
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, **fields) -> "Cable":
-        """Return a cable through points of a scene, as placed now; the caller adds it. name: no
-        other cable's; points: pairs of a particle's index and a global position (3,) m, None: its
-        own; stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at
-        the start (N), the other None; fields: others of Cable but `start`; least, if None: SHORTEST
-        of the unstrained length. SceneError if they do not fit."""
+        """Return a cable through points of a scene, as placed now; `Scene.add_cable` adds it, and
+        says what the arguments are (stiffness: EA). SceneError if they do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):

@@ -156,12 +156,9 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
-        """Return a revolute hinge between two particles of a scene, as placed now; the caller adds
-        it. name: no other joint's; particles: pair of indices; point (3,) m: on the axis, global;
-        axis: direction (3,); references: a direction for each particle, normal to the axis, equal
-        at opening 0, None: chosen so that the opening is `opening` (rad) now; else `opening` only
-        says which full turn is meant; support: global axes ("xyz") along which the point is held.
-        point and axis may be (2, 3), one for each particle. SceneError if they do not fit."""
+        """Return a revolute hinge between two particles of a scene, as placed now;
+        `Scene.add_hinge` adds it, and says what the arguments are. SceneError if they do not
+        fit."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")

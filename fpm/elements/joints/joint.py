@@ -114,11 +114,9 @@ class Joint(JointBase):
 
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
-        """Return a joint between two particles of a scene as placed now; the caller adds it. name:
-        no other joint's; type: "revolute", "spherical", "fixed", "universal" or "prismatic";
-        particles: indices of both; point: position (3,), m, global, or (2, 3), one for each
-        particle; axis (3,): direction, of any length; axis2 (3,): of a universal joint, the axis on
-        the second particle, normal to `axis`, None: any that is. SceneError if they do not fit."""
+        """Return a joint between two particles of a scene as placed now; `Scene.add_joint` adds it,
+        and says what the arguments are; it may be "revolute" as well. SceneError if they do not
+        fit."""
         allowed = "revolute", "spherical", "fixed", "universal", "prismatic"
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
@@ -142,8 +140,7 @@ class Joint(JointBase):
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
         """Return a slide (prismatic joint) between two particles of a scene, not added to it, as a
-        Hinge whose opening (joint coordinate) is a length. name: no other's; particles: pair of
-        indices; point (3,) m, axis (3,), global: of the line of sliding; opening: now (m)."""
+        Hinge whose opening is a length. Arguments: as of `Scene.add_slide`."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         NumberLimits(unit="m").check(f"opening of slide {name}", opening)
         frames = joint.beams, joint.axes, joint.references
@@ -153,19 +150,7 @@ class Joint(JointBase):
     @staticmethod
     def create_openings(scene, name, type, particles, point, axis, x, openings, lead=0.0) -> tuple:
         """Return all openings (joint coordinates) of a joint between two particles of a scene as
-        placed now, each a Hinge, not added to it.
-
-        Parameters
-        ----------
-        name: no other joint's.
-        type: "cylindrical", "planar", "pin in slot" or "screw".
-        particles: pair of indices.
-        point: position of the joint (3,), m, global, or (2, 3), one for each particle.
-        axis: direction (3,), global.
-        x: direction (3,) of the slot, or of the first slide in a plane, normal to the axis; None:
-            any.
-        openings: joint coordinates now (rad; m), in the order of the type's openings.
-        lead: of a screw, how far the second goes along the axis (m/rad), not 0."""
+        placed now, each a Hinge, not added to it. Arguments: as of `Scene.add_sliding_joint`."""
         pair = two_of(scene, particles, f"joint {name}")
         axis = unit(axis, f"axis of joint {name}")
         x = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]) if x is None else x, "x")
@@ -199,9 +184,8 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, ...]:
-        """Return both angles of a universal joint, each a Hinge, not added to the scene. name: no
-        other's; particles: pair of indices; point (3,) m; axis, axis2 (3,): fixed in the first and
-        second particle, normal to each other; openings: the two angles now (rad)."""
+        """Return both angles of a universal joint, each a Hinge, not added to the scene. Arguments:
+        as of `Scene.add_universal`."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []
@@ -228,8 +212,7 @@ class Joint(JointBase):
     @staticmethod
     def held_point(scene, name, particle: int, point, axes: str, leader=None) -> "Joint":
         """A "held" joint, not added to the scene: it keeps a point of a particle in its present
-        place along some global axes. name: for messages; particle: index; point (3,) m, global;
-        axes: letters out of "xyz", at least one, else SceneError; leader: index of a driven
+        place along some global axes. Arguments: as of `Scene.hold_point`; leader: index of a driven
         particle that does not turn, at the point, with which it moves, None: it stays."""
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")

@@ -69,9 +69,13 @@ def _arrival_rate(curves: Curves, gap: np.ndarray, instant: float) -> float:
     rows = np.flatnonzero((curves.time >= start) & (curves.time <= last))[-3:]
     if not len(rows):
         rows = np.searchsorted(curves.time, [instant], side="left") - 1
-    time, values = np.append(curves.time[rows], instant), np.append(gap[rows], 0.0)
-    cubic = np.polynomial.Polynomial.fit(time, values, len(rows))
-    return max(float(cubic.deriv()(instant)), 0.0)
+    # The mean rates from these instants on, continued to none (Neville's scheme): the rate there of
+    # the cubic through the gaps and zero.
+    spans = curves.time[rows] - instant
+    rates = gap[rows] / spans
+    for n in range(1, len(rows)):
+        rates = (spans[n:] * rates[:-1] - spans[:-n] * rates[1:]) / (spans[n:] - spans[:-n])
+    return max(float(rates[0]), 0.0)
 
 
 def _lack(time: np.ndarray, gap: np.ndarray) -> float:

@@ -19,6 +19,9 @@ from fpm.files.trajectory import IMPACTS, Curves
 from fpm.reading import margins
 from fpm.reading.events import SPREAD, cubic_through, extreme_value, find_root, peak, value_at
 
+MARGIN_READS = ("opening", "slide_opening", "latch_rate", "slide_latch_rate")
+"""Variables that the margins of impacts are read off."""
+
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
 _LAST, _ROWS = 0.1, 4  # share of the way, and least instants, over which deceleration is found

@@ -6,18 +6,32 @@ dominant whatever the spacing (Green and Silverman, Nonparametric Regression, 19
 Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the linear functions, on
 which it is positive definite (Wendland 2005, chapter 8)."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import scipy
 
 from .errors import IntervalError
 
-_COLUMNS = 512
+_COLUMNS, _BLOCK = 512, 256
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
 MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
+
+
+def in_blocks(function: Callable[[np.ndarray], np.ndarray], points: np.ndarray) -> np.ndarray:
+    """Return the values (P, ...) of a function of points (P, k). It takes 256 at once, so that its
+    arrays stay in the cache: large new ones cost five times as much as computing them."""
+    blocks = [function(points[i : i + _BLOCK]) for i in range(0, max(len(points), 1), _BLOCK)]
+    return np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
+
+
+def squared_distances(x: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return the squares (P, N) of the distances between points x (P, k) and `points` (N, k)."""
+    squares = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
+    squares -= 2 * x @ points.T
+    return np.maximum(squares, 0.0, out=squares)
 
 
 def stands_alone(points: np.ndarray) -> np.ndarray:

@@ -14,7 +14,14 @@ import scipy
 
 from .errors import IntervalError
 from .formula import Formula, cubes
-from .spline_equations import Polyharmonic, distinct, line_rows, solve_line
+from .spline_equations import (
+    Polyharmonic,
+    distinct,
+    in_blocks,
+    line_rows,
+    solve_line,
+    squared_distances,
+)
 
 MAX_RUNS = 4000  # the spline's matrix is full
 _SCALE_RUNS = 400  # runs that choose the scales
@@ -73,7 +80,8 @@ class Spline:
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, ...) of the spline at `points` (P, k) in [-1, 1]^k."""
         flat = self.weights.reshape(len(self.weights), -1)
-        return (self.basis(points) @ flat).reshape(len(points), *self.weights.shape[1:])
+        values = in_blocks(lambda x: self.basis(x) @ flat, np.asarray(points, dtype=float))
+        return values.reshape(len(points), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
         """Write the spline of a single number (weights (N + 1 + f, 1), on a line (2 N, 1)) as a
@@ -255,9 +263,11 @@ def _rows(x, points, scales) -> np.ndarray:
     x, points = (x * scales)[:, free], (points * scales)[:, free]
     if len(points) == 1:
         return np.ones((len(x), 1))
-    square = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * x @ points.T
-    square = np.maximum(square, 0.0)
-    return np.concatenate([square * np.sqrt(square), np.ones((len(x), 1)), x], axis=1)
+    count, square = len(points), squared_distances(x, points)
+    rows = np.empty((len(x), count + 1 + x.shape[1]))
+    rows[:, count], rows[:, count + 1 :] = 1.0, x
+    np.multiply(square, np.sqrt(square), out=rows[:, :count])
+    return rows
 
 
 def _system(points, scales) -> Polyharmonic:

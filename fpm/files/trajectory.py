@@ -64,6 +64,9 @@ LED_OVER = "travel_position"
 Column = tuple[str, str]
 """Of what is recorded beside points and energies: a variable, and a label along its dimension."""
 
+POSITION = "position"
+"""The variable of columns that stand for points, with their velocities."""
+
 _NO_SIDE = 2.0
 """Side, in a file, of the gate of an element that has none."""
 
@@ -154,30 +157,34 @@ class Curves:
         return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
-def contents(outcomes, responses=(), attributes=None, parameters=None, runs=None) -> Contents:
+def contents(
+    outcomes, responses=(), attributes=None, parameters=None, runs=None, columns=None
+) -> Contents:
     """Return the contents of a trajectory file of runs of one structure, with names and units by
     the CF conventions. outcomes: of the runs (fpm.Outcome), the first failure of which is raised;
     responses: fpm.reading.responses.Response, whose values are added; attributes: further global
     ones by name; parameters: (value of each run, unit) by name, coordinates `parameter_<name>`,
-    without unit if it is ""; runs: their names; None: no attributes, no parameters, numbers."""
+    without unit if it is ""; runs: their names; columns: (variable, label) of the recorded
+    variables and, as "position", of the points to be written; None: no attributes, no parameters,
+    numbers, all."""
     for outcome in outcomes:
         if outcome.failure is not None:
             raise outcome.failure
     names = map(str, range(len(outcomes))) if runs is None else runs
-    columns = {key: (list(map(f, outcomes)), *rest) for key, (f, *rest) in _NUMBERS.items()}
-    columns |= {
+    numbers = {key: (list(map(f, outcomes)), *rest) for key, (f, *rest) in _NUMBERS.items()}
+    numbers |= {
         f"{_PARAMETER}{name}": (values, unit, name)
         for name, (values, unit) in (parameters or {}).items()
     }
     variables = {
         **_names(RUN, names, "name of the run"),
         "time": _variable("time", outcomes[0].time, "s", "time", standard_name="time", axis="T"),
-        **_points(outcomes),
+        **_points(outcomes, columns),
         **_energies(outcomes),
-        **_record_variables(outcomes),
+        **_record_variables(outcomes, columns),
         **_events(outcomes),
         **_responses(outcomes, responses),
-        **{name: _variable(RUN, *c) for name, c in columns.items() if None not in c[0]},
+        **{name: _variable(RUN, *c) for name, c in numbers.items() if None not in c[0]},
     }
     scene = outcomes[0].scene.name
     header = {
@@ -224,12 +231,15 @@ def _names(dimension: str, values, long_name: str, name: str | None = None) -> d
     return {name or dimension: NetcdfVariable((dimension,), text, {"long_name": long_name})}
 
 
-def _points(outcomes) -> dict[str, NetcdfVariable]:
-    names, dims = list(outcomes[0].points), (RUN, "time", "point", "axis")
-    tracks = np.zeros((2, len(outcomes), len(outcomes[0].time), len(names), 3))
+def _points(outcomes, columns) -> dict[str, NetcdfVariable]:
+    points, dims = outcomes[0].points, (RUN, "time", "point", "axis")
+    names = [n for n in points if columns is None or (POSITION, n) in columns]
+    if not names:
+        return {}
+    tracks = np.empty((2, len(outcomes), len(outcomes[0].time), len(names), 3))
     for row, outcome in enumerate(outcomes):
         for i, name in enumerate(names):
-            tracks[:, row, :, i] = outcome.points[name]
+            tracks[0, row, :, i], tracks[1, row, :, i] = outcome.points[name]
     return {
         **_names("point", names, "named point"),
         **_names("axis", "xyz", "global axis"),
@@ -247,10 +257,13 @@ def _energies(outcomes) -> dict[str, NetcdfVariable]:
     }
 
 
-def _record_variables(outcomes) -> dict[str, NetcdfVariable]:
-    """Return the variables that the kinds in the scene recorded, with their coordinates."""
+def _record_variables(outcomes, columns) -> dict[str, NetcdfVariable]:
+    """Return the variables that the kinds in the scene recorded, with their coordinates: those of
+    which a label is among the columns."""
     variables = {}
     for name, (_, unit, long_name, dimension, labels, axis) in outcomes[0].records.items():
+        if columns is not None and columns.isdisjoint((name, label) for label in labels):
+            continue
         dims = (RUN, axis) if dimension is None else (RUN, axis, dimension)
         values = [outcome.records[name].values for outcome in outcomes]
         variables[name] = _variable(dims, values, unit, long_name)
@@ -381,7 +394,7 @@ def read_curves(
             time=values["time"],
             points={
                 point: (values["position"][row, :, i], values["velocity"][row, :, i])
-                for i, point in enumerate(values["point"])
+                for i, point in enumerate(values.get("point", ()))
             },
             energies=Energies((energy, array[row]) for energy, array in energies),
             columns={column: array[row] for column, array in columns.items()},

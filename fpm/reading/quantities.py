@@ -19,6 +19,9 @@ from fpm.files.trajectory import IMPACTS, Curves
 from fpm.reading import margins
 from fpm.reading.events import SPREAD, cubic_through, extreme_value, find_root, peak, value_at
 
+MARGIN_READS = ("opening", "slide_opening", "latch_rate", "slide_latch_rate")
+"""Variables that the margins of impacts are read off."""
+
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
 _LAST, _ROWS = 0.1, 4  # share of the way, and least instants, over which deceleration is found
@@ -69,9 +72,13 @@ def _arrival_rate(curves: Curves, gap: np.ndarray, instant: float) -> float:
     rows = np.flatnonzero((curves.time >= start) & (curves.time <= last))[-3:]
     if not len(rows):
         rows = np.searchsorted(curves.time, [instant], side="left") - 1
-    time, values = np.append(curves.time[rows], instant), np.append(gap[rows], 0.0)
-    cubic = np.polynomial.Polynomial.fit(time, values, len(rows))
-    return max(float(cubic.deriv()(instant)), 0.0)
+    # The mean rates from these instants on, continued to none (Neville's scheme): the rate there of
+    # the cubic through the gaps and zero.
+    spans = curves.time[rows] - instant
+    rates = gap[rows] / spans
+    for n in range(1, len(rows)):
+        rates = (spans[n:] * rates[:-1] - spans[:-n] * rates[1:]) / (spans[n:] - spans[:-n])
+    return max(float(rates[0]), 0.0)
 
 
 def _lack(time: np.ndarray, gap: np.ndarray) -> float:

@@ -15,7 +15,7 @@ from fpm.declare import SLIDE_UNITS, NumberLimits
 from fpm.elements import Journal, Latch, Stop, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.errors import SceneError, did_you_mean, fold_name, hint_new
-from fpm.files.trajectory import Column, Curves
+from fpm.files.trajectory import POSITION, Column, Curves
 from fpm.reading import bars, margins
 from fpm.reading.margins import Abscissa
 from fpm.reading.variables import VARIABLES, Variable
@@ -62,6 +62,7 @@ def check_choice(key: str, value: object, choices: Iterable[str], addition: str 
 
 AXES = ("x", "y", "z")
 ALL = {"all": "all bars"}
+_OF_POINTS = ("distance", "position", "velocity")
 
 Lister = Callable[[Scene], Iterable[str]]
 """Function of a scene: names of what something may be of."""
@@ -94,6 +95,12 @@ class Response:
     def needs(self) -> tuple[Column, ...]:
         """Columns (variable, label) of the response that runs record only on request."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
+
+    @property
+    def reads(self) -> tuple[Column, ...]:
+        """All columns that the response is read off, its points among them, as "position"."""
+        points = self.subjects if self.kind in _OF_POINTS else ()
+        return (*self.columns, *((POSITION, point) for point in points))
 
     @property
     def least(self) -> float | None:
@@ -141,7 +148,7 @@ class Definition(NamedTuple):
         value: the one to check, None: that of the key."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
-        is_point = self.kind in ("distance", "position", "velocity")
+        is_point = self.kind in _OF_POINTS
         is_point = is_point and names == [*self.scene.points]
         addition = ", or a point that the structure has under `record`" if is_point else ""
         return check_choice(f"responses.{self.name}.{key}", value, names, addition)

@@ -192,7 +192,7 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
 
 
 @pytest.mark.parametrize(("keep", "again"), [("trajectories", 0), ("responses", 5)])
-def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, keep, again):
+def test_only_a_response_of_what_no_other_reads_is_simulated_again(raw, tmp_path, keep, again):
     plan, _ = run_all(check_config(raw), tmp_path, keep)
     assert len(plan.unique_runs) == 5
     raw["responses"] = {
@@ -200,11 +200,14 @@ def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, 
         "psi": {"opening": "A"},
         "T": {"energy": "kinetic"},
         "zB": {"position": "B", "component": "z"},
-        "AC": {"distance": ["A", "C"]},
     }
+    assert sum(run_all(check_config(raw), tmp_path, keep)[1]) == again
+    raw["responses"]["AC"] = {"distance": ["A", "C"]}  # points that nothing has asked for
     config = check_config(raw)
     plan, counts = run_all(config, tmp_path, keep)
-    assert sum(counts) == again
+    assert sum(counts) == 5
+    if keep == "trajectories":  # what the files had, too
+        assert all({*run.points} == {*"ABCD"} for run in curves_in(tmp_path / keep).values())
     gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
     run_all(check_config(raw), tmp_path / "fresh", "trajectories")
     values = values_in(tmp_path / "fresh/trajectories", config)

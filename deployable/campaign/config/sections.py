@@ -42,6 +42,7 @@ from deployable.campaign.text.numbers import size_text
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
+from fpm.files.trajectory import POSITION
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import warn
@@ -458,7 +459,7 @@ def digest(data: Any) -> str:
 
 LARGE = 100_000  # runs up to which nobody asks whether the disk has room for them
 
-_TRAJECTORY_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_TRAJECTORY_CURVES = 10  # of a trajectory, beside those of responses and hinges: time, energies
 _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
@@ -476,8 +477,9 @@ def bytes_of_run(campaign: Campaign) -> float:
 
 def count_curves(experiment: Experiment) -> int:
     """Return how many arrays over time the trajectory file of a run has, besides responses."""
-    scene = experiment.nominal_scene
-    return 6 * len(scene.points) + len(scene.hinges) + _TRAJECTORY_CURVES + len(experiment.record)
+    columns = {column for response in experiment.response_list for column in response.reads}
+    count = sum(6 if variable == POSITION else 1 for variable, _ in columns)
+    return count + len(experiment.nominal_scene.hinges) + _TRAJECTORY_CURVES
 
 
 def room_problems(campaign: Campaign) -> list[str]:

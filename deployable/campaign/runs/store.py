@@ -21,20 +21,20 @@ from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
 from fpm.files.trajectory import Column
-from fpm.reading.quantities import impact_margins
+from fpm.reading.quantities import MARGIN_READS, impact_margins
 from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
     """Store of runs for `jobs.keep: trajectories`: one netCDF file for each group of runs that were
-    written together, with all that they recorded. Its seal names the runs, so that each is found in
-    whichever file has it. Changed responses are evaluated from it, unless they need other
-    variables."""
+    written together, with energies, openings, events, and what responses read. Its seal names the
+    runs, so that each is found in whichever file has it. Changed responses are evaluated from it,
+    unless they read other points or variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
         self._columns: dict[str, set[Column]] = {}
-        self._needs = {need for response in self.responses for need in response.needs}
+        self._reads = {column for response in self.responses for column in response.reads}
 
     @cached_property
     def _paths(self) -> dict[str, list[Path]]:
@@ -65,8 +65,9 @@ class Trajectories(Store):
         return group[[i for i, run in enumerate(group) if run.id not in curves]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) that the files of these runs have."""
-        return set().union(*(self._columns.get(run.id, ()) for run in runs))
+        """Return the columns (variable, label) that the files of these runs have on request."""
+        columns = set().union(*(self._columns.get(run.id, ()) for run in runs))
+        return {column for column in columns if column[0] in VARIABLES}
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """Return a function that counts the stored runs of these groups, by seals alone."""
@@ -86,7 +87,9 @@ class Trajectories(Store):
         parameters = {key: ([result.parameters[key] for result in results], types[key].unit)
                       for key in self.experiment.intervals}  # fmt: skip
         outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
-        contents = trajectory.contents(outcomes, (), attributes, parameters, names)
+        always = {c for c in outcomes[0].columns if c[0] in MARGIN_READS or c[0] in VARIABLES}
+        columns = self._reads.union(always, *(self._columns.get(name, ()) for name in names))
+        contents = trajectory.contents(outcomes, (), attributes, parameters, names, columns)
         path = self.folder / f"{digest(names)}.nc"
         trajectory.write(contents, path, name=common.title(path), runs=" ".join(names))
         for name in names:
@@ -123,9 +126,10 @@ class Trajectories(Store):
             except FileNotFoundError:
                 continue
             for name, curves in file_curves.items():
-                if lacks := self._needs - curves.columns.keys():
+                columns = {*curves.columns, *((trajectory.POSITION, p) for p in curves.points)}
+                if lacks := self._reads - columns:
                     self.absences[name] = lacks
-                    self._columns[name] = {c for c in curves.columns if c[0] in VARIABLES}
+                    self._columns[name] = columns
                 else:
                     sound_curves[name] = curves
                     self.absences.pop(name, None)

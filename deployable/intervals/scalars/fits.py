@@ -18,7 +18,7 @@ from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
 from ..formula import Formula, polynomial
-from ..spline_equations import distinct, stands_alone
+from ..spline_equations import distinct, in_blocks, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 if TYPE_CHECKING:
@@ -46,7 +46,8 @@ class Kriging:
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, 1) of the corrected polynomial at `points` (P, k) in [-1, 1]^k."""
-        return self.trend.evaluate(points) + _decay(points, self.points, self.length) @ self.weights
+        rest = in_blocks(lambda x: _decay(x, self.points, self.length) @ self.weights, points)
+        return self.trend.evaluate(points) + rest
 
     def formula(self) -> Formula:
         """Write the corrected polynomial as a table that other programs can evaluate."""
@@ -76,8 +77,9 @@ class RootFunction:
     @property
     def trend(self) -> RootFunction:
         """Copy without the kriging correction, which makes a polynomial pass through every run, to
-        compare parts of the box with each other; an equal copy where there is none."""
-        return replace(self, function=getattr(self.function, "trend", self.function))
+        compare parts of the box with each other; itself where there is none."""
+        function = getattr(self.function, "trend", self.function)
+        return self if function is self.function else replace(self, function=function)
 
     def formula(self) -> Formula:
         """Write the function of parameters alone as a table that other programs can evaluate."""
@@ -155,8 +157,9 @@ class Fit:
     @property
     def trend(self) -> Fit:
         """Copy without the kriging correction, which makes a polynomial pass through every run, to
-        compare parts of the box with each other; an equal copy where there is none."""
-        return replace(self, function=getattr(self.function, "trend", self.function))
+        compare parts of the box with each other; the fit itself where there is none."""
+        function = getattr(self.function, "trend", self.function)
+        return self if function is self.function else replace(self, function=function)
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P) of the function at `points` (P, k) in [-1, 1]^k."""

@@ -18,7 +18,7 @@ import scipy
 
 from ..designs import scan_points, spread_points
 from ..formula import Formula
-from ..spline_equations import distinct, stands_alone
+from ..spline_equations import distinct, in_blocks, squared_distances, stands_alone
 
 if TYPE_CHECKING:
     from .fits import Fit
@@ -72,14 +72,10 @@ class Occurrence:
         the event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        decision = self._decision
-        nearest = [
-            decision[kind][scipy.spatial.cKDTree(self.points[kind]).query(points)[1]]
-            for kind in (self.happens, ~self.happens)
-        ]
+        nearest = [decision[tree.query(points)[1]] for tree, decision in self._of_kinds]
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
         least = 0.0 if self.reach else 1.0
-        return np.maximum(np.minimum(*nearest), max(least, float(-decision.min())))
+        return np.maximum(np.minimum(*nearest), max(least, float(-self._decision.min())))
 
     def usual_band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the band at `points` (P, k) in [-1, 1]^k by which volume fractions are
@@ -158,7 +154,9 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                happens = (self._ratios(middle) >= level)[:, None]
+                # No band changes the sign.
+                values = self._ratios(middle) if level else self.decision(middle)
+                happens = (values >= level)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
             border_points.append(high)
         return np.concatenate(border_points)
@@ -175,7 +173,7 @@ class Occurrence:
         """Evaluate the smoothest function that separates the runs with the event from those
         without."""
         points, weights = self._support_vectors
-        return matern(x, points) @ weights
+        return in_blocks(lambda block: matern(block, points) @ weights, x)
 
     def formula(self) -> Formula:
         """Write the decision function (`decision`) as a table for other programs; only for an
@@ -213,6 +211,12 @@ class Occurrence:
         """Return the border's function (N) at the runs, negative at runs on its wrong side."""
         return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
+    @cached_property
+    def _of_kinds(self) -> list[tuple[scipy.spatial.cKDTree, np.ndarray]]:
+        """Runs with the event and those without, as a tree with the values of `_decision`."""
+        kinds = self.happens, ~self.happens
+        return [(scipy.spatial.cKDTree(self.points[k]), self._decision[k]) for k in kinds]
+
     def _training_runs(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and signs (n) of the runs that a border is fitted to."""
         rows = distinct(self.points)
@@ -239,9 +243,15 @@ class Occurrence:
 
 def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
-    squares = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * x @ points.T
-    distance = np.sqrt(5 * np.maximum(squares, 0.0)) / _LENGTH
-    return (1 + distance + distance**2 / 3) * np.exp(-distance)
+    distance = squared_distances(x, points)
+    distance *= 5
+    np.sqrt(distance, out=distance)
+    distance /= _LENGTH
+    values = distance**2
+    values /= 3
+    values += 1 + distance
+    np.negative(distance, out=distance)
+    return np.multiply(values, np.exp(distance, out=distance), out=values)
 
 
 @dataclass(frozen=True)

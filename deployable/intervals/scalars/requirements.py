@@ -535,37 +535,43 @@ class ChoiceProblem:
 
     def judge(self, values: np.ndarray) -> Choice:
         """Evaluate goals and limits in the worst case for chosen values (c)."""
-        values = np.asarray(values, dtype=float)
-        if (key := values.tobytes()) not in self._choices:  # grids share points
-            self._choices[key] = self._judge(values)
-        return self._choices[key]
+        choice = self._judge(np.asarray(values, dtype=float), lambda choice: False, True)
+        assert choice is not None
+        return choice
 
     @cached_property
     def _choices(self) -> dict[bytes, Choice]:
         return {}
 
-    def _judge(self, values: np.ndarray) -> Choice:
+    def _judge(self, values: np.ndarray, rank: Callable[[Choice], Any], most: Any) -> Choice | None:
+        """Evaluate goals and limits in turn; None once the rank, which further ones do not lower,
+        is not below `most`."""
+        if (choice := self._choices.get(values.tobytes())) is not None:  # grids share points
+            return choice if rank(choice) < most else None
         lower, upper = self.box(values)
-        goal_values = [goal.value(lower, upper) for goal in self.goals]
-        limit_values = [limit.worst(lower, upper) for limit in self.limits]
-        worst = [point for _, point in limit_values]
-        choice = Choice(
-            values,
-            np.zeros(0),
-            np.inf,
-            np.zeros(0),
-            np.array(worst).reshape(len(limit_values), len(lower)),
-            [point for _, point in goal_values],
-        )
-        goals, margins = ([value for value, _ in rows] for rows in (goal_values, limit_values))
-        return self.weigh(choice, goals, margins)
+        choice = Choice(values, np.zeros(0), np.inf, np.zeros(0), np.zeros((0, len(lower))), [])
+        for item in (*self.goals, *self.limits):
+            goals, margins = choice.goals, choice.margins
+            if isinstance(item, Goal):
+                value, points = item.value(lower, upper)
+                choice = replace(choice, goal_points=[*choice.goal_points, points])
+                goals = np.append(goals, value)
+            else:
+                value, point = item.worst(lower, upper)
+                choice = replace(choice, worst=np.concatenate([choice.worst, [point]]))
+                margins = np.append(margins, value)
+            choice = self.weigh(choice, goals, margins)
+            if not rank(choice) < most:
+                return None
+        self._choices[values.tobytes()] = choice
+        return choice
 
     def weigh(self, choice: Choice, goals: Sequence, margins: Sequence) -> Choice:
-        """Return a choice with other `goals` (g) and `margins` (l), and what follows from them."""
+        """Return a choice with other `goals` (g) and `margins` (l), of the first goals and limits,
+        and what follows from them."""
         margin_array, goal_array = np.array(margins, dtype=float), np.array(goals, dtype=float)
-        errors = np.array(
-            [0.0 if limit.kind == "happens" else limit.error for limit in self.limits]
-        )
+        limits = self.limits[: len(margin_array)]
+        errors = np.array([0.0 if limit.kind == "happens" else limit.error for limit in limits])
         has_error = np.isfinite(margin_array) & ~np.isnan(errors)
         sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
         safety = float((margin_array[has_error] / sizes).min(initial=np.inf))
@@ -608,7 +614,7 @@ class ChoiceProblem:
 
         def is_safe(value: float) -> bool:
             values = np.where(np.arange(len(best.values)) == index, value, best.values)
-            return problem.judge(values).is_safe
+            return problem._judge(values, lambda choice: not choice.is_safe, True) is not None
 
         ends = []
         for end in self.ranges[index]:
@@ -649,6 +655,6 @@ class ChoiceProblem:
         for _ in range(_ZOOMS):
             for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
                 point = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
-                best = min(best, self.judge(point), key=rank)
+                best = self._judge(point, rank, rank(best)) or best
             reach = reach * (0.45 if len(ends) == 1 else 0.6)
         return best

@@ -144,7 +144,8 @@ class ScalarSurrogate:
     def trend(self) -> ScalarSurrogate:
         """Copy without the kriging correction, which makes a polynomial pass through every run, to
         compare parts of the box with each other; splines, and surrogates without a fit, stay."""
-        return self if self.fit is None else replace(self, fit=self.fit.trend)
+        is_same = self.fit is None or self.fit.trend is self.fit
+        return self if is_same else replace(self, fit=self.fit.trend)
 
     @cached_property
     def rival(self) -> ScalarSurrogate | None:

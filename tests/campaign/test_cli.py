@@ -68,6 +68,28 @@ def test_the_campaign_of_a_folder_is_checked_without_its_name(file, capsys, monk
     assert capsys.readouterr().out.startswith("campaign.yaml: test, ")
 
 
+@pytest.mark.parametrize(("call", "said"), [
+    (["run", "x.yaml", "--figuers", "no"], "no option --figuers (did you mean --no-figures?)"),
+    (["check", "x.yaml", "--jsno"], "no option --jsno (did you mean --json?)"),
+    (["page", "results/x", "--config", "x.yaml", "--frame-count", "3"], "--frame-count (did you"),
+    (["schema", "campaign", "twice"], "twice is one word too many; allowed: --help, --quiet"),
+])  # fmt: skip
+def test_an_unknown_option_is_refused_with_the_likely_one(call, said, capsys):
+    with pytest.raises(SystemExit) as refused:
+        main(call)
+    assert refused.value.code == 2 and said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [[], ["run"], ["plan"]])
+def test_help_may_be_asked_for_as_a_command(command, capsys):
+    for arguments in (["help", *command], [*command, "--help"]):
+        with pytest.raises(SystemExit) as helped:
+            main(arguments)
+        assert helped.value.code == 0
+    texts = capsys.readouterr().out
+    assert texts[: len(texts) // 2] == texts[len(texts) // 2 :]
+
+
 @pytest.mark.parametrize("arguments", [[], ["--help"]])
 def test_help_names_all_commands(capsys, arguments):
     with pytest.raises(SystemExit) as helped:

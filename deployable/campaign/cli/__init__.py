@@ -44,12 +44,19 @@ def main(arguments: list[str]) -> int:
     returns the exit status, 0 when all went well."""
     if arguments and arguments[0].endswith((".yaml", ".yml")):
         arguments = ["check", *arguments]
+    if arguments[:1] == ["help"]:
+        arguments = [*arguments[1:], "--help"]
     is_stage = bool(arguments) and arguments[0] in STAGES
     parser, names = _parser(is_stage), [name for group in GROUPS.values() for name in group]
     if arguments and arguments[0] not in names and not arguments[0].startswith("-"):
         hint = did_you_mean(arguments[0], names)
         parser.error(f"there is no command {arguments[0]!r}{hint}; allowed: {', '.join(names)}")
-    options = parser.parse_args(arguments or ["--help"])
+    options, rest = parser.parse_known_args(arguments or ["--help"])
+    if rest:
+        words = sorted({*re.findall(r"--[\w-]+", options.parser.format_help())})
+        text = f"there is no option {rest[0]}{did_you_mean(rest[0], words)}"
+        text = text if rest[0].startswith("-") else f"{rest[0]} is one word too many"
+        options.parser.error(f"{text}; allowed: {', '.join(words)}")
     LOGGER.setLevel(options.level)
     try:
         return options.act(options)
@@ -106,7 +113,7 @@ def command(
     """Add a command to a parser's subcommands, and return its own parser. function: takes the
     parsed options and returns the exit status."""
     parser = commands.add_parser(name, description=description.splitlines()[0])
-    parser.set_defaults(act=function, level=logging.INFO)
+    parser.set_defaults(act=function, level=logging.INFO, parser=parser)
     group = parser.add_mutually_exclusive_group()
     quiet = "quiet", logging.WARNING, "print warnings and errors alone"
     for word, level, text in (quiet, ("verbose", logging.DEBUG, "print what each stage takes")):

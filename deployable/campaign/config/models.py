@@ -320,6 +320,22 @@ class FigureChoice:
 
 
 @dataclass(frozen=True)
+class Display:
+    """Units in which summary, page, figures and CSV tables show results, and with them speeds and
+    accelerations: `mm/s` beside `mm`. Moments, stiffnesses and areas keep their units, and so do
+    netCDF, JSON and the review sheet. By default all are in SI units, parameters in their own."""
+
+    angle: Literal["deg", "mrad", "rad"] = ABSENT
+    """Unit of angles."""
+    length: Literal["m", "cm", "mm", "um", "km"] = ABSENT
+    """Unit of lengths."""
+    force: Literal["N", "kN", "MN"] = ABSENT
+    """Unit of forces."""
+    stress: Literal["Pa", "kPa", "MPa", "GPa"] = ABSENT
+    """Unit of stresses and moduli."""
+
+
+@dataclass(frozen=True)
 class Jobs:
     """How the runs are grouped. Only `keep: responses` changes results, to single precision."""
 
@@ -530,6 +546,7 @@ class Config:
     """Tests with measured curves, by names of your own. They narrow the box, or refute the
     model."""
     figures: FigureChoice = FigureChoice()
+    display: Display = Display()
     jobs: Jobs = Jobs()
     cases: Annotated[
         dict[

@@ -65,6 +65,7 @@ def campaign_of(
         responses=config.responses,
         quantities=config.quantities,
         accuracy=accuracy,
+        display=config.display,
     )
     rest = ("bounds", "published", "review", "error", "figures", "verify", "jobs")
     choose = config.choose

@@ -26,6 +26,7 @@ from deployable.campaign.config.models import (
     CampaignName,
     ChooseSection,
     DesignSection,
+    Display,
     ErrorDisplay,
     FigureChoice,
     Jobs,
@@ -141,7 +142,8 @@ class Accuracy:
 class Experiment:
     """All settings that determine the runs of a campaign, and what is evaluated of each run.
     intervals: of the uncertain parameters, by name; held_out: number of validation runs; responses,
-    quantities: definitions by name, as in the config; accuracy: target of runs in rounds."""
+    quantities: definitions by name, as in the config; accuracy: target of runs in rounds; display:
+    units in which people see results, which changes no run."""
 
     name: str
     scene: SceneChoice
@@ -152,6 +154,7 @@ class Experiment:
     responses: dict[str, dict]
     quantities: dict[str, dict | str] = field(default_factory=dict)
     accuracy: Accuracy = Accuracy()
+    display: Display = field(default_factory=Display)
 
     @classmethod
     def read(cls, config: str | Mapping) -> Experiment:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import fpm
 from deployable.campaign.config.loader import read, read_file
+from deployable.campaign.config.models import Display
 from deployable.campaign.config.sections import Experiment, scene_type
 from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError
@@ -42,7 +43,8 @@ class SelectedRun:
     responses: the campaign's responses (`fpm.reading.responses.Response`), for tables; empty
         without one.
     attributes: texts by name for its files, such as ``campaign`` and ``run_id``.
-    folder: the campaign's results; None for a run of a config or a structure."""
+    folder: the campaign's results; None for a run of a config or a structure.
+    display: units of tables and figures."""
 
     name: str
     scene: Any
@@ -53,6 +55,7 @@ class SelectedRun:
     responses: tuple = ()
     attributes: Mapping[str, str] = field(default_factory=dict)
     folder: Folder | None = None
+    display: Display = field(default_factory=Display)
 
     def motion(self, frames: int) -> xarray.Dataset:
         """Simulate the run and return its whole motion, a dataset as `fpm.motions` makes it;
@@ -183,7 +186,8 @@ def _selected_run(
     solver, responses = experiment.solver, tuple(experiment.response_list)
     times = solver.duration, solver.instants, step, solver.energy_tolerance
     attributes |= {"campaign": experiment.name}
-    return SelectedRun(name, experiment.build(values), *times, responses, attributes, folder)
+    details = attributes, folder, experiment.display
+    return SelectedRun(name, experiment.build(values), *times, responses, *details)
 
 
 def _select_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:

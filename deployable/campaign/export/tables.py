@@ -12,6 +12,7 @@ import numpy as np
 
 from deployable.campaign.files import csv_text, whole_file, write_text
 from deployable.campaign.folder import MOST_PANELS, Folder
+from deployable.campaign.results.display import shown_bounds, shown_quantities, shown_table
 from deployable.campaign.results.figures import DATELESS, envelope, save, shares
 from deployable.campaign.results.quantity_results import QuantityResults
 from deployable.campaign.results.response_bounds import read_bounds
@@ -40,7 +41,7 @@ def write_tables(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
         if run.folder.quantities.exists():
             tables["quantities.csv"] = tabulate_quantities(run.folder)
     for name, rows in tables.items():
-        write_text(folder / name, csv_text(rows))
+        write_text(folder / name, csv_text(shown_table(rows, run.display)))
     return [folder / name for name in tables]
 
 
@@ -78,7 +79,8 @@ def tabulate_runs(folder: Folder) -> list[list]:
 def tabulate_quantities(folder: Folder) -> list[list]:
     """Make the table of a campaign's quantities, headings first: name, units, interval, nominal
     value, error, fraction of the box in which it occurs, and the parameters at both ends."""
-    results = QuantityResults.read(folder)
+    with open_samples(folder) as samples:
+        results = shown_quantities(QuantityResults.read(folder), samples.experiment)
     headings = [f"{p['name']} ({p['units']})" for p in results.parameters]
     ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]
     rows = [["quantity", "units", *_INTERVAL, *ends]]
@@ -94,9 +96,6 @@ def _columns(arrays: Mapping[str, np.ndarray]) -> list[list]:
     columns = [np.asarray(values).tolist() for values in arrays.values()]
     return [list(arrays), *map(list, zip(*columns, strict=True))]
 
-
-if TYPE_CHECKING:
-    from deployable.campaign.export.selection import SelectedRun
 
 COLUMN, PAGE = 90 / 25.4, 190 / 25.4
 """Widths of a column and of two, inches: what most journals set."""
@@ -132,7 +131,7 @@ def _figures(run: SelectedRun, frames: int) -> Iterator[tuple[str, Any]]:
     yield f"{run.name}-moments", draw_moments(run.motion(frames), width=PAGE)
     if not run.folder:
         return
-    bounds = read_bounds(run.folder)
+    bounds = shown_bounds(read_bounds(run.folder), run.display)
     for response in bounds.responses:
         yield response.name, envelope([response], SHADE_ABOVE, width=COLUMN)
     if 1 < len(bounds.responses) <= MOST_PANELS:

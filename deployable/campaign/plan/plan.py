@@ -283,6 +283,7 @@ class Plan:
     def config_hash(self) -> str:
         """Digest of the experiment; of a structure's file not the path counts but `mechanics`."""
         data = asdict(self.experiment)
+        del data["display"]
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
         if data["design"]["file"]:

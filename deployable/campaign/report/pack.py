@@ -7,6 +7,7 @@ import base64
 import gzip
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -93,6 +94,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     return {
         "campaign": data.facts["campaign"],
         "large": LARGE,
+        "metre": data.facts["metre"],
         "time": arrays.add(data.time[keep], "f8"),
         "parameters": [
             {"unit": pretty(p["units"]), **{key: p[key] for key in _PARAMETER}}
@@ -131,12 +133,13 @@ def _response(
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
+    scales = [parameter["scale"] for parameter in data.parameters]
     has_all, visible_runs = len(data.runs) <= MOST_EVENT_RUNS, {0, *(m.run for m in data.moving)}
     return [
         {
             "id": run.id,
             "role": run.role,
-            "values": run.values.tolist(),
+            "values": (run.values * scales).tolist(),
             "events": [*run.events] if has_all or i in visible_runs else [],
         }
         for i, run in enumerate(data.runs)
@@ -160,7 +163,7 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
             "kept": data.facts["choice"]["kept"],
             "parameters": _choice_parameters(data),
             "quantities": [
-                _quantity(row | {"error": surrogate.error}, surrogate, arrays)
+                _quantity(row | {"error": surrogate.error * row["scale"]}, surrogate, arrays)
                 for row in rows
                 for surrogate in [model.choice_quantities[row["name"]]]
             ],
@@ -173,8 +176,9 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
     if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
         return body
     constant = ~model.indices.any(axis=1)
-    sums = [c[constant][:, keep].sum(axis=0) for c in model.coefficients]
-    products = [c[~constant][:, keep] for c in model.coefficients]
+    coefficients = [c * r.scale for c, r in zip(model.coefficients, data.responses, strict=True)]
+    sums = [c[constant][:, keep].sum(axis=0) for c in coefficients]
+    products = [c[~constant][:, keep] for c in coefficients]
     body |= {"constants": [arrays.add(row, "f8") for row in sums]}
     body |= {"slopes": [[arrays.add(row, "f4") for row in rows] for rows in products]}
     return body | {"indices": model.indices[~constant].tolist()}
@@ -187,7 +191,8 @@ def _choice_parameters(data: PageData) -> list[dict[str, Any]]:
     values = {p["name"]: p["value"] for p in data.facts["choice"]["parameters"]}
     rows = {p["name"]: p for p in (*data.facts["fixed"], *data.parameters)}
     return [
-        {"name": name, "unit": pretty(rows[name]["units"]), "lower": lower, "upper": upper,
+        {"name": name, "unit": pretty(rows[name]["units"]),
+         "lower": lower * rows[name]["scale"], "upper": upper * rows[name]["scale"],
          "description": rows[name]["description"]}
         | {"nominal": rows[name].get("nominal", rows[name].get("value"))}
         | ({"value": values[name]} if name in values else {})
@@ -206,7 +211,12 @@ def _table(formula: Any, arrays: _Arrays) -> Any:
 
 def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     value, happens = surrogate.formulas()
-    numbers = {"least": surrogate.least, "latest": surrogate.latest, "error": row["error"]}
+    scale, least = row["scale"], surrogate.least
+    if value:
+        columns = {key: getattr(value, key) * scale for key in ("coefficients", "weights")}
+        value = replace(value, **columns)
+    least = None if least is None else least * scale
+    numbers = {"least": least, "latest": surrogate.latest, "error": row["error"]}
     numbers = {k: None if x is None else number(x) for k, x in numbers.items()}
     words = {"name": row["name"], "unit": pretty(row["units"])}
     words |= {"words": row.get("words", row["long_name"])}
@@ -214,7 +224,8 @@ def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str,
 
 
 def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any]:
-    return {"run": run, "curves": [arrays.add(c[keep], "f4") for c in data.runs[run].curves]}
+    curves = zip(data.runs[run].curves, data.responses, strict=True)
+    return {"run": run, "curves": [arrays.add(c[keep] * r.scale, "f4") for c, r in curves]}
 
 
 def _motion(movers: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from deployable.campaign.files import write_result
 from deployable.campaign.pictures.drawing import draw_moments
@@ -15,9 +15,6 @@ from deployable.campaign.report.pack import compress, pack_data
 from deployable.campaign.report.read import PageData
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
-
-if TYPE_CHECKING:
-    pass
 
 _FOLDER = Path(__file__).parent
 

@@ -14,6 +14,7 @@ import numpy as np
 from deployable.campaign.files import open_dataset, open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.motions import ShownRun, shown_runs
+from deployable.campaign.results.display import shown_bounds, shown_facts
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.response_bounds import CampaignBounds, read_bounds
 from deployable.campaign.results.run_samples import (
@@ -29,7 +30,6 @@ from fpm.files.seals import DamagedError, check
 if TYPE_CHECKING:
     import xarray
 
-    from deployable.campaign.report.motions import ShownRun
     from deployable.campaign.results.response_bounds import ResponseBounds
 
 
@@ -92,10 +92,11 @@ class WhatIf:
 @dataclass(frozen=True)
 class PageData:
     """All that a campaign's page shows, as `from_results` reads it. facts: content of
-    `summary.json`; runs: the planned ones (of a large scan those that move), then further ones that
-    move; moving: the nominal one first, then those at which quantities and bounds are attained;
-    omitted_runs: for whose motion the page has no room; work: dicts of `task`, `clock` and `cpu`
-    (s); provenance: what computed the results; config: text; verdicts: None without quantities."""
+    `summary.json` in the units of `display`, which responses and verdicts have, too; runs: the
+    planned ones (of a large scan those that move), then further ones that move; moving: the nominal
+    one first, then those at which quantities and bounds are attained; omitted_runs: for whose
+    motion the page has no room; work: dicts of `task`, `clock` and `cpu` (s); provenance: what
+    computed the results; config: text; verdicts: None without quantities."""
 
     facts: Mapping[str, Any]
     time: np.ndarray
@@ -143,11 +144,12 @@ def from_results(path: str | Path) -> PageData:
     facts, bounds = read_json(folder / "summary.json"), read_bounds(folder)
     movers = shown_runs(folder)
     with open_samples(folder) as samples:
-        rows = _rows(samples, movers)
+        experiment, rows = samples.experiment, _rows(samples, movers)
+        copy, bounds = shown_facts(facts, experiment), shown_bounds(bounds, experiment.display)
         runs, moving = _moving(folder, _runs(samples, rows), rows, movers)
         moving_ids = {runs[mover.run].id for mover in moving}
         data = PageData(
-            facts=facts,
+            facts=copy,
             time=bounds.time,
             responses=tuple(  # without widths below the error of the fit, which are none
                 r
@@ -161,7 +163,7 @@ def from_results(path: str | Path) -> PageData:
             work=_work(folder, facts["runs"]),
             provenance=_provenance(bounds, facts["design"], folder),
             config=json.dumps(json.loads(bounds.attributes["config"]), indent=1),
-            verdicts=_verdicts(samples, folder, facts),
+            verdicts=_verdicts(samples, folder, facts, copy),
             what_if=_what_if(samples, folder, facts),
         )
         curves = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
@@ -212,8 +214,11 @@ def _moving(
     return tuple(all_runs), tuple(moving)
 
 
-def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdicts | None:
-    """Return the distinct runs and which meet the requirements, further ones too."""
+def _verdicts(
+    samples: RunSamples, folder: Folder, summary: Mapping, copy: Mapping
+) -> RunVerdicts | None:
+    """Return the distinct runs and which meet the requirements, further ones too, with numbers in
+    the units of `copy`, the summary as it is shown."""
     if not summary["quantities"]:
         return None
     table = RunTable.join([samples.table, read_refinement(folder)[0]])
@@ -221,7 +226,9 @@ def _verdicts(samples: RunSamples, folder: Folder, summary: Mapping) -> RunVerdi
     rows = np.sort(np.unique(points, axis=0, return_index=True)[1])  # each run once
     values, numbers = table.values[rows], table.numbers[rows]
     limits = [limit for row in summary.get("requirements", ()) for limit in row["limits"]]
-    return RunVerdicts(values, meets(limits, list(samples.experiment.quantities), numbers), numbers)
+    flags = meets(limits, list(samples.experiment.quantities), numbers)
+    box, scales = ([row["scale"] for row in copy[key]] for key in ("parameters", "quantities"))
+    return RunVerdicts(values * box, flags, numbers * scales)
 
 
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:

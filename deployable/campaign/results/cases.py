@@ -9,6 +9,8 @@ from typing import Any
 from deployable.campaign.config.cases import folder_name
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.display import shown_facts
 from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import doubts, sentence
 from deployable.campaign.text.numbers import place, quantity, spread
@@ -16,12 +18,17 @@ from deployable.campaign.text.numbers import place, quantity, spread
 GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}  # which verdicts decide before others
 
 
-def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
+def cases_facts(
+    folder: Folder, cases: Mapping[str, Mapping], is_shown: bool = False
+) -> dict[str, Any]:
     """Collect what all cases answer as plain data for `cases.json`; folder: of the campaign's
-    results, with each case's below it; cases: what each case changes, by its name."""
+    results, with each case's below it; cases: what each case changes, by its name; is_shown:
+    whether numbers are in the units of `display`."""
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
     summaries = {name: read_json(child / "summary.json") for name, child in folders.items()}
     changes = {name: _changes_text(cases[name], facts) for name, facts in summaries.items()}
+    for name, child in folders.items() if is_shown else ():
+        summaries[name] = shown_facts(summaries[name], read_plan(child.plan).experiment)
     return facts_of_cases(folder.path.name, folders, summaries, changes)
 
 

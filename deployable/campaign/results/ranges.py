@@ -31,6 +31,7 @@ def ranges(results: QuantityResults, runs: FittedRuns, surrogates: Sequence[Any]
     )
     quantities = zip(results.rows, runs.numbers.T, surrogates, strict=True)
     for ax, (row, values, surrogate) in zip(axes, quantities, strict=False):
+        values = values * row.get("scale", 1.0)
         draw(_Plot(row, parameters, free or [0], runs.points, values, surrogate), ax)
         ax.set_title(textwrap.fill(row["long_name"], 90 // columns), fontsize=8)
         ax.tick_params(labelsize=7)
@@ -55,12 +56,16 @@ class _Plot(NamedTuple):
         lower, upper = self.parameters[j]["lower"], self.parameters[j]["upper"]
         return lower + (coordinates + 1) / 2 * (upper - lower)
 
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (N) of the fit at points (N, k), in the units of the row."""
+        return self.surrogate.evaluate(points) * self.row.get("scale", 1.0)
+
     def draw_line(self, ax: Any) -> None:
         """The quantity against the one parameter; grey where it does not happen."""
         row, (j,) = self.row, self.free
         points = np.zeros((_LINE, len(self.parameters)))
         points[:, j] = np.linspace(-1, 1, _LINE)
-        curve, mask = self.surrogate.evaluate(points), np.isfinite(self.values)
+        curve, mask = self.evaluate(points), np.isfinite(self.values)
         x, places = self.scale(j, points[:, j]), self.scale(j, self.points[:, j])
         ax.plot(x, curve, color=BLUE, lw=1.2)
         ax.plot(places[mask], self.values[mask], "o", color="black", ms=3)
@@ -83,7 +88,7 @@ class _Plot(NamedTuple):
         line = np.linspace(-1, 1, _GRID)
         points = np.zeros((_GRID**2, len(self.parameters)))
         points[:, i], points[:, j] = (grid.ravel() for grid in np.meshgrid(line, line))
-        field = self.surrogate.evaluate(points).reshape(_GRID, _GRID)
+        field = self.evaluate(points).reshape(_GRID, _GRID)
         x, y = self.scale(i, line), self.scale(j, line)
         if np.isfinite(field).any() and np.nanmax(field) > np.nanmin(field):
             contours = ax.contourf(x, y, field, 12, cmap="cividis")

@@ -31,7 +31,8 @@ class ResponseBounds:
 
     widths (k, T): of the response's range when one of k parameters varies alone; width_error (T):
     error of the fit, below which a width is none; shares (k): widths above it, integrated over
-    time, as fractions (0 to 1) of their sum over all parameters; None without a polynomial."""
+    time, as fractions (0 to 1) of their sum over all parameters; None without a polynomial. scale:
+    factor by which all are multiplied (`results.display`)."""
 
     name: str
     long_name: str
@@ -52,6 +53,7 @@ class ResponseBounds:
     widths: Any = None
     width_error: np.ndarray | None = None
     shares: np.ndarray | None = None
+    scale: float = 1.0
 
     @property
     def width(self) -> np.ndarray:

@@ -7,6 +7,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results import review as sheet
+from deployable.campaign.results.display import shown_facts
 from deployable.campaign.results.facts import facts_of
 from deployable.campaign.results.mechanism import mechanism_of
 from deployable.campaign.results.templates import summary_text
@@ -19,10 +20,10 @@ def summarise(
     """Write a campaign's results as `summary.json` and `summary.md` into its folder, and return the
     latter's text. published, answers: as in `facts_of`; review: key of the standard for
     `review.csv` and `review.md`; None: these are not written."""
-    facts = facts_of(folder, published, answers)
+    facts, experiment = facts_of(folder, published, answers), read_plan(folder.plan).experiment
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])
-        rows = sheet.rows_of(facts, read_plan(folder.plan).experiment, review)
+        rows = sheet.rows_of(facts, experiment, review)
         facts["review"] = {
             "title": sheet.edition_of(review),
             "head": sheet.head_of(facts, rows, review),
@@ -32,7 +33,7 @@ def summarise(
         }
         write_result(folder / "review.csv", sheet.as_csv(rows, review))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
-    text = summary_text(facts)
+    text = summary_text(shown_facts(facts, experiment))
     write_result(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
     write_result(folder / "summary.md", text)
     return text

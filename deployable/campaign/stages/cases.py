@@ -19,5 +19,6 @@ def work(folder: Folder, notify: Notify, cases: Any) -> None:
         raise CampaignError("cases: there are none in the config; allowed: a campaign with `cases`")
     facts = cases_facts(folder, cases)
     write_result(folder / "cases.json", json.dumps(facts, indent=2) + "\n")
+    facts = cases_facts(folder, cases, is_shown=True)
     write_result(folder / "summary.md", summary_text(facts, "cases.md.jinja"))
     write_result(folder.report, render_cases(facts))

@@ -5,6 +5,7 @@ from typing import Any
 from deployable.campaign.files import check_results
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.display import shown_bounds, shown_quantities
 from deployable.campaign.results.figures import envelope, save, shares
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.ranges import ranges
@@ -23,7 +24,7 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
         check_results(folder, (PLAN, SAMPLES, *ANSWERS))
         _ = experiment.quantity_list  # refused before anything is drawn, if the structure is
     with report_seconds(f"{experiment.name}: drawing figures", notify):
-        bounds = read_bounds(folder)
+        bounds = shown_bounds(read_bounds(folder), experiment.display)
         for response in bounds.responses:
             save(envelope([response], error.shade_above), folder.figures / response.name)
         if "responses" in names:
@@ -33,5 +34,6 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
             save(shares(bounds), folder.overviews / "sensitivities")
         if "ranges" in names:
             runs, results = FittedRuns.read(folder), QuantityResults.read(folder)
-            figure = ranges(results, runs, runs.surrogates(results.limits))
+            fits = runs.surrogates(results.limits)
+            figure = ranges(shown_quantities(results, experiment), runs, fits)
             save(figure, folder.overviews / "ranges")

@@ -12,12 +12,15 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
-    """Write units as people do: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; no unit as `1`."""
+    """Write units as people do: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`, `degree` as `deg`; no
+    unit as `1`."""
     numerator: list[str] = []
     denominator: list[str] = []
     for name, power in re.findall(r"([A-Za-z%]+)(-?[\d.]+)?", units):
         exponent = abs(float(power or 1))
-        text = name + ("" if exponent == 1 else "²" if exponent == 2 else f"^{exponent:g}")
+        text = name.replace("degree", "deg") + (
+            "" if exponent == 1 else "²" if exponent == 2 else f"^{exponent:g}"
+        )
         (denominator if (power or "").startswith("-") else numerator).append(text)
     return (" ".join(numerator) or "1") + ("/" + "/".join(denominator) if denominator else "")
 

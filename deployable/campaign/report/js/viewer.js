@@ -221,7 +221,7 @@ function viewerControls(viewer) {
   byId("closer").addEventListener("click", () => viewer.turn(0, 0, 1.25));
   byId("farther").addEventListener("click", () => viewer.turn(0, 0, 0.8));
   byId("names").addEventListener("change", ({ target }) => { viewer.names = target.checked; viewer.draw(); });
-  byId("floor").textContent = `floor grid ${digits(viewer.step)} m`;
+  byId("floor").textContent = `floor grid ${digits(viewer.step * DATA.metre.value)} ${DATA.metre.units}`;
 }
 
 // What a shown run is, in full.

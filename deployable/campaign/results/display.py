@@ -1,0 +1,118 @@
+"""Results in the units of a config's section `display`: copies for people of what files have in SI
+units."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple, get_args, get_type_hints
+
+import numpy as np
+
+from deployable.campaign.config.models import Display
+from deployable.campaign.config.sections import Experiment
+from deployable.campaign.results.quantity_results import QuantityResults
+from deployable.campaign.results.response_bounds import CampaignBounds
+from deployable.campaign.text.words import words_of
+from fpm.arithmetic.units import unit
+
+_KINDS = {kind: get_args(names) for kind, names in get_type_hints(Display).items()}
+_PLACES = "at", "lower_at", "argmin", "argmax"  # keys of parameter values by name
+_OTHER_KEYS = re.compile(
+    "time|share|ratio|happens|runs|undivided|target|bands|fraction|duration|impossible$|error_share"
+)
+"""Beginnings of the keys of numbers that are not in the unit of the row that they are in."""
+
+
+def shown_unit(units: str, display: Display) -> tuple[float, str]:
+    """Return the factor by which numbers in `units`, spelled as in files, become those shown, and
+    the units of these."""
+    first, _, rest = units.replace("degree", "deg").partition(" ")
+    for kind, names in _KINDS.items():
+        name = getattr(display, kind)
+        if name and first in names and re.fullmatch(r"(s-\d)?", rest):
+            old, new = unit(first), unit(name)
+            return old.si(new.denominator) / new.numerator, f"{new.udunits} {rest}".strip()
+    return 1.0, units
+
+
+class _Conversion(NamedTuple):
+    """How to show results: scales: factors of parameters, by name; words: texts of quantities."""
+
+    display: Display
+    scales: Mapping[str, float] = {}
+    words: Mapping[str, Mapping] = {}
+
+    def show(self, value: Any, key: str = "", scale: float = 1.0) -> Any:
+        """Return what stands below a key, of numbers that are multiplied by `scale`. A mapping with
+        units has a scale of its own, and gets it as `scale`."""
+        if _OTHER_KEYS.match(key) and not (key == "bands" and isinstance(value, list)):
+            return value
+        if key in _PLACES:
+            return {n: x if x is None else x * self.scales[n] for n, x in value.items()}
+        if isinstance(value, Mapping):
+            unit_key = next((name for name in ("units", "unit") if name in value), "")
+            scale, units = shown_unit(value[unit_key], self.display) if unit_key else (scale, "")
+            row = {name: self.show(item, name, scale) for name, item in value.items()}
+            if "words" in row and unit_key == "units":
+                row |= self.words[row.get("quantity", row.get("name"))]
+            return row | {unit_key: units, "scale": scale} if unit_key else row
+        if isinstance(value, list):
+            return [self.show(item, key, scale) for item in value]
+        is_number = type(value) in (int, float, np.ndarray) and scale != 1.0
+        return value * scale if is_number else value
+
+
+def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, Any]:
+    """Return the content of `summary.json` in the units of the experiment's `display`."""
+    display, words = experiment.display, {}
+    for quantity in experiment.quantity_list:
+        texts = words_of(quantity, lambda units: shown_unit(units, display))
+        if quantity.kind in ("crossing", "settling"):  # whose long name has a number
+            texts["long_name"] = texts["words"]
+        words[quantity.name] = texts
+    rows = [*facts.get("fixed", ()), *facts["parameters"]]
+    scales = {row["name"]: shown_unit(row["units"], display)[0] for row in rows}
+    conversion = _Conversion(display, scales, words)
+    unshown_parts = {key: facts[key] for key in ("review", "mechanism") if key in facts}
+    result = {
+        key: conversion.show(x, key) for key, x in facts.items() if key not in unshown_parts
+    } | unshown_parts
+    result["deepest"] = conversion.show({"value": facts.get("overlap", 0.0), "units": "rad"})
+    result["metre"] = conversion.show({"value": 1.0, "units": "m"})
+    choice = result.get("choice", {"tried": ()})
+    for trial in choice["tried"]:
+        for key, section in (("values", "parameters"), ("goals", "goals")):
+            pairs = zip(trial[key], choice[section], strict=True)
+            trial[key] = [x if x is None else x * row["scale"] for x, row in pairs]
+    for pair in result.get("measured", {}).get("trade_offs", ()):
+        first, second = (scales[name] for name in pair["names"])
+        pair["slope"] *= second / first
+    return result
+
+
+def shown_quantities(results: QuantityResults, experiment: Experiment) -> QuantityResults:
+    """Return quantities, and the intervals of parameters, in the units of `display`."""
+    facts = {"parameters": results.parameters, "quantities": results.rows}
+    copy = shown_facts(facts, experiment)
+    return results._replace(rows=copy["quantities"], parameters=copy["parameters"])
+
+
+def shown_bounds(bounds: CampaignBounds, display: Display) -> CampaignBounds:
+    """Return bounds of responses, and the intervals of parameters, in the units of `display`."""
+    show = _Conversion(display).show
+    rows = tuple(replace(row, **show(vars(row))) for row in bounds.responses)
+    return replace(bounds, responses=rows, parameters=show(bounds.parameters))
+
+
+def shown_table(rows: Sequence[Sequence], display: Display) -> list[list]:
+    """Return a table, whose first row has headings such as `x (m)`, in the units of `display`."""
+    heads, scales = [], []
+    for heading in rows[0]:
+        name, bracket, units = heading.removesuffix(")").rpartition(" (")
+        scale, units = shown_unit(units, display) if bracket else (1.0, "")
+        heads.append(f"{name} ({units})" if scale != 1.0 else heading)
+        scales.append(scale)
+    # A cell without a number is empty.
+    body = [[x * s if s != 1.0 and x != "" else x for x, s in zip(row, scales, strict=True)]
+            for row in rows[1:]]  # fmt: skip
+    return [heads, *body]

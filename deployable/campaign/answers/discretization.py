@@ -1,5 +1,6 @@
 """Discretization error of the bounds: runs at the extreme points are repeated, once with half the
-time step, and once with that on a mesh twice as fine.
+time step, and once with that on a mesh twice as fine. With the step, the distance of the instants
+is halved at which peaks are read.
 
 Each component begins with what changes beside the runs before: a finer mesh takes half the step
 anyway, which so counts once. The change is continued to what all further halvings would change, by
@@ -253,9 +254,8 @@ def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str
         while finest < 0.9 * time.step:
             time = halved(time)
         time, quarter = halved(time), halved(halved(time))
-        levels["step"] = RefinementLevel(
-            replace(plan, time=time), replace(plan, time=quarter), True
-        )
+        levels["step"] = RefinementLevel(_refine(plan, time), _refine(plan, quarter), True)
+        experiment = levels["step"].finer.experiment
     if "mesh" in components and (mesh := experiment.scene_type.mesh):
         parameter = experiment.scene_type.parameters[mesh]
         number = experiment.scene.parameters.get(mesh, parameter.default)
@@ -274,6 +274,15 @@ def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str
             third = replace(plan, experiment=with_mesh(number // 2), time=time)
         levels["mesh"] = RefinementLevel(finer, third, False)
     return levels
+
+
+def _refine(plan: Plan, time: TimeStep) -> Plan:
+    """Return a plan with a shorter step, and peaks read at as many more instants."""
+    experiment, solver = plan.experiment, plan.experiment.solver
+    if experiment.peaks:
+        count = math.ceil(solver.peak_instants * plan.time.step / time.step)
+        experiment = replace(experiment, solver=replace(solver, peak_instants=count))
+    return replace(plan, experiment=experiment, time=time)
 
 
 def halved(time: TimeStep) -> TimeStep:

@@ -151,24 +151,22 @@ def simulate(
 def _read_peaks(outcome: Outcome, peaks: Sequence[Quantity], times: np.ndarray) -> Outcome:
     """Return an outcome at the instants `times` (s) alone, with the columns of `peaks` by those
     between, too. Where a curve of time has a kink, motions may jump, as at events."""
-    records: dict[str, Series] = {}
     stride = (len(outcome.time) - 1) // (len(times) - 1)
-    if outcome.failure is None:
-        kinks = np.unique(np.concatenate([c.kinks for c in outcome.scene.curves] or [[]]))
-        kinks = stack_columns(kinks[np.isfinite(kinks)], 0, _KINK)
-        events = np.concatenate([outcome.events, kinks])
-        whole = replace(outcome, events=events)
-        labels = tuple(peak.peak_column[1] for peak in peaks)
-        values = np.array([[peak.evaluate(whole) for peak in peaks]])
-        text = "extreme values, also between instants"
-        records[PEAK] = Series(values, "", text, "peak_of", labels, READING)
 
     def thin(values: np.ndarray) -> np.ndarray:
         return values[::stride].copy()
 
-    for name, series in outcome.records.items():
-        is_curve = series.time_dim == "time"
-        records[name] = series._replace(values=thin(series.values)) if is_curve else series
+    records = {
+        name: series._replace(values=thin(series.values)) if series.time_dim == "time" else series
+        for name, series in outcome.records.items()
+    }
+    if outcome.failure is None:
+        kinks = np.unique([k for c in outcome.scene.curves for k in c.kinks if np.isfinite(k)])
+        events = np.concatenate([outcome.events, stack_columns(kinks, 0, _KINK)])
+        whole, text = replace(outcome, events=events), "extreme values, also between instants"
+        values = np.array([[peak.evaluate(whole) for peak in peaks]])
+        labels = tuple(peak.peak_column[1] for peak in peaks)
+        records[PEAK] = Series(values, "", text, "peak_of", labels, READING)
     return replace(
         outcome,
         time=times,

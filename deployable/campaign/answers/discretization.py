@@ -23,7 +23,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import allow_check_runs
 from deployable.campaign.plan.decide import COMPONENTS
-from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
+from deployable.campaign.plan.plan import Plan, choose_step
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 
@@ -249,13 +249,13 @@ def _curves(model: ModelEvaluator, plan: Plan, points: np.ndarray) -> np.ndarray
 def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str, RefinementLevel]:
     """Plans with half the step, and a mesh twice as fine, as asked, each with its third level.
     finest: step (s) of the runs that were repeated with a shorter one, half of which is taken."""
-    time, experiment, levels = plan.time, plan.experiment, {}
+    levels = {}
     if "step" in components:
-        while finest < 0.9 * time.step:
-            time = halved(time)
-        time, quarter = halved(time), halved(halved(time))
-        levels["step"] = RefinementLevel(_refine(plan, time), _refine(plan, quarter), True)
-        experiment = levels["step"].finer.experiment
+        while finest < 0.9 * plan.time.step:
+            plan = halved(plan)
+        plan = halved(plan)
+        levels["step"] = RefinementLevel(plan, halved(plan), True)
+    time, experiment = plan.time, plan.experiment
     if "mesh" in components and (mesh := experiment.scene_type.mesh):
         parameter = experiment.scene_type.parameters[mesh]
         number = experiment.scene.parameters.get(mesh, parameter.default)
@@ -276,14 +276,9 @@ def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str
     return levels
 
 
-def _refine(plan: Plan, time: TimeStep) -> Plan:
-    """Return a plan with a shorter step, and peaks read at as many more instants."""
-    experiment, solver = plan.experiment, plan.experiment.solver
-    if experiment.peaks:
-        count = math.ceil(solver.peak_instants * plan.time.step / time.step)
-        experiment = replace(experiment, solver=replace(solver, peak_instants=count))
-    return replace(plan, experiment=experiment, time=time)
-
-
-def halved(time: TimeStep) -> TimeStep:
-    return replace(time, step=time.step / 2, output_steps=2 * time.output_steps)
+def halved(plan: Plan) -> Plan:
+    """Return a plan with half the step, and peaks read at twice as many instants."""
+    time, solver = plan.time, plan.experiment.solver
+    time = replace(time, step=time.step / 2, output_steps=2 * time.output_steps)
+    solver = replace(solver, peak_instants=2 * solver.peak_instants)
+    return replace(plan, time=time, experiment=replace(plan.experiment, solver=solver))

@@ -61,6 +61,9 @@ _PARAMETER = "parameter_"
 LED_OVER = "travel_position"
 """The dimension of what is recorded of travels: positions of an opening moved quasi-statically."""
 
+PEAK, READING = "peak", "reading"
+"""Variable of extreme values that were read between instants, too, and its first dimension."""
+
 Column = tuple[str, str]
 """Of what is recorded beside points and energies: a variable, and a label along its dimension."""
 
@@ -386,7 +389,7 @@ def read_curves(
     columns = {
         (key, label): array[..., i]
         for key, (dims, array, _) in variables.items()
-        if dims[:1] == (RUN,) and dims[1:-1] in (("time",), (LED_OVER,))
+        if dims[:1] == (RUN,) and dims[1:-1] in (("time",), (LED_OVER,), (READING,))
         for i, label in enumerate(values[dims[-1]].tolist())
     }
     return {

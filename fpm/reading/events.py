@@ -63,14 +63,22 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
 
 def peak(values: np.ndarray) -> float:
     """Return the largest of values (t,) at equal time steps: the top of the parabola through the
-    largest and its two neighbours, above it by at most an eighth of the larger drop to them; at the
-    first or last instant the value itself."""
+    largest and its two neighbours, above it by at most an eighth of the larger drop to them, and
+    not above lines through the two instants on either side, as at a jump; at the first or last
+    instant the value itself."""
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:
-        drop1, drop2 = top - values[i - 1], top - values[i + 1]
-        if drop1 + drop2 > 0:
-            top += float((drop1 - drop2) ** 2 / (8 * (drop1 + drop2)))
+        drops = {side: float(top - values[i + side]) for side in (-1, 1)}
+        side = min(drops, key=drops.__getitem__)  # on which the parabola has its top
+        drop, slope = drops[side], drops[-side]
+        if slope > 0:
+            rise = (slope - drop) ** 2 / (8 * (slope + drop))
+            if 0 <= i + 2 * side < len(values):
+                next_drop = float(values[i + side] - values[i + 2 * side])
+                excess = max(next_drop - drop, 0.0)
+                rise = min(rise, slope * excess / max(slope + next_drop, slope))
+            top += rise
     return top
 
 
@@ -91,7 +99,8 @@ def extreme_value(curves: Curves, response: Response, sign: float) -> float:
     if not len(instants):
         return sign * peak(values)
     ends = [sign * value_at(curves, response, instant, True) for instant in instants]
-    change = np.abs(np.diff(values[max(i - 2, 0) : i + 1])).max(initial=0.0)
+    changes = np.diff(values[max(i - 2, 0) : i + 1])
+    change = np.abs(changes).max(initial=0.0) + np.abs(np.diff(changes)).max(initial=0.0)
     most = values[i] + change * max(1.0, 2 * (instants.max() - time[i]) / (end - start))
     return sign * float(np.clip(max(ends), values[i], most))
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.elements.kind import Eventful
-from fpm.files.trajectory import IMPACTS, Curves
+from fpm.files.trajectory import IMPACTS, PEAK, Column, Curves
 from fpm.reading import margins
 from fpm.reading.events import SPREAD, cubic_through, extreme_value, find_root, peak, value_at
 
@@ -24,6 +24,9 @@ MARGIN_READS = ("opening", "slide_opening", "latch_rate", "slide_latch_rate")
 
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
+PEAKS = "largest", "smallest", "smallest_at", "overshoot"
+"""Kinds of quantities that are read between instants, too."""
+
 _LAST, _ROWS = 0.1, 4  # share of the way, and least instants, over which deceleration is found
 
 
@@ -138,6 +141,17 @@ class Quantity:
         return KINDS[self.kind].is_instantaneous
 
     @property
+    def peak_column(self) -> Column | None:
+        """Column of runs that have the number already, read between instants, too; None of others
+        than PEAKS."""
+        response = self.response
+        if self.kind not in PEAKS or response.along:
+            return None
+        target = () if self.target is None else (f"about {self.target!r}",)
+        parts = response.kind, *response.subjects, response.component, *target
+        return PEAK, " ".join((self.kind, *filter(None, parts)))
+
+    @property
     def is_time(self) -> bool:
         """Return whether the quantity is the time (s) of a crossing, event or settling. Such a time
         lies within the run and can be another quantity's `instant`; that of a smallest value
@@ -203,7 +217,9 @@ class Quantity:
         """Return the quantity's value in one run; NaN if it does not exist there, as where an event
         does not occur. curves: the run's recorded series. Raises ValueError if the run had more
         events than are kept, and the event may be one of the others."""
-        value = KINDS[self.kind].read(self, curves)
+        column = self.peak_column
+        is_read = column is not None and column in curves.columns
+        value = float(curves.columns[column][0]) if is_read else KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
         return value if self.least is None else float(np.maximum(value, self.least))
 

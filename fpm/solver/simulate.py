@@ -2,13 +2,17 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements.cross import columns as stack_columns
+from fpm.elements.kind import Series
 from fpm.errors import InstabilityError, SceneError
-from fpm.files.outcome import Outcome
-from fpm.files.trajectory import Column
+from fpm.files.outcome import Outcome, columns_of
+from fpm.files.trajectory import PEAK, READING, Column, Energies
+from fpm.reading.quantities import Quantity
 from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, find_curve_step, find_stable_step
@@ -23,6 +27,9 @@ CHECK_EVERY = 50
 HALVINGS, AT_START, IN_STEPS = 3, 9, 50
 """How often a run that a shorter step may mend is repeated with half of it, at most, where the step
 was not stated; how often one that fails so soon, in steps, since its step was far too long."""
+
+_KINK = -2
+"""Number of a kink of a curve of time among events, which no element has."""
 
 
 class Division(NamedTuple):
@@ -61,6 +68,8 @@ def simulate(
     dtype=np.float64,
     record: Iterable[Column] = (),
     halvings: int | None = None,
+    readings: int = 0,
+    peaks: Sequence[Quantity] = (),
 ) -> list[Outcome]:
     """Integrate scenes that differ in numbers only, side by side; returns an Outcome for each, in
     order, with `failure` set where the run failed. A sample's numbers depend on its scene and the
@@ -84,7 +93,10 @@ def simulate(
     halvings: how often a run whose energy balance breaks, whose numbers are not finite, or whose
         joints open is repeated with half the step before it fails (`Outcome.step` is that of the
         last time), of those that fail at once AT_START times; None: HALVINGS if no step is given,
-        else 0."""
+        else 0.
+    readings: into how many parts the time between two instants is divided to read `peaks`; 0: none
+        are read.
+    peaks: quantities with a `peak_column`, which outcomes get."""
     from fpm.kernels.lanes import width as lanes_of
 
     width = lanes_of(dtype)
@@ -110,8 +122,10 @@ def simulate(
         limits = [find_stable_step(scene) for scene in scenes]
         step = min(find_curve_step(scene, duration) for scene in scenes)
         step = min(step, *(safety * limit.step for limit in limits))
-    division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
+    instants = max(1, readings) * (instants - 1) + 1
+    close_times = duration / (instants - 1) * np.arange(instants)
+    division = divide_time(duration, instants, step)
 
     outcomes: dict[int, Outcome] = {}
     rows = list(range(len(scenes)))
@@ -121,7 +135,9 @@ def simulate(
             group = [scenes[i] for i in lanes]
             run = _integrate(group, width, dtype, instants, division, energy_tolerance)
             lane_limits = [limits[i] for i in lanes]
-            lane_outcomes = outcomes_of(run, times, division, lane_limits, record)
+            lane_outcomes = outcomes_of(run, close_times, division, lane_limits, record)
+            if readings:
+                lane_outcomes = [_read_peaks(o, peaks, times) for o in lane_outcomes]
             outcomes.update(zip(lanes, lane_outcomes, strict=True))
         failures = {i: outcomes[i].failure for i in rows}
         rows = [i for i, f in failures.items() if _is_repeated(f, halvings, count)]
@@ -130,6 +146,35 @@ def simulate(
         previous_failures = {i: failures[i] for i in rows}
         division = divide_time(duration, instants, division.step / 2)
     return [outcomes[i] for i in range(len(scenes))]
+
+
+def _read_peaks(outcome: Outcome, peaks: Sequence[Quantity], times: np.ndarray) -> Outcome:
+    """Return an outcome at the instants `times` (s) alone, with the columns of `peaks` by those
+    between, too. Where a curve of time has a kink, motions may jump, as at events."""
+    stride = (len(outcome.time) - 1) // (len(times) - 1)
+
+    def thin(values: np.ndarray) -> np.ndarray:
+        return values[::stride].copy()
+
+    records = {
+        name: series._replace(values=thin(series.values)) if series.time_dim == "time" else series
+        for name, series in outcome.records.items()
+    }
+    if outcome.failure is None:
+        kinks = np.unique([k for c in outcome.scene.curves for k in c.kinks if np.isfinite(k)])
+        events = np.concatenate([outcome.events, stack_columns(kinks, 0, _KINK)])
+        whole, text = replace(outcome, events=events), "extreme values, also between instants"
+        values = np.array([[peak.evaluate(whole) for peak in peaks]])
+        labels = tuple(peak.peak_column[1] for peak in peaks)
+        records[PEAK] = Series(values, "", text, "peak_of", labels, READING)
+    return replace(
+        outcome,
+        time=times,
+        points={name: (thin(x), thin(v)) for name, (x, v) in outcome.points.items()},
+        energies=Energies((name, thin(values)) for name, values in outcome.energies.items()),
+        records=records,
+        columns=columns_of(records),
+    )
 
 
 def _batches(scenes: Sequence[Scene], rows: Iterable[int], width: int) -> list[list[int]]:

@@ -74,8 +74,9 @@ def test_costs_of_rounds_add_up(experiment, action, new):
 def decided(experiment):
     """Function of errors as shares of the width, by part: the plan after the first, and that."""
 
-    def plan_after(check=("mesh",), **shares):
-        plan = start_plan(experiment)
+    def plan_after(check=("mesh",), top=0.0, readings=5001, **shares):
+        solver = replace(experiment.solver, peak_instants=readings)
+        plan = start_plan(replace(experiment, solver=solver))
         plan = replace(plan, adaptive=replace(plan.adaptive, check=check))
         rng, unit = np.random.default_rng(2), plan.runs.normalized
         time = np.linspace(0.0, 1.0, 9)
@@ -88,6 +89,7 @@ def decided(experiment):
         rows = [ResponseBounds(name, name, "m", time, 0 * time, 0 * time + 1, error_shares=shares)
                 for name in ("BD", "vBz")]  # fmt: skip
         errors = {part: np.zeros(1) for part in shares if part in check}
+        errors["step"] = np.array([top * np.ptp(unit[:, 0])])
         bounds = CampaignBounds(tuple(rows), [], {}, errors)
         return plan, extend_plan(experiment, plan, samples, bounds)
 
@@ -120,6 +122,15 @@ def test_half_a_step_has_the_same_mesh_and_runs(decided):
     assert after.experiment.solver.safety == plan.experiment.solver.safety / 2
     np.testing.assert_array_equal(after.runs.normalized, plan.runs.normalized)
     assert after.time.step <= 0.5 * plan.time.step * 1.1
+
+
+def test_with_half_a_step_peaks_are_read_at_all_steps(decided):
+    """It is no use to halve the step for what lies between the instants at which peaks are read."""
+    errors = {"check": ("step", "mesh"), "top": 0.5, "surrogate": 0.01, "mesh": 0.0, "step": 0.01}
+    plan, after = decided(readings=9, **errors)
+    assert plan.experiment.readings(plan.time.step) == 0 < 1 < plan.time.output_steps
+    assert after.adaptive.rounds[-1].action == "step"
+    assert after.experiment.readings(after.time.step) == after.time.output_steps
 
 
 def test_a_step_that_instants_set_is_halved_too(experiment):

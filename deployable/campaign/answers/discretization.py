@@ -1,5 +1,6 @@
 """Discretization error of the bounds: runs at the extreme points are repeated, once with half the
-time step, and once with that on a mesh twice as fine.
+time step, and once with that on a mesh twice as fine. With the step, the distance of the instants
+is halved at which peaks are read.
 
 Each component begins with what changes beside the runs before: a finer mesh takes half the step
 anyway, which so counts once. The change is continued to what all further halvings would change, by
@@ -22,7 +23,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import allow_check_runs
 from deployable.campaign.plan.decide import COMPONENTS
-from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
+from deployable.campaign.plan.plan import Plan, choose_step
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 
@@ -248,14 +249,13 @@ def _curves(model: ModelEvaluator, plan: Plan, points: np.ndarray) -> np.ndarray
 def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str, RefinementLevel]:
     """Plans with half the step, and a mesh twice as fine, as asked, each with its third level.
     finest: step (s) of the runs that were repeated with a shorter one, half of which is taken."""
-    time, experiment, levels = plan.time, plan.experiment, {}
+    levels = {}
     if "step" in components:
-        while finest < 0.9 * time.step:
-            time = halved(time)
-        time, quarter = halved(time), halved(halved(time))
-        levels["step"] = RefinementLevel(
-            replace(plan, time=time), replace(plan, time=quarter), True
-        )
+        while finest < 0.9 * plan.time.step:
+            plan = halved(plan)
+        plan = halved(plan)
+        levels["step"] = RefinementLevel(plan, halved(plan), True)
+    time, experiment = plan.time, plan.experiment
     if "mesh" in components and (mesh := experiment.scene_type.mesh):
         parameter = experiment.scene_type.parameters[mesh]
         number = experiment.scene.parameters.get(mesh, parameter.default)
@@ -276,5 +276,9 @@ def _levels(plan: Plan, components: tuple, finest: float = math.inf) -> dict[str
     return levels
 
 
-def halved(time: TimeStep) -> TimeStep:
-    return replace(time, step=time.step / 2, output_steps=2 * time.output_steps)
+def halved(plan: Plan) -> Plan:
+    """Return a plan with half the step, and peaks read at twice as many instants."""
+    time, solver = plan.time, plan.experiment.solver
+    time = replace(time, step=time.step / 2, output_steps=2 * time.output_steps)
+    solver = replace(solver, peak_instants=2 * solver.peak_instants)
+    return replace(plan, time=time, experiment=replace(plan.experiment, solver=solver))

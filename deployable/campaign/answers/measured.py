@@ -143,7 +143,7 @@ class _Test:
         is halved so often; NaN of those that fail."""
         plan = self.plan
         for _ in range(halvings):
-            plan = replace(plan, time=halved(plan.time))
+            plan = halved(plan)
         records = self.model.records(plan, runs_at(plan, points))
         self.runs += len(points)
         blank = np.full((len(self.rows), len(self.instants)), np.nan)

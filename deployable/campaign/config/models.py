@@ -34,6 +34,7 @@ SceneValues = Annotated[
 Definitions = Rule("a mapping from names (letters, digits, `_`, starting with a letter) to "
                    "definitions")  # fmt: skip
 Pair = tuple[float, float]
+MOST_INSTANTS = 1_000_000
 PAIR = "`[lower, upper]`, two numbers"
 """Type and words of a range."""
 ABSENT: Any = None
@@ -89,8 +90,12 @@ class Solver:
 
     duration: Annotated[float, Rule(least=1e-9, most=1e6, unit="s")] = 1.0
     """Simulated time."""
-    instants: Annotated[int, Rule(least=2, most=1_000_000)] = 2001
+    instants: Annotated[int, Rule(least=2, most=MOST_INSTANTS)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
+    peak_instants: Annotated[int, Rule(least=2, most=MOST_INSTANTS)] = 5001
+    """Peaks (`largest`, `smallest`, `smallest_at`, `overshoot`) are also read between recorded
+    instants: at every time step, or at an equal share of the steps, if there are more than this.
+    Curves of time get more instants if their pulses and kinks need them."""
     step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
     """Time step. `auto` uses the largest step that is stable over the whole box, times `safety`,
     but at most the time in which a curve of time rises or falls. The step is always shortened until

@@ -9,9 +9,10 @@ import numpy as np
 
 from deployable.campaign.config.own_runs import own_points
 from fpm.elements import kinds_of
+from fpm.reading.quantities import PEAKS
 from fpm.scenes.timestep import find_curve_step
 
-AT_INSTANTS = "final", "value", "event", "event_margin"
+AT_INSTANTS = "final", "value", "event", "event_margin", *PEAKS
 """Kinds of quantities that do not depend on how many instants are recorded."""
 
 FEWEST = 20
@@ -117,7 +118,7 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
     if count < FEWEST:
         yield (
             f"solver.instants: {count} for {duration:g} s are {duration / (count - 1):.4g} s "
-            "apart, and peaks between them are not seen: take 201 or more"
+            "apart, and curves between them are not seen: take 201 or more"
         )
     feature, spacing = find_curve_step(experiment.nominal_scene, duration), duration / (count - 1)
     parts = {q.name: getattr(q, "parts", (q,)) for q in experiment.quantity_list}
@@ -125,7 +126,7 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
     if missing and feature < spacing * (1 - 1e-9):
         yield (
             f"solver.instants: {count} for {duration:g} s are {spacing:.4g} s apart, but a curve "
-            f"of time rises or falls in {feature:.3g} s: {', '.join(missing)} may miss a peak "
+            f"of time rises or falls in {feature:.3g} s: {', '.join(missing)} may miss it "
             f"between two instants; take {int(np.ceil(duration / feature)) + 1} or more"
         )
     for quantity in experiment.quantity_list:

@@ -35,6 +35,7 @@ from deployable.campaign.config.sections import (
     count_first_runs,
     design_points,
     make_design,
+    most_instants,
     room_problems,
     scene_type,
     steps_problems,
@@ -47,7 +48,6 @@ from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
 from fpm.reading.margins import find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
-from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
 from fpm.travel import springs_of
 
@@ -113,8 +113,6 @@ def _build_problems(experiment: Experiment) -> list[str]:
     return []
 
 
-MOST_NUMBERS = 2**27  # numbers recorded of the runs that are integrated side by side: 1 GiB
-
 _LONG = 60.0  # s
 
 
@@ -137,14 +135,12 @@ def _time_problems(experiment: Experiment) -> list[str]:
 
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Return whether the runs that are integrated side by side find room in memory."""
-    instants, scene = experiment.solver.instants, experiment.nominal_scene
-    count = count_values(scene, experiment.record) if experiment.record else 0
-    most = MOST_NUMBERS // (8 * (6 * len(scene.points) + len(scene.hinges) + 10 + count))
+    instants, most = experiment.solver.instants, most_instants(experiment)
     if instants <= most:
         return []
     return [
         f"solver.instants: {instants} are more than memory should hold of this scene"
-        f"{' and what its responses ask for' if count else ''}; allowed: at most {most}"
+        f"{' and what its responses ask for' if experiment.record else ''}; allowed: at most {most}"
     ]
 
 

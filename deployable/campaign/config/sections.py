@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 import re
 import shutil
 from collections.abc import Iterator, Mapping
@@ -47,6 +48,8 @@ from fpm.files.trajectory import POSITION
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import warn
+from fpm.reading.variables import count_values
+from fpm.scenes.timestep import find_curve_step
 from fpm.structures.reading import read_text
 
 ADAPTIVE, OWN_RUNS = "adaptive", "own"
@@ -209,6 +212,28 @@ class Experiment:
         for problem in problems:
             raise problem
         return quantities
+
+    @cached_property
+    def peaks(self) -> list[Any]:
+        """Quantities that are read between the recorded instants, too."""
+        return [quantity for quantity in self.quantity_list if quantity.peak_column]
+
+    def readings(self, step: float) -> int:
+        """Return into how many parts the time between two instants is divided to read `peaks` of
+        runs with a time step (s); 0: they follow from the instants alone."""
+        if not self.peaks:
+            return 0
+        intervals, most = self.solver.instants - 1, self._most_readings
+        count = _divide(round(self.solver.duration / intervals / step), most // intervals)
+        return count if count > 1 or self.nominal_scene.curves else 0
+
+    @cached_property
+    def _most_readings(self) -> int:
+        """At how many instants peaks are read at most, as the config or curves of time ask for."""
+        duration = self.solver.duration
+        feature = find_curve_step(self.nominal_scene, duration)
+        count = max(self.solver.peak_instants, math.ceil(duration / feature * (1 - 1e-9)))
+        return min(count, most_instants(self))
 
     @cached_property
     def doubts(self) -> dict[str, str]:
@@ -451,6 +476,16 @@ def from_data(kind: Any, data: Any) -> Any:
 _hints = cache(get_type_hints)
 
 
+@cache
+def _divide(steps: int, most: int) -> int:
+    """Return the largest number, at most `most`, of equal parts of some steps between instants."""
+    for count in range(min(steps, most), 1, -1):
+        rest = steps // count
+        if steps % count == 0 and fpm.divide_time(rest, 2, 1).output_steps == rest:
+            return count
+    return 1
+
+
 def digest(data: Any) -> str:
     """Return 16 hex digits (of the SHA-256) that identify data, of sections, say, by its JSON."""
     form: Any = {"sort_keys": True, "separators": (",", ":"), "allow_nan": False}
@@ -476,6 +511,16 @@ def bytes_of_run(campaign: Campaign) -> float:
     if campaign.jobs.keep == "responses":
         return 8.0 * instants * responses
     return 8.0 * instants * (count_curves(experiment) + responses)
+
+
+MOST_NUMBERS = 2**27  # numbers recorded of the runs that are integrated side by side: 1 GiB
+
+
+def most_instants(experiment: Experiment) -> int:
+    """Return how many instants of the runs that are integrated side by side memory should hold."""
+    scene = experiment.nominal_scene
+    count = count_values(scene, experiment.record) if experiment.record else 0
+    return MOST_NUMBERS // (8 * (6 * len(scene.points) + len(scene.hinges) + 10 + count))
 
 
 def count_curves(experiment: Experiment) -> int:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from deployable import intervals
+from deployable.campaign.config.models import MOST_INSTANTS
 from deployable.campaign.config.sections import (
     Experiment,
     Solver,
@@ -90,7 +91,8 @@ def extend_plan(experiment: Experiment, plan: Plan, samples: Any, bounds: Any) -
         if time.step > time.step_limit:  # which the config gives, and is no longer stable
             finer = replace(finer, solver=replace(finer.solver, step="auto"))
     elif decision.action == "step":
-        finer = replace(base, solver=replace(base.solver, safety=_halve(base.solver, plan.time)))
+        solver = replace(base.solver, safety=_halve(base.solver, plan.time))
+        finer = replace(base, solver=replace(solver, peak_instants=MOST_INSTANTS))  # at all steps
     check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(base))
     return _plan(finer, points, rounds, check, plan.time if finer is base else None)
 

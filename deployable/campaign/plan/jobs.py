@@ -24,7 +24,8 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     instants, scene = experiment.solver.instants, experiment.nominal_scene
     places = corners(experiment.intervals) if scene.curves else ()
     differs = any(curve_bytes(experiment.build(x)) != curve_bytes(scene) for x in places)
-    seconds = effort.run_seconds(scene, time.output_steps * (instants - 1), instants)
+    rows = instants * max(1, experiment.readings(time.step))
+    seconds = effort.run_seconds(scene, time.output_steps * (instants - 1), rows)
     return LANES * seconds if differs else seconds
 
 

@@ -207,6 +207,7 @@ def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: 
             },
             "duration": experiment.solver.duration,
             "instants": experiment.solver.instants,
+            "readings": experiment.readings(step),
             "step": step,
             "energy_tolerance": experiment.solver.energy_tolerance,
             "mechanics": mechanics,

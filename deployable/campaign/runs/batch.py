@@ -259,6 +259,8 @@ def simulate(
         energy_tolerance=solver.energy_tolerance,
         record=sorted({*experiment.record, *columns}),
         halvings=HALVINGS if solver.step == "auto" else 0,
+        readings=experiment.readings(plan.time.step),
+        peaks=experiment.peaks,
     )
     seconds = clocks(time.thread_time) - start
     common = {

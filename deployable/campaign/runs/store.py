@@ -20,7 +20,7 @@ from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.seals import DamagedError, read_seal
-from fpm.files.trajectory import Column
+from fpm.files.trajectory import PEAK, Column
 from fpm.reading.quantities import MARGIN_READS, impact_margins
 from fpm.reading.variables import VARIABLES
 
@@ -34,6 +34,7 @@ class Trajectories(Store):
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
         self._columns: dict[str, set[Column]] = {}
+        self._peaks = {q.peak_column for q in experiment.peaks}
         self._reads = {column for response in self.responses for column in response.reads}
 
     @cached_property
@@ -127,7 +128,8 @@ class Trajectories(Store):
                 continue
             for name, curves in file_curves.items():
                 columns = {*curves.columns, *((trajectory.POSITION, p) for p in curves.points)}
-                if lacks := self._reads - columns:
+                peaks = {p for p in self._peaks if any(key == PEAK for key, _ in curves.columns)}
+                if lacks := (self._reads | peaks) - columns:
                     self.absences[name] = lacks
                     self._columns[name] = columns
                 else:

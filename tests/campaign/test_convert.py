@@ -88,6 +88,8 @@ JOINTS = {
     "friction of a slide": '<joint name="a" type="slide" axis="1 0 0.2" frictionloss="1.5" '
     'stiffness="50" springref="0.3" solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3"/>',
     "spring between sites": FREE,
+    "disabled": '<joint name="a" axis="0 1 0" range="-0.3 0.2" stiffness="30" damping="1" '
+    'frictionloss="2"/>',
     "weld": '<joint name="a" axis="0 1 0"/>',
     "weld of places alone": '<joint name="a" axis="0 1 0"/>',
 }
@@ -98,6 +100,9 @@ TIE = """<tendon><spatial name="tie" stiffness="200" springlength="0.9" damping=
 WELD = f"""<default><equality solref="2e-3 1" solimp="0.9999 0.9999 1e-3"/></default><worldbody>
 <body name="bob" pos="0.5 0 0"><joint name="b" type="free"/>{INERTIAL}</body></worldbody><equality>
 <weld name="glue" body1="arm" body2="bob" anchor="0.1 0 0"/></equality>"""
+OFF = """<option><flag spring="disable" damper="disable" limit="disable" frictionloss="disable"
+actuation="disable" equality="disable"/></option><actuator><motor joint="a" gear="9"/></actuator>
+<equality><weld body1="arm" body2="world"/></equality><keyframe><key ctrl="1"/></keyframe>"""
 HIT = """<keyframe><key name="k" qvel="2"/></keyframe>"""
 
 
@@ -106,7 +111,7 @@ HIT = """<keyframe><key name="k" qvel="2"/></keyframe>"""
 def test_other_joints_move_as_in_mujoco(kind, made):
     rest = {"spring between sites": TIE, "weld": WELD}.get(kind, "")
     rest = WELD.replace("anchor", 'torquescale="0" anchor') if "places" in kind else rest
-    text, keyframe = model(JOINTS[kind], rest), ""
+    text, keyframe = model(JOINTS[kind], OFF if kind == "disabled" else rest), ""
     if "limits" in kind:  # without weight, as the limit's own spring alone moves a body there
         text, keyframe = model(JOINTS[kind], HIT).replace("-9.81", "0"), "k"
     _, structure, theirs = made(text, keyframe)
@@ -213,7 +218,7 @@ LEFT = {  # XML of the body, the rest, and what is said of it
     "keyframe": ('<joint name="a"/>', '<keyframe><key name="home" qpos="1"/></keyframe>',
                  "keyframe home"),
     "wind": (FREE, '<option wind="1 0 0"/>', "option wind"),
-    "flag": (FREE, '<option><flag spring="disable"/></option>', "flag spring=disable"),
+    "flag": (FREE, '<option><flag spring="disable"/></option>', "what the flag spring=disable"),
     "contact": (FREE + '<geom name="g" size="0.1"/>', '<worldbody><geom type="plane" size="1 1 1"/>'
                 "</worldbody>", "contact of arm, world"),
     "pair of geoms": (
@@ -230,7 +235,7 @@ LEFT = {  # XML of the body, the rest, and what is said of it
         ' group="2"/></actuator>', "actuator m",
     ),
     "controls beyond their range": (FREE, '<option><flag clampctrl="disable"/></option>',
-                                    "flag clampctrl=disable"),
+                                    "what the flag clampctrl=disable disables"),
     "camera": (FREE, '<worldbody><camera name="view"/></worldbody>', "camera view"),
     "gravity compensation": ('<joint name="a"/><body name="balloon" gravcomp="1"><joint name="b"/>'
                              f"{INERTIAL}</body>", "", "gravcomp of body balloon"),
@@ -284,6 +289,13 @@ def test_what_cannot_be_read_is_refused(what, made):
     text, keyframe, said = REFUSED[what]
     with pytest.raises(CampaignError, match=said):
         made(text, keyframe)
+
+
+def test_warnings_of_mujoco_go_to_the_log_and_leave_no_file(made, tmp_path, monkeypatch, caplog):
+    monkeypatch.chdir(tmp_path)
+    made(model(FREE).replace('<site name="e1"/>', '<site pos="0 0 NaN"/>'))
+    assert "contains a 'NaN'" in caplog.text
+    assert {path.name for path in tmp_path.iterdir()} == {"model.xml", "structure.yaml"}
 
 
 def test_without_mujoco_the_message_names_the_extra(tmp_path, monkeypatch):

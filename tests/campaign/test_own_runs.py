@@ -10,6 +10,8 @@ from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.own_runs import OwnRunsError
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.plan.plan import TimeStep, make_plan
+from deployable.campaign.report.page import render
+from deployable.campaign.report.read import from_results
 
 DISC = """
 parameters:
@@ -46,7 +48,12 @@ def test_a_parameter_that_no_run_varies_leaves_all_open(config, tmp_path):
     facts = json.loads((tmp_path / "own/summary.json").read_text())
     assert facts["unvaried"] == ["c"] and facts["together"]["met"] == "undecided"
     assert facts["together"]["share_uncertainty"] == 1
-    assert "No run varies `c`, so no bound" in (tmp_path / "own/summary.md").read_text()
+    said = "No run varies `c`, so no bound and no answer includes its influence."
+    assert said in (tmp_path / "own/summary.md").read_text()
+    (warning,) = check_config(config).experiment.warnings
+    assert warning == f"design: {said} Add such runs."
+    page = render(from_results(tmp_path / "own"))
+    assert said.replace("`c`", "<code>c</code>") in page
 
 
 def planned(config):

@@ -14,6 +14,9 @@ LABELS = ("", "run", "id", "no", "number", "name", "note")
 """Names of columns that are of no parameter, in lower case."""
 
 
+UNVARIED = "No run varies {}, so no bound and no answer includes its influence."
+
+
 class OwnRunsError(ValueError):
     """Raised for runs that cannot be made; its text begins with a key of the section `design`."""
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.own_runs import own_points
+from deployable.campaign.config.own_runs import UNVARIED, own_points, unvaried_names
+from deployable.campaign.text.numbers import code
 from fpm.elements import kinds_of
 from fpm.reading.quantities import PEAKS
 from fpm.scenes.timestep import find_curve_step
@@ -92,15 +93,17 @@ def _design_texts(experiment: Any) -> Iterator[str]:
     """Keys that the design does not use, and own runs that leave part of the box out."""
     design = experiment.design
     if design.method == "own":
+        if unvaried := unvaried_names(experiment):
+            yield f"design: {UNVARIED.format(' or '.join(map(code, unvaried)))} Add such runs."
         values = experiment.box.from_unit(own_points(experiment))
         for column, (name, interval) in zip(values.T, experiment.intervals.items(), strict=True):
             low, high, ends = column.min(), column.max(), (interval.lower, interval.upper)
             margin = 0.05 * (ends[1] - ends[0])
-            if low > ends[0] + margin or high < ends[1] - margin:
-                effect = "beyond the runs are extrapolated" if low < high else "lack its influence"
+            if low < high and (low > ends[0] + margin or high < ends[1] - margin):
                 yield (
                     f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
-                    f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds {effect}; add runs at its ends"
+                    f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds beyond the runs are extrapolated; "
+                    "add runs at its ends"
                 )
     methods_by_key = {"samples": ("sobol", "screening"), "seed": ("sobol",)}
     for key, methods in methods_by_key.items():

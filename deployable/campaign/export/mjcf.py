@@ -3,24 +3,19 @@
 Bodies hang on each other in a tree, by as many joints as there are; those left over close loops, by
 equalities. The frame of every body lies in its centre, along the global axes at the start."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from deployable.campaign.convert.draft import ACTIONS, JOINTS
+from deployable.campaign.convert import ACTIONS, JOINTS, load_mujoco
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 from fpm import elements as e
 from fpm.elements.openings.opening import moving_at_start, rate_at
 from fpm.solver.start import consistent_scene
 from fpm.structures.reading import commas
-
-if TYPE_CHECKING:
-    from deployable.campaign.export.selection import SelectedRun
 
 OPTION = {"timestep": "1e-4", "integrator": "RK4", "tolerance": "1e-14", "iterations": "200"}
 LOOPS = {"solref": "2e-3 1", "solimp": "0.9999 0.9999 1e-3"}
@@ -46,15 +41,10 @@ CONDITIONS: dict = dict.fromkeys([*KINDS, e.Stop], lambda action: True) | {
 """Kinds of element that have an equivalent, and when."""
 
 
-def write_mjcf(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
+def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
     """Write the structure of a run at its start as `<run.name>.xml` into `folder`, with its motion
     there as the keyframe `start`; frames: not used. CampaignError without mujoco, and for what has
     no equivalent."""
-    try:
-        import mujoco
-    except ImportError:
-        text = "MJCF needs mujoco: pip install 'deployable-intervals[mjcf]'"
-        raise CampaignError(text) from None
     scene = consistent_scene(run.scene)
     pairs = [(kind, element) for kind, members in scene.kinds.items() for element in members]
     names = [_title(scene, x) for k, x in pairs if k not in CONDITIONS or not CONDITIONS[k](x)]
@@ -68,7 +58,7 @@ def write_mjcf(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
         )
     tree = Tree(scene, run.name)
     try:
-        tree.add_stops(mujoco.MjModel.from_xml_string(tree.text()))
+        tree.add_stops(load_mujoco().MjModel.from_xml_string(tree.text()))
     except ValueError as error:
         raise CampaignError(f"MuJoCo does not take {run.name}: {error}") from None
     write_text(folder / f"{run.name}.xml", tree.text())
@@ -175,7 +165,16 @@ class Tree:
                 self.rates[name] = [*self.motion.velocity[p], *self.motion.spin[p]]
         for name, beam in scene.points.items():
             self._add_site(name, beam)
-        group = _add(self.root, "equality")
+        self._add_loops(loops)
+
+    def _add_loops(self, loops: list) -> None:
+        """Add equalities, which close loops at joints on which nothing acts."""
+        if names := [joint.joint for joint in loops if joint.joint in self.busy]:
+            raise CampaignError(
+                f"MJCF has no equivalent of the loop of {', '.join(names)}; allowed: loops with a "
+                "revolute, spherical or fixed joint on which nothing acts"
+            )
+        scene, group = self.scene, _add(self.root, "equality")
         for joint in loops:
             first, second = (self.names.get(p, "world") for p in joint.particles)
             for i, tag in enumerate(CLOSING[joint.type]):
@@ -190,19 +189,15 @@ class Tree:
         """Joints of a tree of the bodies, with all that something acts on, and joints of loops."""
         scene = self.scene
         joints = [h for h in scene.hinges if not h.number] + list(scene.kinds.get(e.Joint, []))
-        busy = {scene.hinges[x.hinge].joint for kind in (*KINDS, e.Stop) for x in kind.find(scene)}
-        busy |= {j.joint for j in joints if j.type not in CLOSING}
+        acts = (x for kind in (*KINDS, e.Stop) for x in kind.find(scene))
+        self.busy = {scene.hinges[x.hinge].joint for x in acts}
+        self.busy |= {j.joint for j in joints if j.type not in CLOSING}
         root = {p: -1 if p in self.bodies else p for p in range(len(scene.mass))}
         sorts: tuple[list, list] = [], []
-        for joint in sorted(joints, key=lambda j: j.joint not in busy):
+        for joint in sorted(joints, key=lambda j: j.joint not in self.busy):
             first, second = (root[p] for p in joint.particles)
             sorts[first == second].append(joint)
             root = {p: first if r == second else r for p, r in root.items()}
-        if names := [j.joint for j in sorts[1] if j.joint in busy]:
-            raise CampaignError(
-                f"MJCF has no equivalent of the loop of {', '.join(names)}; allowed: loops with a "
-                "revolute, spherical or fixed joint on which nothing acts"
-            )
         return sorts
 
     def _add_body(self, particle: int, parent: Any, origin: np.ndarray) -> None:
@@ -231,19 +226,19 @@ class Tree:
                 turn = sign if hinge.particles == joint.particles else -sign  # universal's second
                 keys["axis"] = turn * s.frame[hinge.particles[0]] @ hinge.axes[0]
                 keys["ref"], moment = hinge.opening, 0.0
-                for word, (kind, value, *_) in list(ACTIONS.items())[:3]:
+                for word, (kind, words, _) in list(ACTIONS.items())[:3]:
                     actions = [x for x in kind.find(s) if x.hinge == number]
-                    keys[word] = sum(getattr(x, value) for x in actions)
+                    keys[word] = sum(getattr(x, words.split(", ")[1]) for x in actions)
                     moment += sum(x.stiffness * x.rest for x in actions if word == "stiffness")
                 keys["springref"] = moment / (keys["stiffness"] or 1.0)
             _add(self.bodies[child], "joint", **keys)
 
     def _add_tendons(self) -> None:
         """Add cables and struts, with the lengths between which each is slack."""
-        rows = [
-            (c, {"stiffness": c.stiffness / c.rest, "springlength": [0.0, c.rest]})
-            for c in e.Cable.find(self.scene)
-        ]
+        rows: list[tuple] = []
+        for cable in e.Cable.find(self.scene):
+            keys = {"stiffness": cable.stiffness / cable.rest, "springlength": [0.0, cable.rest]}
+            rows.append((cable, keys))
         for strut in e.Strut.find(self.scene):
             (push, pull), rest = strut.slopes, strut.lengths[0]
             slack = [rest if push or not pull else 0.0, rest if pull or not push else 1e6]

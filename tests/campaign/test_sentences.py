@@ -9,6 +9,8 @@ from functools import cache
 from pathlib import Path
 
 from jinja2 import nodes
+from sheets import sheet
+from test_review_sheet import ROWS as OF_SHEET
 
 from deployable.campaign.results.templates import _escape, doubt_texts, environment
 
@@ -426,7 +428,9 @@ def words_in(sentence):
 def write():
     """The text of `sentences.md`: each sentence once, whatever numbers and names are in it."""
     known, lines = set(), ["# What summaries and pages say", ""]
-    for heading, texts in collect()[0].items():
+    cells = [row[key] for stated, *_ in OF_SHEET.values() for row in sheet(*stated)
+             for key in ("asks", "analysed", "value", "verdict", "nearest")]  # fmt: skip
+    for heading, texts in (collect()[0] | {"Cells of the review sheet": cells}).items():
         lines += [f"## {heading}", ""]
         for sentence in (s for text in texts for s in sentences_of(text) if s):
             shape = re.sub(r"[\d.−⁻⁰-⁹×]+|`[^`]*`", "#", sentence)

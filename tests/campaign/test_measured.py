@@ -170,7 +170,7 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
     assert "A part of the narrowed box explains the tests" in summary
     assert "Check test again agrees: " in summary
     sheet = (folder / "review.csv").read_text(encoding="utf-8")
-    assert "the inputs that the tests leave" in sheet
+    assert "the intervals that remain after the tests" in sheet
 
 
 @pytest.mark.slow

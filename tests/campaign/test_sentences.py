@@ -8,9 +8,13 @@ import re
 from functools import cache
 from pathlib import Path
 
+import pytest
 from jinja2 import nodes
+from sheets import sheet
+from test_review_sheet import ROWS as OF_SHEET
 
 from deployable.campaign.results.templates import _escape, doubt_texts, environment
+from fpm.files.seals import unseal
 
 GOLDEN = Path(__file__).with_name("sentences.md")
 
@@ -426,7 +430,9 @@ def words_in(sentence):
 def write():
     """The text of `sentences.md`: each sentence once, whatever numbers and names are in it."""
     known, lines = set(), ["# What summaries and pages say", ""]
-    for heading, texts in collect()[0].items():
+    cells = [row[key] for stated, *_ in OF_SHEET.values() for row in sheet(*stated)
+             for key in ("asks", "analysed", "value", "verdict", "nearest")]  # fmt: skip
+    for heading, texts in (collect()[0] | {"Cells of the review sheet": cells}).items():
         lines += [f"## {heading}", ""]
         for sentence in (s for text in texts for s in sentences_of(text) if s):
             shape = re.sub(r"[\d.−⁻⁰-⁹×]+|`[^`]*`", "#", sentence)
@@ -448,8 +454,32 @@ def test_sentences_are_short():
         for heading, texts in collect()[0].items() if not heading.startswith("Cells of tables")
         for text in texts for sentence in sentences_of(text)
     ]  # fmt: skip
+    check_lengths(sentences)
+
+
+def check_lengths(sentences):
     assert not [sentence for sentence in sentences if words_in(sentence) > 25]
     assert sum(map(words_in, sentences)) / len(sentences) <= 15
+
+
+def check_summary(path):
+    """The same of a summary, without its headings, tables and configs."""
+    text = re.sub(r"```.*?```", "", unseal(path).decode().replace("**", ""), flags=re.DOTALL)
+    lines = [line for line in text.splitlines() if line and line[0] not in "|#"]
+    sentences = [sentence for line in lines for sentence in sentences_of(line)]
+    assert len(sentences) > 4
+    check_lengths(sentences)
+
+
+def test_sentences_of_summaries_are_short(rich, finished):
+    for folder in (rich[0], finished):
+        check_summary(folder / "summary.md")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["latch", "deploys", "small", "paper"])
+def test_sentences_of_shipped_summaries_are_short(shipped, name):
+    check_summary(shipped(name)[0] / "summary.md")
 
 
 if __name__ == "__main__":

@@ -130,11 +130,11 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
             "heads": [head + f" ({unit})" * (head in ("moment", "weighted"))
                       for head in BUDGET_HEADS],
             "rows": rows,
-            "sum": f"T = {drives} (sum of the weighted above 0), Tmin = {minimum} (of those "
-                   "below 0, without sign): "
+            "sum": f"T = {drives} (the sum of the positive weighted moments), Tmin = {minimum} "
+                   "(that of the negative ones, without sign): "
                    + (f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}."
                       if budget["margin"] < MOST else
-                      f"T/Tmin − 1 is {MOST:g} or more, and counts as {MOST:g}."),
+                      f"T/Tmin − 1 is {MOST:g} or more and counts as {MOST:g}."),
         })  # fmt: skip
     return budgets
 
@@ -216,7 +216,7 @@ class _Sheet:
                 limit = self._limit_at_zero(name)
             main = self._row(row, verdict, limit)
             if topic == "margin" and self._margins[name]["own"]:
-                main |= {"clause": "own", "asks": "a margin by factors of one's own"}
+                main |= {"clause": "own", "asks": "a margin with the campaign's own factors"}
             rest = [(requirement, entry) for requirement, entry in limits if entry is not limit]
             return [main, *self._list_requirements(row, rest)]
         if not limits:
@@ -235,7 +235,7 @@ class _Sheet:
             weaker = limit["kind"] != "at_least" or limit["level"] < 0
             if row["name"] in self._margins and weaker and verdict.state != UNMET:
                 outcome = "kept in all of the box" if verdict.state == MET else verdict.text
-                text = f"reported: {outcome}, which shows nothing of the limit 0 of the standard"
+                text = f"reported: {outcome}, which does not show that the margin is at least 0"
                 verdict = Verdict(REPORT, text)
             names = {"clause": "own", "asks": f"own requirement {requirement}"}
             rows.append(names | self._row(row, verdict, limit))
@@ -260,7 +260,7 @@ class _Sheet:
             if limit["kind"] != "happens" or limit["met"] not in ("all", "undecided"):
                 least = numbers.quantity(limit["simulated"], units, 4, missing="")
                 nearest = numbers.place(limit["at"], parameters)
-                nearest += f": {least}, computed there" if least else ", by the surrogate"
+                nearest += f": {least}, computed there" if least else ", by the fit"
         if margin:
             opening = numbers.quantity(margin["budget"]["opening"], margin["unit"], 4)
             nearest += f", at an opening of {opening}"
@@ -288,7 +288,7 @@ class _Sheet:
             return Verdict(UNMET, f"not met in a part of the box; {share} of the box meets it")
         if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
-            return _because(OPEN, f"{runs}, which proves nothing of the rest")
+            return _because(OPEN, f"{runs}, which does not prove the rest of the box")
         if limit["kind"] != "happens" and (
             row["runs_without"] or not keeps(row, limit["kind"], limit["level"])
         ):
@@ -304,12 +304,12 @@ class _Sheet:
         sides = {self._side(q, bound) for q in self._numbers for _, bound in self._limits.get(q, ())
                  if self._numbers[q].response == self._numbers[row["name"]].response}  # fmt: skip
         if not self._side(row["name"], limit):
-            text = f"{_describe_limit(limit, row['units'])}, of this quantity, is no allowable"
-            return _because(NOT_ANALYSED, f"{text} of the largest load")
+            text = f"{_describe_limit(limit, row['units'])} does not bound the largest load here"
+            return _because(NOT_ANALYSED, text)
         if (verdict := self._judge(row, limit)).state != MET:
             return verdict
         if self._numbers[row["name"]].response.least is None and not {1, -1} <= sides:
-            text = "met for loads of one sign; state a limit of the other as well"
+            text = "met for loads of one sign; state a limit for the other sign, too"
             return _because(PARTIAL, text)
         return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
 
@@ -360,12 +360,14 @@ class _Sheet:
             stricter = self._judge(row, limit)
             if limit["kind"] == "at_least" and limit["level"] > 0 and stricter.state != MET:
                 text = f"own requirement {requirement}, {_describe_limit(limit, row['units'])}"
-                return _because(stricter.state, f"{text}; the limit 0 is kept")
+                return _because(stricter.state, f"{text}; the margin is at least 0")
         if reasons := self._open_travel(margin):
             analysed = _stretch((margin["first"], margin["last"]), margin["unit"])
             return _because(PARTIAL, f"met from {analysed}; {'; '.join(reasons)}")
         if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
-            return Verdict(MET, f"{verdict.text}, if tests have shown what the factors rest on")
+            return Verdict(
+                MET, f"{verdict.text}, if tests have confirmed the values behind the factors"
+            )
         return verdict
 
     def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
@@ -373,14 +375,14 @@ class _Sheet:
         reasons, unit = [], margin["unit"]
         if margin["travel"] is None:
             names = " or ".join(margin["openings"])
-            reasons.append(f"no latch and no stop of {names} states where its travel ends")
+            reasons.append(f"no latch or stop of {names} states where its travel ends")
         elif not _covers(margin):
             reasons.append(f"the travel is {_stretch(margin['travel'], unit)}")
         peers = [x for x in self._margins.values() if x["standard"] == margin["standard"]]
         openings = {name for peer in peers for name in peer["openings"]}
         if locks := [name for name in margin["locked"] if name not in openings]:
-            is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
-            reasons.append(f"{', '.join(locks)}, which {is_not} moved")
+            is_are = "is" if len(locks) == 1 else "are"
+            reasons.append(f"{', '.join(locks)} {is_are} held and not moved")
         group = {margin["openings"][0], *margin["apart"]} if margin["apart"] else set()
         if group - {name for p in peers if not p["apart"] for name in p["openings"]}:
             names = " and ".join(name for name in margin["openings"] if name in group)
@@ -392,20 +394,20 @@ class _Sheet:
     def _margin_words(self, margin: Mapping[str, Any]) -> str:
         """Describe how a margin was computed, and over which positions."""
         unit, travel = margin["unit"], margin["travel"]
-        words = [f"positions {_stretch((margin['first'], margin['last']), unit)}"]
-        words[0] += (f" of {_stretch(travel, unit)} analysed" if travel is not None else
-                     " analysed, of a travel whose end no latch or stop states")  # fmt: skip
+        words = [f"analysed from {_stretch((margin['first'], margin['last']), unit)}"]
+        words[0] += (f" of a travel from {_stretch(travel, unit)}" if travel is not None else
+                     "; no latch or stop states where the travel ends")  # fmt: skip
         if margin["starts_vary"]:
-            words[0] += ", those of the nominal run; each other run begins where it starts"
+            words[0] += " in the nominal run; every other run begins at its own start"
         lists = {"without": "without {}", "own": "own factors: {}", "added": "with {}",
-                 "locked": "{} standing"}  # fmt: skip
+                 "locked": "{} held"}  # fmt: skip
         words += [t.format(", ".join(margin[key])) for key, t in lists.items() if margin[key]]
-        for key, text in (("latches", "the latch {}, which catches on the way, has no part in it"),
-                          ("motors", "the motor of {}, elastic, has no part in it")):  # fmt: skip
+        for key, text in (("latches", "without the latch {}, which catches on the way"),
+                          ("motors", "without the elastic motor of {}")):  # fmt: skip
             words += [text.format(name) for name in margin[key]]
         if margin["evidence"] == "spring out":
-            words.append("by the factors for that case, so not to be compared with the intact "
-                         "mechanism's")  # fmt: skip
+            words.append("by the factors for a failed spring, not comparable with the intact "
+                         "mechanism")  # fmt: skip
         return "; ".join(words)
 
     def _failure(self, row: Mapping[str, Any]) -> Verdict:
@@ -413,7 +415,7 @@ class _Sheet:
         drive."""
         margin = self._margins[row["name"]]
         if idle := [part for part in margin["without"] if part not in margin["drives"]]:
-            text = f"{', '.join(idle)} drives nowhere: to leave it out is no failure"
+            text = f"{', '.join(idle)} drives nowhere, so its absence is no failure case"
             return _because(NOT_ANALYSED, text)
         return self._margin(row)
 
@@ -423,11 +425,11 @@ class _Sheet:
         limits = [limit for _, limit in self._limits.get(row["name"], ())]
         event_limits = [limit for limit in limits if _is_there(limit)]
         if not event_limits:
-            demand = "that it does not happen" if limits else "nothing of it"
-            return _because(NOT_ANALYSED, f"the campaign requires {demand}")
+            text = "requires that it does not happen" if limits else "does not require it"
+            return _because(NOT_ANALYSED, f"the campaign {text}")
         verdict = self._judge(row, event_limits[0])
         if verdict.state == MET and len(places) > 1:
-            return _because(PARTIAL, f"met for one of {', '.join(places)}, whichever it is")
+            return _because(PARTIAL, f"met for the first of {', '.join(places)} that latches")
         return verdict
 
     def _catches_later(self, row: Mapping[str, Any]) -> Verdict:
@@ -439,16 +441,16 @@ class _Sheet:
             if number.event == "latches" and number.places == places:
                 verdict = self._catches(self._quantities[name])
                 return Verdict(verdict.state, f"{verdict.text} (by {name})")
-        return _because(NOT_ANALYSED, "whether it latches later is no quantity")
+        return _because(NOT_ANALYSED, "no quantity says whether it latches later")
 
     def _clearance(self, row: Mapping[str, Any]) -> Verdict:
         """Return whether the least clearance is three times its tolerance, the width of its
         interval."""
         if self._numbers[row["name"]].kind != "smallest":
-            return _because(NOT_ANALYSED, "of a clearance the `smallest` is asked")
+            return _because(NOT_ANALYSED, "the clearance needs its `smallest` value")
         error = whole_error(row)
         if row["lower"] is None or error is None or not row["upper"] > row["lower"]:
-            return _because(NOT_ANALYSED, "no tolerance changes it")
+            return _because(NOT_ANALYSED, "it does not vary with any tolerance")
         tolerance = row["upper"] - row["lower"] + 2 * error
         text = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
         if row["lower"] - error >= 3 * tolerance:
@@ -465,7 +467,7 @@ class _Sheet:
         }  # fmt: skip
         springs = list(dict.fromkeys(name for m in margins.values() for name in m["springs"]))
         if len(springs) < 2:
-            text = f"{''.join(springs)} is a single spring, which is to be justified"
+            text = f"{''.join(springs)} is the only driving spring, which has to be justified"
             return _row("", _because(NOT_ANALYSED, text)) if springs else None
         verdicts = {
             margin["without"][0]: (name, self._margin(self._quantities[name]))
@@ -477,7 +479,7 @@ class _Sheet:
         rest = [name for name in springs if name not in verdicts]
         states = {verdict.state for _, verdict in verdicts.values()}
         state = next(member for member in STATES if member in states)
-        text = f"met in all of the box: with each single one of {', '.join(springs)} out"
+        text = f"met in all of the box without any one of {', '.join(springs)}"
         if state != MET or rest:
             texts = [f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()]
             texts += [f"not analysed: {', '.join(rest)}"] if rest else []
@@ -493,8 +495,8 @@ class _Sheet:
         if "together" not in self.facts:
             return None
         rows, whole = self.facts["requirements"], self.facts["together"]
-        analysed = f"all requirements together, over the box of {', '.join(self._free)}; "
-        analysed += f"{self.facts['runs']['all']} runs, the worst places among them"
+        analysed = f"all requirements together over the box of {', '.join(self._free)}, by "
+        analysed += f"{self.facts['runs']['all']} runs including the worst places"
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
         failures: dict[str, None] = {}
         for row in (row for row in rows if row["met"] in ("some", "none")):
@@ -514,7 +516,7 @@ class _Sheet:
         elif whole["met"] != "all" or OPEN in outcomes:
             verdict = self._judge({}, {**whole, "met": "undecided"})
         elif unclear := [name for name, state in states.items() if state not in (MET, UNMET)]:
-            text = f"what the campaign requires is met; see the rows of {', '.join(unclear)}"
+            text = f"the requirements are met, but see the rows of {', '.join(unclear)}"
             verdict = _because(PARTIAL, text)
         return _row(analysed, verdict, f"not met: {', '.join(failures)}" if failures else "")
 
@@ -522,21 +524,23 @@ class _Sheet:
         """Row on the runs' energy balance: met if energies change by much more than its error."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
-        analysed = f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of "
-        analysed += "the largest energy"
+        analysed = (
+            f"{runs} runs, each of {duration}; a run fails if the error of its energy balance "
+        )
+        analysed += f"exceeds {allowed} of the largest energy"
         if motion is None:
-            text = "how far energies change was not kept (jobs.keep)"
+            text = "the results do not keep the change of energies (`jobs.keep`)"
             return _row(analysed, _because(PARTIAL, text))
         change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "imbalance"))
         value = (
-            f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}, the "
-            f"largest is {numbers.quantity(largest, 'J')}, the error of the balance "
+            f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}; the "
+            f"largest energy is {numbers.quantity(largest, 'J')}, and the error of the balance is "
             f"{numbers.quantity(imbalance, 'J', 2)}"
         )
         if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
-            text = "hardly anything moves, so that the balance shows nothing"
+            text = "energies hardly change, so the balance shows nothing"
             return _row(analysed, _because(NOT_ANALYSED, text), value)
-        return _row(analysed, Verdict(MET, "met: all runs keep it"), value)
+        return _row(analysed, Verdict(MET, "met in all runs"), value)
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
@@ -559,12 +563,12 @@ class _Sheet:
         analysed = "measured curves: " + ", ".join(test["name"] for test in measured["tests"])
         worst = measured["worst"]
         nearest = (
-            f"a run comes within {numbers.number(measured['attained'])} bands, farthest off at "
+            f"the nearest run is within {numbers.number(measured['attained'])} bands, farthest at "
             f"{numbers.quantity(worst['time'], 's', 7)} of {worst['test']} ({worst['response']})"
         )
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
-            text = f"what the tests leave does not explain {', '.join(failed_checks)}"
+            text = f"no remaining values explain {', '.join(failed_checks)}"
             if measured["refuted"]:
                 least = numbers.number(measured["least"])
                 text = f"the model comes no nearer than {least} bands to the tests. "
@@ -572,17 +576,19 @@ class _Sheet:
             return _row(analysed, _because(UNMET, text.removesuffix(".")), "", nearest)
         stretches = [(p["name"], _stretch(p["after"], p["units"])) for p in measured["parameters"]]
         value = "; ".join(f"{name} {text}" for name, text in stretches)
-        verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
+        verdict = Verdict(REPORT, "reported: the intervals that remain after the tests")
         if measured["attained"] > 1:
-            verdict = _because(OPEN, "no run explains the tests, and none is excluded")
+            verdict = _because(
+                OPEN, "no run explains the tests, but nothing excludes the remaining values"
+            )
         return _row(analysed, verdict, value, nearest)
 
     def influence(self) -> dict[str, str] | None:
         """Row that names for each quantity the parameter that widens its interval most."""
-        texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
+        texts = [f"{row['name']}: {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
-        analysed = "shares of the widths of quantities, by their surrogates"
-        return _row(analysed, REPORT_ONLY, f"most: {', '.join(texts)}") if texts else None
+        analysed = "share of each quantity's width that its main parameter causes, by the fit"
+        return _row(analysed, REPORT_ONLY, "; ".join(texts)) if texts else None
 
     def budget(self) -> dict[str, str] | None:
         """Row on the width of each quantity's interval, now and with the main tolerance halved."""
@@ -592,7 +598,7 @@ class _Sheet:
                 widths = fitted_width(row), row["influence"][name]["halved"]
                 whole, half = (numbers.quantity(width, row["units"], 2) for width in widths)
                 texts.append(f"{row['name']}: {whole}, {half} with half the tolerance of {name}")
-        analysed = "widths of intervals, and with half of the tolerance that widens each most"
+        analysed = "width of each interval, now and with its main tolerance halved"
         return _row(analysed, REPORT_ONLY, "; ".join(texts)) if texts else None
 
 

@@ -91,12 +91,14 @@ def _design_texts(experiment: Any) -> Iterator[str]:
     """Keys that the design does not use, and own runs that leave part of the box out."""
     design = experiment.design
     if design.method == "own":
-        values = experiment.box.from_unit(own_points(experiment))
+        points = own_points(experiment)
+        values, unvaried = experiment.box.from_unit(points), experiment.box.unvaried(points)
         for column, (name, interval) in zip(values.T, experiment.intervals.items(), strict=True):
             low, high, ends = column.min(), column.max(), (interval.lower, interval.upper)
             margin = 0.05 * (ends[1] - ends[0])
             if low > ends[0] + margin or high < ends[1] - margin:
-                effect = "beyond the runs are extrapolated" if low < high else "lack its influence"
+                effect = "lack its influence"
+                effect = effect if name in unvaried else "beyond the runs are extrapolated"
                 yield (
                     f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
                     f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds {effect}; add runs at its ends"

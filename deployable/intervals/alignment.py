@@ -129,12 +129,9 @@ def unseen_difference(
         if not (column > 0).all():
             continue
         with suppress(IntervalError):
-            check_spline_runs(points)
-            spline = fit_spline(points, column[:, None])
-            free = spline.scales > 0
-            trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
+            spline, values = _spread_spline(points, column)
             error = np.sqrt((spline.left_out**2).mean())
-            is_near = spline.evaluate(trial).min() < 0
+            is_near = values.min() < 0
             if error > _SMOOTH * column.std():  # a spline that predicts no run tells nothing
                 is_near = column.min() < error
             if is_near:
@@ -148,12 +145,18 @@ def earliest_time(points: np.ndarray, delays: np.ndarray) -> float:
     in s, in runs at points (R, k) in [-1, 1]^k, by a spline of their inverse squares: even forces
     are in proportion to these, and they vanish where an event is never reached."""
     with suppress(IntervalError):
-        check_spline_runs(points)
-        spline = fit_spline(points, delays[:, None] ** -2)
-        free = spline.scales > 0
-        trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
-        return float(min(delays.min(), spline.evaluate(trial).max() ** -0.5))
+        values = _spread_spline(points, delays**-2)[1]
+        return float(min(delays.min(), values.max() ** -0.5))
     return float(delays.min())
+
+
+def _spread_spline(points: np.ndarray, values: np.ndarray) -> tuple[Spline, np.ndarray]:
+    """Return the spline of values (R) of runs, and its own (P) at points spread over the box."""
+    check_spline_runs(points)
+    spline = fit_spline(points, values[:, None])
+    free = spline.scales > 0
+    trial = np.where(free, spread_points(free, _CANDIDATES), points[0])
+    return spline, spline.evaluate(trial)
 
 
 def difference_across(

@@ -64,6 +64,12 @@ class Box:
         """Mask (k) of the parameters whose interval has a width, True where lower < upper."""
         return self.upper > self.lower
 
+    def unvaried(self, points: np.ndarray) -> list[str]:
+        """Names of the parameters whose interval has a width that runs at normalized points (R, k)
+        do not vary: what rests on these runs lacks their influence."""
+        is_fixed = self.free & (np.ptp(points, axis=0) == 0)
+        return [name for name, fixed in zip(self.names, is_fixed, strict=True) if fixed]
+
     def to_unit(self, values: np.ndarray) -> np.ndarray:
         """Normalize parameter values (..., k): coordinates (..., k) from -1 at `lower` to 1 at
         `upper`; 0 where the width is zero."""

@@ -112,6 +112,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
         numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
+        failed_points=np.zeros((0, 2)),
     )
     there, low = (
         limits.LimitSpec("there", 0, "happens", 1.0),
@@ -136,18 +137,21 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
     fails = {"requirement": "there", "quantity": "t", "units": "s", "kind": "at_most", "level": 2.0,
              "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept,
              "error": 0.2}  # fmt: skip
-    together = {"fails": fails, "max_interval_scale": 0.5}
+    together = {"fails": fails, "max_interval_scale": 0.5, "unsampled": False}
     line = sentence("nearest", together, [{"name": "k", "units": "N"}])
     assert text in line
     assert ("he run there" in line) == ran
-    line = sentence("nearest", {"fails": None, "max_interval_scale": 0.5}, [])
+    line = sentence("nearest", together | {"fails": None}, [])
     assert "50 %" in line and line.endswith("A failed run lies at the border of that box.")
+    line = sentence("nearest", together | {"unsampled": True}, [])
+    assert line.endswith("so runs may fail there, too.") and "border of that" not in line
 
 
 @pytest.mark.parametrize("further", [0, 2])
 def test_further_runs_are_told_only_where_there_are_some(further):
     facts = {"together": {"met": "some", "share": 0.5, "share_uncertainty": 0.1, "runs": 9,
-                          "failures": 3, "fails": None, "max_interval_scale": 1, "whole": True},
+                          "failures": 3, "fails": None, "max_interval_scale": 1, "whole": True,
+                          "unsampled": False},
              "quantities": [], "requirements": [],
              "runs": {"choice": 0, "checks": 0, "measured": 0, "further": further}}  # fmt: skip
     line = sentence("required", facts)
@@ -230,7 +234,7 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
         ({"crossing": "psi", "level": 3.0}, "It still moves then: simulate longer"),
         (
             {"crossing": "psi", "level": -1.0},
-            "`psi` comes to 0 rad at 0 s, and the event needs −1 rad. It goes no further",
+            "`psi` comes nearest at 0 s, to 0 rad, and the event needs −1 rad. It goes no further",
         ),
     ],
 )

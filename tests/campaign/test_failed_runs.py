@@ -96,13 +96,14 @@ def test_a_singular_position_is_told_at_the_programs_own_step(tmp_path, instants
 
 @pytest.mark.parametrize("keep", ["trajectories", "responses"])
 def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_path, keep):
-    config["jobs"] = {"keep": keep}
+    config["jobs"], config["solver"]["failures"] = {"keep": keep}, 0.6
     bounds, facts, folder = run(config, tmp_path)
     assert {row["at"]["L"] < 1 for row in facts["failures"]} == {True}
     nodes = 1.475 - 0.525 * np.cos((np.arange(9) + 0.5) * np.pi / 9)
     planned = {round(x, 9) for x in (*nodes[nodes < 1], 0.95)}
-    assert planned <= {round(row["at"]["L"], 9) for row in facts["failures"]}
-    for row in facts["failures"]:  # noticed at the next recorded instant
+    clear = [row for row in facts["failures"] if round(row["at"]["L"], 9) in planned]
+    assert len(clear) == len(planned)
+    for row in clear:  # noticed at the next recorded instant
         reached = np.interp(np.arcsin(row["at"]["L"]), angle(T), T)
         assert reached < row["time"] < reached + 0.051
         assert "singular position" in row["reason"]
@@ -110,9 +111,9 @@ def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_
     together = facts["together"]
     assert together["met"] == "some"
     assert abs(together["share"] - 1 / 1.05) <= together["share_uncertainty"] < 0.3
-    assert together["max_interval_scale"] == pytest.approx(
-        min((1.475 - row["at"]["L"]) / 0.525 for row in facts["failures"])
-    )
+    # Runs next to the border tell where it is: up to L = 1 m, of 0.95 to 1.475 m.
+    assert together["max_interval_scale"] == pytest.approx(0.475 / 0.525, abs=2e-3)
+    assert not together["unsampled"] and facts["runs"]["failed"] <= 0.6 * facts["runs"]["all"]
     lines = (folder / "summary.md").read_text().split("\n\n")
     assert lines[1].startswith("**Not everywhere") and "runs failed" in lines[2]
     time, length = bounds["time"].values, np.linspace(1, 2, 201)[:, None]

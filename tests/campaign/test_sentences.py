@@ -55,7 +55,7 @@ SOFT = LIMIT | {"quantity": "v", "units": "m s-1", "words": SPEED["words"], "lev
 PART = {"name": "in_time", "met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 125}
 HALF = {"share": 0.99, "share_uncertainty": 0.001, "gain": 0.09, "gain_uncertainty": 0.002}
 TOGETHER = PART | {
-    "max_interval_scale": 0.56, "failures": 68, "fails": LIMIT, "whole": False,
+    "max_interval_scale": 0.56, "unsampled": False, "failures": 68, "fails": LIMIT, "whole": False,
     "halved": {"k": HALF, "c": HALF | {"gain": 0.001}},
 }  # fmt: skip
 CHOICE = {
@@ -174,6 +174,7 @@ CASES = {
         ("required", together(fails=LIMIT | {"ran": False})),
         ("required", together(fails=LIMIT | {"ran": False, "error": None}, whole=True)),
         ("required", together(fails=None, max_interval_scale=1, failures=0)),
+        ("required", together(unsampled=True)),
         ("required", facts(runs=dict.fromkeys(("choice", "checks", "further"), 0))),
         ("idle", facts(requirements=[FLOOR])),
         ("questions", FACTS),

@@ -11,8 +11,10 @@ import yaml
 from deployable import campaign
 from deployable.campaign import stages
 from deployable.campaign.config import sections
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import results_of, write_result
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import make_plan, write_plan
 from deployable.campaign.stages import STAGES, Stage
 from deployable.campaign.stages.workflow import Workflow
 from evidence.attack.victim import RAW, results_in
@@ -114,6 +116,21 @@ def test_an_edited_config_finds_what_was_made_from_it(whole, section, changed, f
 def test_edited_mechanics_find_the_plan(whole, monkeypatch):
     monkeypatch.setattr(sections, "program_digest", lambda: "another")
     assert "plan.json" in stale(whole, asked())
+
+
+def test_no_stage_takes_the_results_of_another_config(tmp_path, monkeypatch):
+    """Edits of what the stage itself depends on are its own matter."""
+    monkeypatch.chdir(tmp_path)
+    other = {"responses": {"BD": {"distance": ["B", "D"]}, "AC": {"distance": ["A", "C"]}}}
+    for name, more in (("a", {}), ("b", other), ("c", {"figures": {"moments": 3}})):
+        Path(f"{name}.yaml").write_text(yaml.safe_dump({**RAW, **more}))
+    first = Workflow.from_files(["a.yaml"])
+    write_plan(make_plan(first.campaign.experiment), first.folder.plan)
+    for name in ("a", "c"):
+        assert STAGES["page"].sections_in(f"{name}.yaml", first.folder)
+    for stage in ("bounds", "answers", "figures", "page"):
+        with pytest.raises(CampaignError, match=r"belong to another config than b\.yaml"):
+            STAGES[stage].sections_in("b.yaml", first.folder)
 
 
 def test_results_of_another_config_are_named_before_they_are_replaced(tmp_path, monkeypatch):

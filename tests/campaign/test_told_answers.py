@@ -319,7 +319,7 @@ def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
 def test_tolerances_that_cannot_be_told_apart_get_one_sentence():
     half = {"share": 1.0, "share_uncertainty": 0.0, "gain": 0.1, "gain_uncertainty": 0.01}
     together = {"met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 9}
-    together |= {"max_interval_scale": 0.5, "fails": None}
+    together |= {"max_interval_scale": 0.5, "unsampled": False, "fails": None}
     facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
     text = sentence("tolerance", facts)
     assert text.startswith("Tighten one of these: `k1` (± 10 %) or `k2` (± 10 %). Halving one")

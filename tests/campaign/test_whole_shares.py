@@ -425,7 +425,11 @@ def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, pl
     numbers = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, 1:]])
     box = SimpleNamespace(free=np.array([True]))
     model = SimpleNamespace(
-        experiment=SimpleNamespace(box=box), nominal=np.array([0.4]), points=points, numbers=numbers
+        experiment=SimpleNamespace(box=box),
+        nominal=np.array([0.4]),
+        points=points,
+        numbers=numbers,
+        failed_points=np.zeros((0, 1)),
     )
     found = assess_limits(model, [surrogate], [LimitSpec("r", 0, kind, level)])
     assert found.largest[0] == pytest.approx(share, abs=1e-5)

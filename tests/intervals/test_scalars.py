@@ -13,6 +13,7 @@ from deployable.intervals.box import Box, held_out_points
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import (
     ChoiceProblem,
+    FittedOccurrence,
     Goal,
     Limit,
     Occurrence,
@@ -102,6 +103,24 @@ def test_what_each_parameter_contributes():
     assert found.halved[1] == pytest.approx(4.125 + 3.125)
 
 
+def test_equal_parameters_get_equal_widths_within_their_errors():
+    """Of abcd + 0.3 (a + b + c + d), whose runs have few corners, by where extremes were sought.
+    Halved: from 0.5 + 1.05 down to -0.5 - 0.75; exact: 0.9 either way."""
+
+    def function(x: np.ndarray) -> np.ndarray:
+        return x.prod(axis=1) + 0.3 * x.sum(axis=1)
+
+    added = [[1.0] * 4, [-1.0] * 4, [-1, -1, -1, 1], [-1, -1, -1, 0.43], [1, 1, 1, 0.48],
+             [0.83] * 4, [0.54, 0.5, 1, 1], [1, 1, 0.52, 0.52], [0.52, 1, 1, 0.52]]  # fmt: skip
+    points = runs(4, order=3)
+    previous = fit_scalar(points, function(points))
+    points = np.concatenate([points, added])
+    found = find_influence(fit_scalar(points, function(points)), np.zeros(4), previous)
+    assert (np.abs(found.halved - 2.8) <= found.error).all()
+    assert (np.abs(found.fixed - 1.8) <= found.error).all()
+    assert np.abs(found.halved - 2.8).max() > 0.3, "the runs do not tell"
+
+
 def test_what_is_below_the_error_is_no_sensitivity():
     rng = np.random.default_rng(1)
     points = runs(2)
@@ -166,6 +185,12 @@ def test_the_widths_of_what_exists_in_part_have_the_error_of_its_border():
                 values = times(grid * np.where(np.arange(2) == j, part, 1.0))
                 exact = np.nanmax(values) - np.nanmin(values)
                 assert abs(widths[j] - exact) <= found.error[j]
+        # The border, at x0 = 0.1 (0.2 x1 - 0.5), crosses all parts but that of x0 = 0.
+        ended = find_influence(
+            fit_scalar(points, times(points), latest=6.0), np.zeros(2), None, is_endless=True
+        )
+        is_open = np.isnan([*ended.fixed, *ended.halved])
+        assert is_open.tolist() == [False, True, True, True]
 
 
 def test_the_share_of_the_box_that_meets_a_limit():
@@ -387,7 +412,7 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     assert best.values[0] == pytest.approx(exact, rel=1e-4)
 
 
-@pytest.mark.parametrize(("error", "is_safe"), [(0.05, True), (0.2, False)])
+@pytest.mark.parametrize(("error", "is_safe"), [(0.02, True), (0.2, False)])
 def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe):
     """q = x, known to 0.1, from 0 to 0.4: the lowest choice that keeps the error is 0.1 + error."""
     points = runs(1, order=4, held_out=2)
@@ -404,11 +429,32 @@ def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe)
     assert best.is_allowed and best.is_safe == is_safe
     # Where none keeps the error, the one in the middle is farthest from both limits.
     assert best.values[0] == pytest.approx(0.1 + error if is_safe else 0.2, abs=1e-4)
-    safest = problem.find_safest(trials)
+    safest = problem.find_safest(trials, best)
     assert safest.values[0] == pytest.approx(0.2, abs=1e-4)
     if is_safe:
         low, high = problem.find_safe_range(best, 0)
         assert [low, high] == pytest.approx([0.1 + error, 0.3 - error], abs=1e-3)
+
+
+def test_a_value_that_gains_less_than_the_errors_is_no_safer():
+    """1 / (p u), at most 0.9, does not change with the other chosen value, q, but its fit does, by
+    its error."""
+    points = runs(3, order=5)
+    p, u = 1.3 + 0.9 * points[:, 0], 1 + 0.1 * points[:, 2]
+    surrogate = fit_scalar(points, 1 / (p * u))
+
+    def box(choice):
+        middle = [(choice[0] - 1.3) / 0.9, (choice[1] - 1) / 0.7, 0.0]
+        reach = [0.1 * choice[0] / 0.9, 0.2 / 0.7, 1.0]
+        return np.clip([np.subtract(middle, reach), np.add(middle, reach)], -1, 1)
+
+    goal = Goal(fit_scalar(points, 0.2 * (1 + 0.7 * points[:, 1]) * p * u), "upper")
+    limits, ranges = [Limit(surrogate, "at_most", 0.9)], [(0.6, 2), (0.5, 1.5)]
+    problem = ChoiceProblem([goal], limits, ranges, box)
+    best, trials = problem.find_best()
+    safest = problem.find_safest(trials, best)
+    assert safest.values[1] == best.values[1] == pytest.approx(0.5)
+    assert safest.values[0] > 1.5 and safest.safety > best.safety + 2
 
 
 def test_a_box_shrinks_towards_its_nominal_point():
@@ -481,7 +527,7 @@ def test_an_expression_has_the_border_of_its_part():
     assert shares[2] != shares[0]
 
 
-def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both():
+def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both(monkeypatch):
     """Against counts of the closed form."""
     x = scan_points(np.ones(3, bool), 60)
 
@@ -498,6 +544,12 @@ def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both():
         limit = Limit(surrogates[2], *(("happens", 1.0) if level is None else ("at_least", level)))
         share, open_ = share_of_box([limit], np.ones(3))
         assert abs(share - true.mean()) <= open_ < 0.01
+    calls, decide = [], FittedOccurrence.decision
+    monkeypatch.setattr(
+        FittedOccurrence, "decision", lambda part, x: calls.append(part) or decide(part, x)
+    )
+    limit.conditions(x + 0.0)  # of the joint border, and of its band
+    assert len(calls) == 2
 
 
 def test_a_share_is_not_certainly_all_where_a_corner_fails():

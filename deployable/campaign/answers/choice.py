@@ -87,7 +87,11 @@ def answer(
                "lower": low, "upper": high, "value": float(best.values[i]), "decides": decides[i],
                "safe": None, "safest": None}  # fmt: skip
         if safest is not None:
-            row |= {"safe": list(safe_ranges[i]), "safest": float(safest.values[i])}
+            value = float(safest.values[i])
+            row |= {
+                "safe": list(safe_ranges[i]),
+                "safest": None if value == row["value"] else value,
+            }
         rows.append(row)
     choice = {
         "parameters": rows,
@@ -241,7 +245,7 @@ def _best(
     if not best.is_safe or not np.isfinite(best.safety):
         return best, None, [], trials
     ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
-    return best, problem.find_safest(trials), ranges, trials
+    return best, problem.find_safest(trials, best), ranges, trials
 
 
 def _problem(

@@ -11,7 +11,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.folder import Folder
@@ -35,12 +34,9 @@ from deployable.campaign.runs.batch import (
 from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord, pad_events
 from deployable.campaign.runs.store import open_store
-from deployable.intervals.designs import scan_points
 
 # In unit coordinates: points nearer than this have one run, or need none of their own.
 SAME_RUN, SAME_POINT = 1e-6, 2e-4
-
-_SPOTS = 4096  # at which the share of the box next to failed runs is counted
 
 
 class FurtherRuns:
@@ -148,14 +144,11 @@ class ModelEvaluator:
         points = [failure.run.normalized for failure in failures]
         return np.reshape(points, (-1, self.points.shape[1]))
 
-    @cached_property
-    def lost_share(self) -> float:
-        """Share of the box's volume that is nearer to a failed run than to any other."""
-        if not len(self.failed_points):
-            return 0.0
-        tree = KDTree(np.concatenate([self.points, self.failed_points]))
-        _, rows = tree.query(scan_points(self.experiment.box.free, _SPOTS, corners=False))
-        return float((rows >= len(self.points)).mean())
+    @property
+    def spare_failures(self) -> int:
+        """How many more runs may fail, and one beside, before too many have (`check_failures`)."""
+        total = len(self.points) + self.rest_count + (count := len(self.failed_points))
+        return max(0, int(self.experiment.solver.failures * total) - count - 1)
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """Return the index of the evaluator's run nearest to a normalized point (k), and its

@@ -9,7 +9,16 @@ import numpy as np
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.config.models import LIMITS
 from deployable.campaign.text.words import words_of
-from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale, fit_scalar
+from deployable.intervals.scalars import (
+    Limit,
+    Occurrence,
+    ScalarSurrogate,
+    extreme,
+    find_least_scales,
+    find_max_scale,
+    fit_scalar,
+    sub_box,
+)
 
 _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border a run is made
 
@@ -41,11 +50,13 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 @dataclass(frozen=True)
 class LimitAssessment:
     """How l limits are kept over the box, by surrogates, and in R simulated runs. specs: the limits
-    as the config sets them; limits: the same with their surrogates (`intervals.scalars.Limit`);
+    as the config sets them; limits: the same with their surrogates (`intervals.scalars.Limit`),
+    and, where runs failed, a last one: that none fails, whose border only runs tell;
     margins (l, R): of limits in runs, below 0 if broken; worst: least margin of each limit in the
     box, and its normalized point (k); largest: scale (0 to 1) of the largest box about the nominal
     point in which all limits hold, then, if below 1, index of the limit that fails first beyond it,
-    and where; failure_point (k): normalized, where a limit fails, None if none does."""
+    and where; failure_point (k): normalized, where a limit fails, None if none does; doubt (k):
+    where a run is most likely to fail in that box, or at its border; None where no run failed."""
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
@@ -53,14 +64,14 @@ class LimitAssessment:
     worst: list[tuple[float, np.ndarray]]
     largest: tuple[float, int | None, np.ndarray | None]
     failure_point: np.ndarray | None
+    doubt: np.ndarray | None = None
 
     @property
     def points(self) -> list[np.ndarray]:
         """Normalized points (k) where a run would confirm or refute whether the limits hold: those
-        of `worst`, in the order of the limits, then `failure_point` if there is one."""
-        return [point for _, point in self.worst] + (
-            [] if self.failure_point is None else [self.failure_point]
-        )
+        of `worst`, in the order of the limits, then `failure_point` if a limit fails there."""
+        is_of_limit = self.largest[1] not in (None, len(self.specs))
+        return [point for _, point in self.worst] + [self.failure_point] * is_of_limit
 
 
 def assess_limits(
@@ -79,27 +90,37 @@ def assess_limits(
         )
         for spec in specs
     ]
-    upper = model.experiment.box.free.astype(float)
+    upper, failed_points = model.experiment.box.free.astype(float), model.failed_points
     worst = [limit.worst(-upper, upper) for limit in limits]
+    runs = np.concatenate([model.points, failed_points])
+    if len(failed_points):
+        border = Occurrence(runs, np.arange(len(runs)) < len(model.points))
+        limits.append(Limit(ScalarSurrogate(None, border), "happens", 1.0))
     largest = find_max_scale(limits, model.nominal)
     margins = np.array([
         limit.find_margins(model.numbers[:, spec.quantity])
-        for spec, limit in zip(specs, limits, strict=True)
+        for spec, limit in zip(specs, limits, strict=False)
     ])  # fmt: skip
-    failing_rows = np.flatnonzero(margins.min(axis=0) < 0)
-    scales = find_least_scales(model.nominal, model.points[failing_rows])
+    index = np.append(margins.argmin(axis=0), [len(specs)] * len(failed_points)).astype(int)
+    is_failing = np.append(margins.min(axis=0) < 0, [True] * len(failed_points))
+    failing_rows = np.flatnonzero(is_failing)
+    scales = find_least_scales(model.nominal, runs[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() <= (1 + 2 * _OVERSHOOT) * largest[0]:
         # A run fails nearer than the surrogates' border, or at it.
         run = failing_rows[scales.argmin()]
-        failure_point = model.points[run]
-        scale = min(largest[0], float(scales.min()))
-        largest = scale, int(margins[:, run].argmin()), failure_point
+        failure_point = runs[run]
+        largest = min(largest[0], float(scales.min())), int(index[run]), failure_point
     elif largest[2] is not None:
         # A little beyond the border, so that the run there fails and does not only touch it.
         farther = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)
         failure_point = np.clip(model.nominal + farther, -upper, upper)
-    return LimitAssessment(specs, limits, margins, worst, largest, failure_point)
+    doubt = failure_point
+    if len(failed_points) and largest[1] != len(specs):
+        inner = sub_box(model.nominal, largest[0])
+        doubt = extreme(border.decision, -1.0, *inner, runs, climbs=1)[1]
+    doubt = doubt if len(failed_points) else None
+    return LimitAssessment(specs, limits, margins, worst, largest, failure_point, doubt)
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:

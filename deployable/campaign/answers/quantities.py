@@ -21,6 +21,7 @@ from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs,
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns, failure_columns
 from deployable.campaign.results.bounds import write_dataset
+from deployable.campaign.results.quantity_results import FittedRuns, limits_of
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text import numbers
@@ -112,7 +113,10 @@ def _columns(
     of each; finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not
     estimated."""
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
-    quantities = zip(model.experiment.quantity_list, bounds, shifts.tolist(), strict=True)
+    planned = slice(len(model.points) - len(model.refinements))
+    runs = FittedRuns(model.points[planned], model.numbers[planned], model.margins[planned])
+    previous = runs.surrogates(limits_of(model.experiment))
+    quantities = zip(model.experiment.quantity_list, bounds, previous, shifts.tolist(), strict=True)
     rows = [_row(model, *quantity) for quantity in quantities]
     columns: dict[str, Any] = {name: [row[name] for row in rows] for name in rows[0]}
     counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.rest_counts
@@ -127,16 +131,17 @@ def _columns(
 
 
 def _row(
-    model: ModelEvaluator, quantity: Quantity, bounds: QuantityBounds, shift: float
+    model: ModelEvaluator, quantity: Quantity, bounds: QuantityBounds, previous: Any, shift: float
 ) -> dict[str, Any]:
-    """Return a quantity's row of `quantities.nc`, by the names of its columns. shift: error of the
-    decision function by mesh and step."""
+    """Return a quantity's row of `quantities.nc`, by the names of its columns. previous: surrogate
+    before further runs; shift: error of the decision function by mesh and step."""
     box, surrogate, extremes = model.experiment.box, bounds.surrogate, bounds.surrogate_range
     (lower, upper), unconverged = bounds.outer, map(int, bounds.unconverged)
     error = surrogate.bound_error if model.experiment.is_adaptive else surrogate.error
     error = np.fmax(error, bounds.error)
     limit = Limit(surrogate, "happens", 1.0, border_error=shift)
-    influence = find_influence(surrogate, model.nominal)
+    is_endless = bounds.may_be_endless or upper == surrogate.latest
+    influence = find_influence(surrogate, model.nominal, previous, is_endless)
     row = {
         "lower": lower, "upper": upper,
         "simulated_lower": bounds.lower, "simulated_upper": bounds.upper,

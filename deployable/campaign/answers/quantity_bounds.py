@@ -27,6 +27,7 @@ _OPEN = 0.05  # of the width: error of an upper bound that may not exist
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
+_FAILING, _SPARE = 2, 6  # about the border to failed runs, while so many more may fail
 
 
 @dataclass(frozen=True)
@@ -299,12 +300,17 @@ def _find_deciding_points(
     has_borders: bool = False,
 ) -> list[np.ndarray]:  # fmt: skip
     """Unit points (k) that decide limits of all quantities, where no run was made: their worst
-    places and, with `has_borders`, the border of a limit that jumps there, which no fit tells."""
+    places, where runs may fail nearest to the nominal values, and, with `has_borders`, the border
+    of a limit that jumps there, which no fit tells."""
     if not specs:
         return []
     assessment = assess_limits(model, [b.surrogate for b in bounds], specs)
     points = list(assessment.points)
-    for limit in assessment.limits if has_borders else []:
+    if assessment.doubt is not None:
+        border, spare = assessment.limits[-1].surrogate.occurrence, model.spare_failures
+        points += [assessment.doubt] if spare else []
+        points += [*border.infill_points(_FAILING if has_borders and spare > _SPARE else 0)]
+    for limit in assessment.limits[: len(specs)] if has_borders else []:
         if limit.border is not None and limit.border.open_fraction > _MIN_FRACTION:
             points += list(limit.border.infill_points(_SURFACE))
     return model.find_missing(points)

@@ -23,7 +23,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.runs.progress import Notify
-from deployable.intervals.scalars import find_halving, find_least_scales, shares_of_box
+from deployable.intervals.scalars import find_halving, shares_of_box
 
 _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
 
@@ -58,12 +58,13 @@ _Shares = Mapping[tuple[int, ...], tuple[float, float]]
 
 
 def _find_shares(model: ModelEvaluator, result: LimitAssessment) -> _Shares:
-    """Share of the box that keeps limits, and what is open, by their indices: of each limit, of
-    those of a requirement, and of all."""
+    """Share of the box that keeps limits and in which no run fails, and what is open, by their
+    indices: of each limit, of those of a requirement, and of all."""
     sets: list[tuple[int, ...]] = [(i,) for i in range(len(result.specs))]
     sets += [_indices(result, spec.requirement) for spec in result.specs]
     sets = list(dict.fromkeys([*sets, tuple(range(len(result.specs)))]))
-    limits = [[result.limits[i] for i in indices] for indices in sets]
+    soundness = result.limits[len(result.specs) :]
+    limits = [[result.limits[i] for i in indices] + soundness for indices in sets]
     return dict(zip(sets, shares_of_box(limits, model.experiment.box.free), strict=True))
 
 
@@ -76,23 +77,18 @@ def _judge_limits(
     model: ModelEvaluator, result: LimitAssessment, limits: tuple[int, ...], shares: _Shares
 ) -> dict:
     """Return whether all, some or none of the box keeps chosen limits, which share, and what is
-    open. What is nearest to a failed run counts as failing, and is open. All is open where no run
-    varies a parameter, as with runs of a user's own."""
-    row, share = _judge_sound(model, result, limits, shares), model.lost_share
-    if len(model.failed_points):
-        row["met"] = "none" if row["met"] == "none" else "some"
-        row["share"] *= 1.0 - share
-        row["share_uncertainty"] = min(1.0, row["share_uncertainty"] + share)
-    if (np.ptp(model.points, axis=0) == 0)[model.experiment.box.free].any():
+    open. All is open where no run varies a parameter, as with runs of a user's own."""
+    row = _judge_runs(model, result, limits, shares)
+    if model.experiment.box.unvaried(model.points):
         row["met"] = "undecided" if row["met"] == "all" else "some"
         row["share_uncertainty"] = 1.0
     return row
 
 
-def _judge_sound(
+def _judge_runs(
     model: ModelEvaluator, result: LimitAssessment, indices: tuple[int, ...], shares: _Shares
 ) -> dict:
-    """Judge limits as `_judge_limits` does, but from the runs that did not fail. These decide where
+    """Judge limits as `_judge_limits` does, if the runs vary every parameter. Runs decide where
     they agree with the surrogates up to the error. If no run keeps a limit, that proves nothing,
     and the share is unknown."""
     (fraction, open_), rows = shares[indices], list(indices)
@@ -103,7 +99,8 @@ def _judge_sound(
     if any(result.margins[i].min() >= 0 and not is_shown(model, result, i) for i in indices):
         open_ = max(open_, bound)
     row = {"share": fraction, "share_uncertainty": open_, "runs": runs}
-    if is_met.all():  # where surrogates break what all runs keep, no run shows it
+    if is_met.all() and not len(model.failed_points):
+        # Where surrogates break what all runs keep, no run shows it.
         row["share_uncertainty"] = max(open_, 1.0 - fraction)
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
@@ -140,18 +137,16 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
 
 def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) -> dict:
     largest, index, _ = result.largest
-    failed_scales = find_least_scales(model.nominal, model.failed_points)
-    is_failed_nearer = len(failed_scales) > 0 and failed_scales.min() < largest
-    largest = min([largest, *failed_scales])
     row = {
         **_judge_limits(model, result, tuple(range(len(result.specs))), shares),
         "max_interval_scale": largest,
+        "unsampled": result.doubt is not None and bool(model.find_missing([result.doubt])),
     }
     row["halved"] = _halve_intervals(model, result, row["share_uncertainty"] >= 1)
     is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
     count = int(is_broken.sum()) + len(model.failed_points)
     row["failures"] = None if model.rest_count else count
-    if index is None or is_failed_nearer:
+    if index is None or index == len(result.specs):
         return {**row, "fails": None}
     spec = result.specs[index]
     fails = {"requirement": spec.requirement, **describe_limit(model, spec)}
@@ -167,13 +162,11 @@ def _halve_intervals(
     model: ModelEvaluator, result: LimitAssessment, is_unknown: bool
 ) -> dict[str, dict[str, float]]:
     """Return the share that meets all if one interval were half as wide, by the parameter's name.
-    It is unknown where that of the whole box is (`is_unknown`), and open by what failed runs hide,
-    which may all be in the half."""
+    It is unknown where that of the whole box is (`is_unknown`)."""
     box, rows = model.experiment.box, {}
-    open_ = 1.0 if is_unknown else 2.0 * model.lost_share
     for j in np.flatnonzero(box.free):
         row = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
         for key in ("share_uncertainty", "gain_uncertainty"):
-            row[key] = min(1.0, row[key] + open_)
+            row[key] = 1.0 if is_unknown else row[key]
         rows[box.names[j]] = row
     return rows

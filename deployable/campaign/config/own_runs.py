@@ -39,16 +39,6 @@ def key_problems(user_config: Mapping) -> list[str]:
     return [f"{key}: {text}" for key in keys if kind]
 
 
-def unvaried_names(experiment: Any) -> list[str]:
-    """Return the names of the parameters with an interval that a user's own runs do not vary: what
-    rests on these runs lacks their influence."""
-    if experiment.design.method != "own":
-        return []
-    is_fixed = np.ptp(own_points(experiment), axis=0) == 0
-    rows = zip(experiment.intervals.items(), is_fixed, strict=True)
-    return [name for (name, i), fixed in rows if fixed and i.lower < i.upper]
-
-
 def own_points(experiment: Any) -> np.ndarray:
     """Return the points (N, k), from -1 to 1, of the runs that the section `design` of an
     experiment states, with nominal values where it states none. Raises `OwnRunsError`."""

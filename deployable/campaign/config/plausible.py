@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.own_runs import UNVARIED, own_points, unvaried_names
+from deployable.campaign.config.own_runs import UNVARIED, own_points
 from deployable.campaign.text.numbers import code
 from fpm.elements import kinds_of
 from fpm.reading.quantities import PEAKS
@@ -93,13 +93,14 @@ def _design_texts(experiment: Any) -> Iterator[str]:
     """Keys that the design does not use, and own runs that leave part of the box out."""
     design = experiment.design
     if design.method == "own":
-        if unvaried := unvaried_names(experiment):
+        points = own_points(experiment)
+        if unvaried := experiment.box.unvaried(points):
             yield f"design: {UNVARIED.format(' or '.join(map(code, unvaried)))} Add such runs."
-        values = experiment.box.from_unit(own_points(experiment))
+        values = experiment.box.from_unit(points)
         for column, (name, interval) in zip(values.T, experiment.intervals.items(), strict=True):
             low, high, ends = column.min(), column.max(), (interval.lower, interval.upper)
             margin = 0.05 * (ends[1] - ends[0])
-            if low < high and (low > ends[0] + margin or high < ends[1] - margin):
+            if name not in unvaried and (low > ends[0] + margin or high < ends[1] - margin):
                 yield (
                     f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
                     f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds beyond the runs are extrapolated; "

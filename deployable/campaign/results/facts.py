@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.own_runs import unvaried_names
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import ROUNDING, Plan, read_plan
@@ -87,7 +86,7 @@ def facts_of(
         del choice["fitted"]
     facts["failures"] = describe_failures(failures, experiment.intervals)
     facts["failures"] += facts.get("choice", {}).pop("failures", [])
-    facts |= {"unvaried": names} if (names := unvaried_names(experiment)) else {}
+    facts |= {"unvaried": names} if (names := experiment.box.unvaried(plan.runs.normalized)) else {}
     runs["measured"] = facts.get("measured", {}).get("runs", 0)
     runs["failed"] = len(facts["failures"])
     rows = [*facts["responses"], *facts["quantities"]]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
-from deployable.campaign.results.facts import decisive, fitted_width, keeps
+from deployable.campaign.results.facts import decisive, fitted_width, has_effect, keeps
 from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text import numbers
@@ -594,7 +594,7 @@ class _Sheet:
         """Row on the width of each quantity's interval, now and with the main tolerance halved."""
         texts = []
         for row in self.facts["quantities"]:
-            if name := decisive(row):
+            if (name := decisive(row)) and has_effect(row["influence"][name], row, "halved"):
                 widths = fitted_width(row), row["influence"][name]["halved"]
                 whole, half = (numbers.quantity(width, row["units"], 2) for width in widths)
                 texts.append(f"{row['name']}: {whole}, {half} with half the tolerance of {name}")

@@ -14,6 +14,7 @@ from deployable.campaign.config.sections import Campaign, Experiment, digest, fr
 from deployable.campaign.errors import CampaignError, error_of_files
 from deployable.campaign.files import HISTORY, check_results, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import LOGGER, Notify
 from fpm.errors import SceneError
@@ -23,6 +24,9 @@ PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 DESIGN_BOUNDS, SENSITIVITIES = "design_bounds.nc", "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", DESIGN_BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "refinement.nc"
+
+_SHOWN = "name", "intervals", "responses", "quantities"
+# Sections of an experiment that rounds do not change.
 
 FRAMES = 401  # frames of the runs that move on a page, unless others are asked for
 
@@ -109,6 +113,11 @@ class Stage:
                     raise CampaignError(f"{folder and folder.whole} is no folder of a case of "
                                         f"{config}; allowed: {allowed}")  # fmt: skip
                 campaign = names[folder.whole.name]
+            if folder is not None and self.takes and folder.plan.exists():
+                of_config, made = campaign.experiment, read_plan(folder.plan).experiment
+                if any(getattr(of_config, key) != getattr(made, key) for key in _SHOWN):
+                    text = f"the results in {folder.path} belong to another config than {config}"
+                    raise CampaignError(f"{text}: name theirs, or run that one again")
             return self.sections_of(campaign)
         try:
             data, kinds = json.loads(config), get_type_hints(Campaign)

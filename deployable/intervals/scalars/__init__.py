@@ -23,6 +23,7 @@ from .surrogate import (
     Extremes,
     Influence,
     ScalarSurrogate,
+    extreme,
     find_influence,
     fit_scalar,
     share_borders,

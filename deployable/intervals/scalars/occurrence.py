@@ -301,7 +301,7 @@ class JointOccurrence(Occurrence):
     parts: tuple[FittedOccurrence, ...] = field(default=(), kw_only=True)
 
     def decision(self, points: np.ndarray) -> np.ndarray:
-        return self._over_sizes([part.decision(points) for part in self.parts]).min(axis=0)
+        return self._decisions(points).min(axis=0)
 
     def band(self, points: np.ndarray) -> np.ndarray:
         return self._least_part(points, [part.band(points) for part in self.parts])
@@ -311,8 +311,20 @@ class JointOccurrence(Occurrence):
 
     def _least_part(self, points: np.ndarray, rows: Sequence[np.ndarray]) -> np.ndarray:
         """Values (P) of the part whose decision function is least; rows: those (P) of each part."""
-        decisions = self._over_sizes([part.decision(points) for part in self.parts])
-        return self._over_sizes(rows)[decisions.argmin(axis=0), np.arange(len(points))]
+        least = self._decisions(points).argmin(axis=0)
+        return self._over_sizes(rows)[least, np.arange(len(points))]
+
+    def _decisions(self, points: np.ndarray) -> np.ndarray:
+        """Decision functions (parts, P) at points, over their sizes; kept for those asked last, as
+        a band is asked for where the decision was."""
+        if self._last.get("points") is not points:
+            rows = self._over_sizes([part.decision(points) for part in self.parts])
+            self._last.update(points=points, rows=rows)
+        return self._last["rows"]
+
+    @cached_property
+    def _last(self) -> dict[str, np.ndarray]:
+        return {}
 
     def _over_sizes(self, rows: Sequence[np.ndarray]) -> np.ndarray:
         return np.array([row / size for row, size in zip(rows, self._part_sizes, strict=True)])

@@ -594,15 +594,22 @@ class ChoiceProblem:
         trials = [self.judge(point) for point in self._grid()]
         return self._refine(trials, rank), trials
 
-    def find_safest(self, trials: Sequence[Choice]) -> Choice:
+    def find_safest(self, trials: Sequence[Choice], best: Choice) -> Choice:
         """Choose the values whose least limit margin is the most times its error
         (`Choice.safety`); if no choice satisfies all limits, those that violate them least.
-        Searched on finer and finer grids from the best of `trials`, all that were tried."""
+        Searched on finer and finer grids from the best of `trials`, all that were tried. Values
+        that gain no more than the errors of two margins stay as in the choice `best`."""
 
         def rank(choice: Choice) -> tuple[bool, float]:
             return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.margin
 
-        return self._refine(trials, rank)
+        safest = self._refine(trials, rank)
+        for i in range(len(self.ranges)):
+            kept = np.where(np.arange(len(self.ranges)) == i, best.values, safest.values)
+            trial = self.judge(kept)
+            if trial.is_allowed and trial.safety >= safest.safety - 2:
+                safest = trial
+        return safest
 
     def find_safe_range(self, best: Choice, index: int) -> tuple[float, float]:
         """Range (least, largest) of one chosen value, of index `index`, about that of the safe

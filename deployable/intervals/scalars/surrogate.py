@@ -343,8 +343,8 @@ class Influence:
     """Widths of a quantity's range, by parameter: `alone` (k), if only this one varies; `share`
     (k), that over the sum for all parameters, widths not above the fit's error counted as 0;
     `fixed` and `halved` (k), if all vary but this one keeps its nominal value, or half its interval
-    about it. `width`: of the whole box; `error` (k): by how much these widths may be wrong. All but
-    `share` in the quantity's unit."""
+    about it, NaN where a time may have no upper end. `width`: of the whole box; `error` (k): by how
+    much these widths may be wrong. All but `share` in the quantity's unit."""
 
     width: float
     alone: np.ndarray
@@ -354,18 +354,27 @@ class Influence:
     error: np.ndarray
 
 
-def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
+def find_influence(
+    surrogate: ScalarSurrogate,
+    nominal: np.ndarray,
+    previous: ScalarSurrogate | None = None,
+    is_endless: bool = False,
+) -> Influence:
     """Compute the influence of each parameter on the width of a quantity's range, by its surrogate
     (of up to eight without kriging corrections), so without further runs. nominal (k): nominal
-    values of the parameters, normalized to [-1, 1]."""
+    values of the parameters, normalized to [-1, 1]; previous: surrogate before runs were added
+    where extremes are: places like these that have no run may be as wrong as it was, in widths;
+    is_endless: of a time that may have no upper end towards where it does not exist."""
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
     if surrogate.fit is not None and (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL:
-        return _influence_at_ends(surrogate, nominal)
+        return _influence_at_ends(surrogate, nominal, is_endless)
     rival, surrogate = surrogate.rival, surrogate.trend
     side = np.ones(k)
     lone_widths, fixed_widths, halved = np.zeros((3, k))
-    errors = np.full(k, np.fmax(surrogate.error, _width_error(surrogate, rival, -side, side)))
+    errors = np.full(k, surrogate.error)
+    previous = previous if previous is not None and previous.fit is not None else surrogate
+    changes = [_width_error(surrogate, rival, -side, side)]
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
@@ -375,7 +384,11 @@ def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
+            changes.append(abs(previous.range(lower, upper, climbs=1).width - widths[j]))
             errors[j] = np.fmax(errors[j], _width_error(surrogate, rival, lower, upper))
+            if is_endless and surrogate.find_place(lower, upper, False) is not None:
+                widths[j] = np.nan
+    errors = np.fmax(errors, np.fmax.reduce(changes))
     share = _contributions(lone_widths, surrogate.error)
     return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved, errors)
 
@@ -412,7 +425,9 @@ def _contributions(widths: np.ndarray, error: float) -> np.ndarray:
     return significant / (significant.sum() or 1.0)
 
 
-def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
+def _influence_at_ends(
+    surrogate: ScalarSurrogate, nominal: np.ndarray, is_endless: bool
+) -> Influence:
     """Influence of many parameters, by changes of one at a time from the ends of the range, with
     the corrections through runs, as there are runs so near; other parameters do not follow."""
     bounds, eye = surrogate.range(), np.eye(len(nominal), dtype=bool)
@@ -431,5 +446,5 @@ def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influ
     lone_widths = np.ptp(lines, axis=0)
     share = _contributions(lone_widths, surrogate.error)
     errors = np.full(len(nominal), surrogate.error)
-    first, second = np.maximum(widths, 0.0)
+    first, second = np.maximum(widths, np.nan if is_endless else 0.0)
     return Influence(float(width), lone_widths, share, first, second, errors)

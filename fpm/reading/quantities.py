@@ -218,8 +218,10 @@ class Quantity:
         does not occur. curves: the run's recorded series. Raises ValueError if the run had more
         events than are kept, and the event may be one of the others."""
         column = self.peak_column
-        is_read = column is not None and column in curves.columns
-        value = float(curves.columns[column][0]) if is_read else KINDS[self.kind].read(self, curves)
+        if column is not None and column in curves.columns:
+            value = float(curves.columns[column][0])
+        else:
+            value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
         return value if self.least is None else float(np.maximum(value, self.least))
 

@@ -165,7 +165,7 @@ def _read_peaks(outcome: Outcome, peaks: Sequence[Quantity], times: np.ndarray) 
         events = np.concatenate([outcome.events, stack_columns(kinks, 0, _KINK)])
         whole, text = replace(outcome, events=events), "extreme values, also between instants"
         values = np.array([[peak.evaluate(whole) for peak in peaks]])
-        labels = tuple(peak.peak_column[1] for peak in peaks)
+        labels = tuple(column[1] for peak in peaks if (column := peak.peak_column))
         records[PEAK] = Series(values, "", text, "peak_of", labels, READING)
     return replace(
         outcome,

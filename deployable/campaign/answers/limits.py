@@ -71,7 +71,8 @@ class LimitAssessment:
         """Normalized points (k) where a run would confirm or refute whether the limits hold: those
         of `worst`, in the order of the limits, then `failure_point` if a limit fails there."""
         is_of_limit = self.largest[1] not in (None, len(self.specs))
-        return [point for _, point in self.worst] + [self.failure_point] * is_of_limit
+        points = [point for _, point in self.worst]
+        return points if self.failure_point is None else points + [self.failure_point] * is_of_limit
 
 
 def assess_limits(

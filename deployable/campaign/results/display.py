@@ -54,7 +54,7 @@ class _Conversion(NamedTuple):
             scale, units = shown_unit(value[unit_key], self.display) if unit_key else (scale, "")
             row = {name: self.show(item, name, scale) for name, item in value.items()}
             if "words" in row and unit_key == "units":
-                row |= self.words[row.get("quantity", row.get("name"))]
+                row |= self.words[str(row.get("quantity", row.get("name")))]
             return row | {unit_key: units, "scale": scale} if unit_key else row
         if isinstance(value, list):
             return [self.show(item, key, scale) for item in value]

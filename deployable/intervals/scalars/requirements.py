@@ -550,7 +550,8 @@ class ChoiceProblem:
             return choice if rank(choice) < most else None
         lower, upper = self.box(values)
         choice = Choice(values, np.zeros(0), np.inf, np.zeros(0), np.zeros((0, len(lower))), [])
-        for item in (*self.goals, *self.limits):
+        items: list[Goal | Limit] = [*self.goals, *self.limits]
+        for item in items:
             goals, margins = choice.goals, choice.margins
             if isinstance(item, Goal):
                 value, points = item.value(lower, upper)
@@ -566,7 +567,9 @@ class ChoiceProblem:
         self._choices[values.tobytes()] = choice
         return choice
 
-    def weigh(self, choice: Choice, goals: Sequence, margins: Sequence) -> Choice:
+    def weigh(
+        self, choice: Choice, goals: Sequence | np.ndarray, margins: Sequence | np.ndarray
+    ) -> Choice:
         """Return a choice with other `goals` (g) and `margins` (l), of the first goals and limits,
         and what follows from them."""
         margin_array, goal_array = np.array(margins, dtype=float), np.array(goals, dtype=float)

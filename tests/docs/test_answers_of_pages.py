@@ -82,7 +82,7 @@ TOLD = {
     "closing": {"docs/quantities.md": lambda a: [
         interval(a.t_shut, 3, "s"), a.meet["all"],
         # Rounding decides at which choices it simulates last: 5.53 or 5.66.
-        about(a.choice["parameters"][0]["value"], 5.6, 0.03, "N m/rad"),
+        about(a.choice["parameters"][0]["value"], 5.6, 0.03, "N/rad"),
     ]},
     "deploys": {"docs/will-it-latch.md": lambda a: [
         f"{a.meet['opens']} of the box", f"{a.meet['all']} of the box",

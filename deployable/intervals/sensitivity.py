@@ -13,7 +13,7 @@ from .chebyshev import Surrogate
 from .designs import Design, complete_runs, fit
 from .estimates import estimate_decay, widen
 from .line_range import line_range
-from .samples import Samples, read_samples
+from .samples import read_samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +88,11 @@ def sensitivity_dataset(
     data = read_samples(samples, responses)
     values, lost_error = complete_runs(design, data.points, data.values, data.failed_points)
     surrogate = fit(design, values)
-    error = _error(data, design, surrogate) + lost_error
+    if len(test_rows := find_other_runs(data.points, design.points)):
+        residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.points[test_rows]))
+        error = widen(data.time, residuals.max(axis=0)) + lost_error
+    else:
+        error = estimate_decay(surrogate, data.time) + lost_error
     influence = measure_sensitivity(surrogate)
     arrays = influence.width, influence.first, influence.total
     width, first, total = (np.moveaxis(array, 0, 1) for array in arrays)
@@ -117,15 +121,6 @@ def sensitivity_dataset(
         coords=data.coordinates(),
         attrs=samples.attrs,
     )
-
-
-def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
-    """Return the polynomial's misfit (n, T) of runs that it was not fitted to, widened in time."""
-    test_rows = find_other_runs(data.points, design.points)
-    if not len(test_rows):
-        return estimate_decay(surrogate, data.time)
-    residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.points[test_rows]))
-    return widen(data.time, residuals.max(axis=0))
 
 
 def surrogate_dataset(samples: xr.Dataset, design: Design) -> xr.Dataset:

@@ -108,8 +108,8 @@ class Batch:
         self._blocks, self._end = [blank(BLOCK, dtype)], 0
         self._parts: dict[type, NamedTuple] = {}
         # Energies given, then taken: one account for all element types with the same.
-        works = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
-        losses = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
+        works = dict.fromkeys(filter(None, (kind.gives for kind in self.kinds)))
+        losses = dict.fromkeys(filter(None, (kind.takes for kind in self.kinds)))
         self.givers, self.accounts = len(works), [*works, *losses]
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
         of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]

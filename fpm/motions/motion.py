@@ -255,7 +255,9 @@ def whole_motion(
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MAX_RECORDS)))
     runs: list[list[tuple]] = [[] for _ in scenes]
-    rows = choose_instants(duration, instants, frames, times)
+    spread = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
+    nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
+    rows = np.unique(np.concatenate([spread, nearest.clip(0, instants - 1)]))
     for particles in np.array_split(np.arange(count), min(passes, count)):
         outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
         for parts, outcome in zip(runs, outcomes, strict=True):
@@ -273,15 +275,6 @@ def whole_motion(
         data = to_dataset(motion, section_corners(scene), extra)
         datasets.append(data.assign(extra_variables(i, motion.outcome)))
     return datasets
-
-
-def choose_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
-    """Return the indices (k,), increasing, of the recorded instants that `whole_motion` returns:
-    `frames` evenly spread ones, and those nearest to `times` (s). duration: of the run (s);
-    instants: number of recorded ones, evenly spread from 0 to `duration`."""
-    spread = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
-    nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
-    return np.unique(np.concatenate([spread, nearest.clip(0, instants - 1)]))
 
 
 def element_strains(

@@ -164,10 +164,14 @@ class Scene:
 
     def add_particles(self, position, mass, inertia, frame=None, velocity=0.0, spin=0.0):
         """Add n particles; returns indices (n,). SceneError for masses <= 0, frames no rotations.
-        position: (m), (n, 3), or (3,) for one; mass (kg): (n,) or one for all, above 0; inertia:
-        principal moments (kg m²), own axes, (n, 3) or one for all, above 0; frame: own axes as
-        columns, (n, 3, 3) or (3, 3) for all, None: the global axes; velocity, spin: at the start
-        (m/s, rad/s), global, (n, 3) or one for all."""
+
+        Parameters
+        ----------
+        position: positions (m), (n, 3), or (3,) for one.
+        mass: masses (kg), (n,) or one for all, above 0.
+        inertia: principal moments of inertia (kg m²), own axes, (n, 3) or one for all, above 0.
+        frame: own axes as columns, (n, 3, 3) or (3, 3) for all; None: the global axes.
+        velocity, spin: at the start (m/s, rad/s), global, (n, 3) or one for all."""
         position = np.atleast_2d(np.asarray(position, float))
         first, n = len(self.position), len(position)
         mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
@@ -193,11 +197,14 @@ class Scene:
         return np.arange(first, first + n)
 
     def add_beams(self, nodes, section: Section, material: Material, normal, name="beam"):
-        """Add m beam elements between existing particles, free of stress as they lie. SceneError if
-        particles are missing or coincide, or a normal is parallel. nodes (m, 2): indices of the
-        particles at both ends; section, material: of all elements (Section, Material); normal:
-        vector in the plane of the chord and the section's local z axis, (3,) or (m, 3); name:
-        prefix of the elements' names."""
+        """Add m beam elements between existing particles, free of stress as they lie.
+
+        Parameters
+        ----------
+        nodes: indices of the particles at both ends, (m, 2).
+        section, material: of all elements (Section, Material).
+        normal: vector in the plane of the chord and the section's local z axis, (3,) or (m, 3).
+        name: prefix of the elements' names."""
         self.add(Beams.create(self, nodes, section, material, normal, name))
 
     def add_link(
@@ -213,10 +220,15 @@ class Scene:
     ) -> Link:
         """Add a straight bar of equal beam elements; returns the Link. The particles have the bar's
         axes and share its mass, lumped (bars/lumping.py). SceneError if ends or normal give no bar.
-        start, end: ends of the bar (3,), m, global; normal: vector (3,) in the plane of the bar and
-        its section's local z axis; section, material: of the bar (Section, Material); elements:
-        number of beam elements, at least 1; name: prefix of their names; inertia_scale: factor, at
-        least 1, on the section's rotational inertia."""
+
+        Parameters
+        ----------
+        start, end: ends of the bar (3,), m, global.
+        normal: vector (3,) in the plane of the bar and its section's local z axis.
+        section, material: of the bar (Section, Material).
+        elements: number of beam elements, at least 1.
+        name: prefix of the elements' names.
+        inertia_scale: factor, at least 1, on the section's rotational inertia."""
         start, end = np.asarray(start, float), np.asarray(end, float)
         chord = end - start
         length = size(chord)
@@ -235,39 +247,60 @@ class Scene:
     # -- hinges, springs, contact -------------------------------------------------------------
 
     def add_hinge(self, name, particles, point, axis, references=None, opening=0.0, support=""):
-        """Join two particles by a hinge; returns its index. name: no other joint's; particles:
-        indices of the first and the second; point (3,) m, axis (3,): position and direction,
-        global, or (2, 3), one for each particle, if `fpm.assembly` brings them together;
-        references: two directions (3,) at the start, normal to the axis, fixed to the particles,
-        the opening being the angle from the first to the second, None: the opening is `opening`;
-        opening (rad): at the start; with references, which of those 2 pi apart is meant; support:
-        global axes along which the point is held: "", "z", "xyz"."""
+        """Join two particles by a hinge; returns its index. `point` and `axis` may be (2, 3), one
+        for each particle, if `fpm.assembly` brings them together.
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        particles: indices of the first and the second particle.
+        point: position of the hinge (3,), m, global.
+        axis: direction of the axis (3,), global.
+        references: two directions (3,) at the start, normal to the axis, fixed to the particles;
+            the opening is the angle from the first to the second. None: the opening is `opening`.
+        opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
+        support: global axes along which the hinge point is held: "", "z", "xyz"."""
         values = name, particles, point, axis, references, opening, support
         return self.add(Hinge.create(self, *values))
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
-        """Join two particles by a joint that is no hinge; returns its index among the joints. name:
-        no other joint's; type: "spherical", "fixed", "universal", about `axis` of the first and
-        `axis2` of the second particle, or "prismatic", where the second slides on the first along
-        `axis`; particles: indices of both; point (3,) m: global, or (2, 3), one for each, if
-        `fpm.assembly` joins them; axis (3,): global; axis2 (3,): normal to `axis`, None: any that
-        is."""
+        """Join two particles by a joint that is no hinge; returns its index among the joints.
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        type: "spherical"; "fixed"; "universal", about `axis` of the first and `axis2` of the second
+            particle; "prismatic", where the second slides on the first along `axis`.
+        particles: indices of the first and the second particle.
+        point: position (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins them.
+        axis: direction of the axis (3,), global.
+        axis2: universal joint's axis on the second particle (3,), normal to `axis`; None: any."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join particles by a slide, the second on the first; returns its index among the hinges.
-        name: no other joint's; particles: indices of both; point (3,) m: global, or (2, 3), one for
-        each, if `fpm.assembly` joins them; axis (3,): direction, global, in which the opening
-        grows; opening (m): at the start."""
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        particles: indices of the first and the second particle.
+        point: position (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins them.
+        axis: direction of the slide (3,), global, in which the opening grows.
+        opening: opening (m) at the start."""
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
         """Join two particles by a universal joint with two openings; returns the index of the
         first. The openings are the hinges `<name>_axis`, of the cross against the first particle,
-        and `<name>_other`, the next index, of the second particle against the cross. name: no other
-        joint's; particles: indices of both; point (3,) m: global; axis, axis2 (3,): axes on the
-        first and on the second particle, normal to each other; openings (rad): both at the
-        start."""
+        and `<name>_other`, the next index, of the second particle against the cross.
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        particles: indices of the first and the second particle.
+        point: position of the joint (3,), m, global.
+        axis, axis2: axes on the first and on the second particle (3,), normal to each other.
+        openings: both openings (rad) at the start."""
         hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
@@ -276,39 +309,62 @@ class Scene:
     ) -> int:
         """Join two particles by a joint whose second part slides and turns; returns the index of
         the first of its openings, the hinge `<name>_turn`; the next are `_slide`, or `_x` and `_y`.
-        name: no other joint's; type: "cylindrical", "planar", normal to `axis`, "pin in slot",
-        which is along `x`, or "screw", whose one opening, the turn, has the joint's name;
-        particles: indices of both; point (3,) m: global, or (2, 3), one for each, if `fpm.assembly`
-        joins them; axis (3,): global, about which the second turns; openings: at the start (rad;
-        m), in that order; x (3,): direction of the slot, or first one in the plane, normal to
-        `axis`, None: any; lead: of a screw (m/rad), not 0."""
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        type: "cylindrical"; "planar", normal to `axis`; "pin in slot", which is along `x`; "screw",
+            whose one opening, the turn, has the joint's name.
+        particles: indices of the first and the second particle.
+        point: position of the joint (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins
+            them.
+        axis: direction (3,), global, about which the second turns.
+        openings: at the start (rad; m), in that order.
+        x: direction (3,) of the slot, or first direction in the plane, normal to `axis`; None: any.
+        lead: of a screw (m/rad), not 0."""
         values = name, type, particles, point, axis, x, openings, lead
         return min(self.add(hinge) for hinge in Joint.create_openings(self, *values))
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
         """Hold a point of a particle along global axes; returns the index among the joints. To hold
-        the particle itself, `fix` costs nothing. name: no other joint's; particle: its index; point
-        (3,) m: at the start; axes: global ones along which it is held, as "z" or "xy"."""
+        the particle itself, `fix` costs nothing.
+
+        Parameters
+        ----------
+        name: its name, which no other joint has.
+        particle: index of the particle.
+        point: position of the point (3,), m, at the start.
+        axes: global axes along which it is held, as "z" or "xy"."""
         return self.add(Joint.held_point(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
-        """Add a linear spring that turns a hinge towards an opening. hinge: index of the hinge or
-        slide; stiffness: N m/rad, at least 0, on a slide N/m; rest: opening (rad) without moment,
-        on a slide m."""
+        """Add a linear spring that turns a hinge towards an opening.
+
+        Parameters
+        ----------
+        hinge: index of the hinge or slide.
+        stiffness: N m/rad, at least 0; on a slide N/m.
+        rest: opening (rad) without moment; on a slide m."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_cable(
         self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None, **drum
     ):
-        """Add a cable through points of particles; returns its index. name: no other cable's;
-        points: pairs of a particle's index and a position (3,), m, on it, None: the particle's; EA:
-        axial stiffness (N), above 0; rest: unstrained length (m), or preload: tension (N) at the
-        start; reel: length (m) that a winch at the first point takes in where its curve is 1;
-        curve: index of the winch's curve of time, -1: none; friction: coefficient at the points
-        between the ends, None: they turn freely; drum: keys drum (index of the hinge whose opening
-        winds it at the first point), radius (m, below 0 where a growing opening unwinds it), least
-        (unstrained length in m down to which it may be wound, None: a quarter of that at the
-        start)."""
+        """Add a cable through points of particles; returns its index.
+
+        Parameters
+        ----------
+        name: its name, which no other cable has.
+        points: pairs of a particle's index and a position (3,), m, on it, None: the particle's.
+        EA: axial stiffness (N), above 0.
+        rest: unstrained length (m); this or `preload`.
+        preload: tension (N) at the start; this or `rest`.
+        reel: length (m) that a winch at the first point takes in where its curve is 1.
+        curve: index of the winch's curve of time; -1: none.
+        friction: coefficient of friction at the points between the ends; None: they turn freely.
+        drum: keys drum (index of the hinge whose opening winds it at the first point), radius (m,
+            below 0 where a growing opening unwinds it), least (unstrained length in m down to which
+            it may be wound; None: a quarter of that at the start). None of them: no drum."""
         fields = {"reel": float(reel), "curve": int(curve), "friction": friction, **drum}
         return self.add(Cable.create(self, name, points, EA, rest, preload, **fields))
 
@@ -316,9 +372,12 @@ class Scene:
 
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
         """Hold particles along and about global axes. Those in joints, with unlike moments of
-        inertia, are held about none, two or all axes. particles: index of one or indices of
-        several; translations, rotations: axes along and about which they are held: letters of
-        "xyz"."""
+        inertia, are held about none, two or all axes.
+
+        Parameters
+        ----------
+        particles: index of one or indices of several.
+        translations, rotations: axes along and about which they are held: letters of "xyz"."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(
@@ -344,25 +403,38 @@ class Scene:
         return self.curves[index] if index >= 0 else CONSTANT
 
     def add_load(self, particle, force=(0, 0, 0), moment=(0, 0, 0), arm=(0, 0, 0), curve=-1):
-        """Add a dead load on a particle: it keeps its global direction. particle: its index; force
-        (3,) N, moment (3,) N m: in global axes; arm (3,) m: in global axes at the start, from the
-        particle to where the force acts, which turns with the particle; curve: index of the curve
-        of time that scales both, -1: constant."""
+        """Add a dead load on a particle: it keeps its global direction.
+
+        Parameters
+        ----------
+        particle: index of the particle.
+        force, moment: force (3,), N, and moment (3,), N m, in global axes.
+        arm: vector (3,), m, in global axes at the start, from the particle to where the force acts;
+            it turns with the particle.
+        curve: index of the curve of time that scales both; -1: constant."""
         frame = self.frame if self.unstrained is None else self.unstrained
         beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
         """Prescribe the motion of a particle. Its drives add up (spins: one turn after another).
-        particle: its index; velocity (3,) m/s, spin (3,) rad/s: in global axes; curve: index of the
-        curve of time that scales both, -1: constant."""
+
+        Parameters
+        ----------
+        particle: index of the particle.
+        velocity, spin: velocity (3,), m/s, and angular velocity (3,), rad/s, in global axes.
+        curve: index of the curve of time that scales both; -1: constant."""
         velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
         self.add(Drive(int(particle), velocity, spin, int(curve)))
 
     def add_point(self, name: str, particle: int, position=None) -> None:
-        """Name a point that is fixed to a particle, for responses. name: not yet in use, else
-        SceneError; particle: its index, whose rotation the point follows; position (3,) m: where
-        the point is at the start, None: at the particle."""
+        """Name a point that is fixed to a particle, for responses.
+
+        Parameters
+        ----------
+        name: not yet in use, else SceneError is raised.
+        particle: index of the particle, whose rotation the point follows.
+        position: where the point is at the start (3,), m; None: at the particle."""
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
         self.points[name] = self.arm_to(int(particle), position)

@@ -116,11 +116,7 @@ def converge_bounds(
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
         unmet = progress.find_unmet(bounds, len(model.points))
-        points = []
-        for b in unmet if is_extra else bounds:
-            points += [point for estimate in b.estimates for point in estimate.points]
-            if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
-                points += list(b.surrogate.occurrence.infill_points(_SURFACE))
+        points = _infill(unmet if is_extra else bounds)
         if not is_extra:
             points += _find_deciding_points(model, bounds, specs, has_borders=True)
         if unmet and (is_extra or not points):
@@ -293,6 +289,16 @@ def _bounds(
     return QuantityBounds(
         surrogate, surrogate_range, lower, upper, first, last, estimates, unconverged, remainders
     )
+
+
+def _infill(bounds: Sequence[QuantityBounds]) -> list[np.ndarray]:
+    """Unit points (k) of the next runs for some quantities."""
+    points = []
+    for b in bounds:
+        points += [point for estimate in b.estimates for point in estimate.points]
+        if b.surrogate.occurrence.open_fraction > _MIN_FRACTION:
+            points += list(b.surrogate.occurrence.infill_points(_SURFACE))
+    return points
 
 
 def _find_deciding_points(

@@ -81,7 +81,7 @@ class Rule(Key, NumberLimits):
             if self.names and self.names.pattern:
                 table["propertyNames"] = {"pattern": f"^(?:{self.names.pattern})$"}
             parts.append(table)
-        parts = [part for part in parts if part]
+        parts = [*filter(None, parts)]
         result = {"anyOf": parts} if len(parts) > 1 else dict(*parts)
         return result | ({"description": self.text} if self.text else {})
 
@@ -99,8 +99,8 @@ def rule_of(hint: Any, default: Any = NO_VALUE) -> Rule:
         elif is_dataclass(option):
             hints, children = get_type_hints(option, include_extras=True), {}
             for f in fields(option):
-                made = NO_VALUE if f.default_factory is MISSING else f.default_factory()
-                value = made if f.default is MISSING else f.default
+                value = NO_VALUE if f.default is MISSING else f.default
+                value = value if f.default_factory is MISSING else f.default_factory()
                 children[f.name] = rule_of(hints[f.name], value)
             text = " ".join((option.__doc__ or "").split())
             parts |= {"section": option, "children": children, "text": text}

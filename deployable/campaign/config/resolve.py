@@ -68,19 +68,13 @@ def campaign_of(
         display=config.display,
     )
     rest = ("bounds", "published", "review", "error", "figures", "verify", "jobs")
-    choose = config.choose
-    minimise, maximise = (
-        (goal,) if isinstance(goal, str) else goal for goal in (choose.minimise, choose.maximise)
-    )
-    given = {name: config.intervals.get(name) for name in choose.parameters}
-    relative = tuple(name for name, spec in given.items() if spec and spec.relative is not None)
     return Campaign(
         experiment=experiment,
         requirements={
             name: {quantity: limits.by_name for quantity, limits in section.items()}
             for name, section in config.requirements.items()
         },
-        choose=Choose(choose.parameters, minimise, maximise, choose.order, relative),
+        choose=_choose_of(config),
         **{name: getattr(config, name) for name in rest},
     )
 
@@ -177,6 +171,18 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
         verify=replace(config.verify, discretization=True),
     )
     return config, Accuracy(tolerances, aim.max_runs, aim.max_core_minutes, mesh)
+
+
+def _choose_of(config: Config) -> Choose:
+    """Return the section `choose` with goals as tuples, and the names of parameters whose intervals
+    are `relative`."""
+    section = config.choose
+    minimise, maximise = (
+        (goal,) if isinstance(goal, str) else goal for goal in (section.minimise, section.maximise)
+    )
+    specs = {name: config.intervals.get(name) for name in section.parameters}
+    relative = tuple(name for name, spec in specs.items() if spec and spec.relative is not None)
+    return Choose(section.parameters, minimise, maximise, section.order, relative)
 
 
 def intervals_of(

@@ -65,15 +65,15 @@ def facts_of_cases(
         "requirements": requirements,
         "quantities": _quantities(summaries),
         "together": {
-            "met": combine_met(verdict["met"] for verdict in verdicts.values() if verdict),
+            "met": combine_met(row["met"] for row in filter(None, verdicts.values())),
             "failing": _select_cases(verdicts, "none", "some"),
             "undecided": _select_cases(verdicts, "undecided"),
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
         "next": max(  # that separates runs most: in bands, or unmeasured, as a share of the width
-            ({**rows[0], "case": name} for name, facts in summaries.items()
-             if (rows := facts.get("measured", {}).get("next"))),
+            ({**row, "case": name} for name, facts in summaries.items()
+             for row in facts.get("measured", {}).get("next", ())[:1]),
             key=lambda row: (row["bands"] or 0.0, row["fraction"]), default=None,
         ),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],

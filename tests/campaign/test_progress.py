@@ -217,3 +217,12 @@ def test_sizes_as_people_write_them():
     assert size_text(2345) == "2.3 kB"
     assert size_text(61.2e6) == "61 MB"
     assert size_text(4.81e9) == "4.81 GB"
+
+
+def test_a_level_that_was_set_before_stays():
+    """Also where the logger's module is imported afterwards, as `campaign.run` does."""
+    code = (
+        "import logging; logger = logging.getLogger('deployable'); logger.setLevel('WARNING');"
+        "import deployable.campaign.runs.progress; raise SystemExit(logger.level)"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 30

@@ -189,3 +189,5 @@ def test_bounds_in_python_draw_themselves_whole_or_selected(results):
             CampaignError, match=r"'X' is no response \(did you mean x\?\); all.*: x"
         ):
             one.plot("X")
+    with pytest.raises(CampaignError, match="no curve at one instant"):
+        bounds.isel(time=3).plot()

@@ -18,7 +18,10 @@ class Envelopes(xr.Dataset):
 
     def plot(self, *names: str) -> Any:  # type: ignore[override]
         """Draw bounds over time as a matplotlib figure, which notebooks show; names: of the
-        responses, none: all. Raises CampaignError for another name."""
+        responses, none: all. Raises CampaignError for another name, and for bounds at one
+        instant."""
+        if "time" not in self.dims:
+            raise CampaignError("there is no curve at one instant; allowed: bounds at several")
         responses = [str(name) for name in np.atleast_1d(self["response"].values)]
         for name in {*names} - {*responses}:
             text = f"{name!r} is no response{did_you_mean(name, responses)}"

@@ -24,7 +24,7 @@ Notify = Callable[[str], None]
 
 LOGGER = logging.getLogger("deployable")
 """Its level decides which messages are printed: warnings and errors, all, or times of stages."""
-LOGGER.setLevel(logging.INFO)
+LOGGER.setLevel(LOGGER.level or logging.INFO)
 
 
 class MessagePrinter:

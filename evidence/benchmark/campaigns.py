@@ -46,6 +46,14 @@ size = sum(x.stat().st_size for x in Path(sys.argv[2]).rglob("trajectories/*.nc"
 print(json.dumps([time.process_time(), stage, sum(loop), size / 1e6]))
 """
 
+DEPLOYS = """
+import sys, time
+from deployable import campaign
+
+campaign.run(sys.argv[1], sys.argv[2], notify=lambda text: None)
+print(time.process_time())
+"""
+
 
 def copy_workflow(folder: Path) -> None:
     """The workflow in a folder of its own, so that no results of this checkout are touched."""
@@ -108,3 +116,14 @@ def many_runs(samples: int = 1024, repeats: int = 3) -> list[Row]:
         at_least("time loop in the stage that simulates", 100 * loop / stage, 45.0, unit="%"),
         info("time loop, of the whole", loop, "s"),
     ]
+
+
+def deploys(repeats: int = 2) -> list[Row]:
+    """Processor time of a campaign with a choice, with figures and page, once kernels are compiled:
+    the least of some calls after the first."""
+    seconds = []
+    for _ in range(1 + repeats):
+        with tempfile.TemporaryDirectory() as folder:
+            config = str(ROOT / "config/deploys.yaml")
+            seconds.append(float(python("-c", DEPLOYS, config, folder)))
+    return [at_most("`deploys`, with compiled kernels", min(seconds[1:]), 9.0, unit="s")]

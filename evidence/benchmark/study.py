@@ -19,6 +19,7 @@ _PARTS = {
     "compiling": (overheads.GROUP, lambda n: overheads.time_compilation()),
     "campaign": (campaigns.GROUP, lambda n: campaigns.paper(repeats=3 if n == 1 else 1)),
     "runs": (campaigns.MANY_GROUP, lambda n: campaigns.many_runs(1024 // n, 3 if n == 1 else 1)),
+    "deploys": (campaigns.MANY_GROUP, lambda n: campaigns.deploys(2 if n == 1 else 1)),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
     "mujoco": (mjcf.GROUP, lambda n: mjcf.compare(3 if n == 1 else 1)),
     "structures": (structures.GROUP, lambda n: structures.exudyn(3 if n == 1 else 1)),

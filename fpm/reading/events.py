@@ -109,11 +109,17 @@ def find_root(time: np.ndarray, values: np.ndarray, i: int) -> float:
     """Return the time (s) at which values (t,) at instants `time` (t,) s vanish between the
     instants of indices i and i + 1, at which they differ in sign, by a cubic through four."""
     cubic = cubic_through(time, values, i + 2)
+    offset, scale = map(float, cubic.mapparms())
+    coefficients = cubic.coef[::-1].tolist()
     low, high = float(time[i]), float(time[i + 1])
     is_rising = bool(values[i + 1] > 0)
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if (cubic(middle) > 0) == is_rising:
+        # As `cubic` itself has it, in plain numbers: a tenth of the time.
+        x, value = offset + scale * middle, 0.0
+        for coefficient in coefficients:
+            value = coefficient + value * x
+        if (value > 0) == is_rising:
             high = middle
         else:
             low = middle

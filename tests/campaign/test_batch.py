@@ -195,6 +195,8 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
 def test_only_a_response_of_what_no_other_reads_is_simulated_again(raw, tmp_path, keep, again):
     plan, _ = run_all(check_config(raw), tmp_path, keep)
     assert len(plan.unique_runs) == 5
+    if keep == "trajectories":
+        assert all({*run.points} == {*"BD"} for run in curves_in(tmp_path / keep).values())
     raw["responses"] = {
         "vBz": {"velocity": "D", "component": "z"},  # was B's
         "psi": {"opening": "A"},

@@ -412,6 +412,30 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     assert best.values[0] == pytest.approx(exact, rel=1e-4)
 
 
+def test_what_cannot_be_the_best_is_judged_no_further():
+    """The goal alone excludes half of the choices; a grid of all finds none that is better."""
+    calls = []
+
+    class Counted(Limit):
+        def worst(self, lower, upper):
+            calls.append(self.level)
+            return super().worst(lower, upper)
+
+    points = runs(1, order=4, held_out=2)
+    surrogate = fit_scalar(points, (points[:, 0] + 1) / 2)
+    limits = [Counted(surrogate, "at_least", 0.25), Counted(surrogate, "at_most", 0.75)]
+
+    def box(choice):
+        return 2 * (choice - 0.1) - 1, 2 * (choice + 0.1) - 1
+
+    problem = ChoiceProblem([Goal(surrogate, "upper")], limits, [(0.1, 0.9)], box)
+    best, trials = problem.find_best()
+    assert len(calls) < len(limits) * (len(trials) + 22 * 7 / 2)
+    everything = [problem.judge(np.array([x])) for x in np.linspace(0.1, 0.9, 801)]
+    least = min(choice.goals[0] for choice in everything if choice.is_safe)
+    assert least - 1e-3 < best.goals[0] <= least and best.is_safe
+
+
 @pytest.mark.parametrize(("error", "is_safe"), [(0.02, True), (0.2, False)])
 def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe):
     """q = x, known to 0.1, from 0 to 0.4: the lowest choice that keeps the error is 0.1 + error."""

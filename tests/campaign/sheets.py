@@ -13,8 +13,8 @@ def quantity(name, lower, upper, units="1", error=0.01, **more):
     return {"name": name, "long_name": f"the {name}", "units": units, "lower": lower,
             "upper": upper, "error": error, "surrogate_lower": lower, "surrogate_upper": upper,
             "simulated_lower": lower, "simulated_upper": upper, "argmin": {"k": 0.09, "f": 2.0},
-            "influence": {"k": {"share": 0.7 * there, "halved": 0.07},
-                          "f": {"share": 0.3 * there, "halved": 0.09}},
+            "influence": {"k": {"share": 0.7 * there, "halved": 0.07, "width_error": 0.0},
+                          "f": {"share": 0.3 * there, "halved": 0.09, "width_error": 0.0}},
             "runs_with": 9 * there, "runs_without": 9 * (not there)} | more  # fmt: skip
 
 

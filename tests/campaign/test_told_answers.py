@@ -298,7 +298,13 @@ def facts_of_two(**changed):
     response |= {"grade": "small", "shares": {"k1": 1.0, "k2": 0.0}}
     quantity = {"name": "q", "long_name": "largest opening", "units": "rad", "error": 0.0}
     quantity |= {"lower": 1.0, "upper": 1.1, "surrogate_lower": 1.0, "surrogate_upper": 1.1}
-    quantity |= {"censored_at": None, "runs_with": 9, "runs_without": 0, "predicted_ends": []}
+    quantity |= {
+        "censored_at": None,
+        "may_be_endless": False,
+        "runs_with": 9,
+        "runs_without": 0,
+        "predicted_ends": [],
+    }
     quantity |= {"influence": {"k1": wide, "k2": idle}}
     known = {"description": "", "nominal": 1.0, "lower": 0.9, "upper": 1.1, "units": "1"}
     parameters = [{"name": name, **known} for name in ("k1", "k2")]

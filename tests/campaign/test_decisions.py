@@ -92,7 +92,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    assert "The nearest failure is of `in_time`" in text
+    assert "The nearest failure is that of `in_time`" in text
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
@@ -129,7 +129,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
         (False, None, False, "No run was made there; the error of the fit is 0.2 s."),
         (True, None, False, "In the run there, `t` does not happen."),
         (True, 2.5, False, "The run there gives `t` = 2.5 s."),
-        (True, 1.5, True, "The run there gives `t` = 1.5 s, which meets it"),
+        (True, 1.5, True, "The run there gives `t` = 1.5 s, which meets the"),
     ],
 )
 def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
@@ -141,7 +141,7 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
     assert text in line
     assert ("he run there" in line) == ran
     line = sentence("nearest", {"fails": None, "max_interval_scale": 0.5}, [])
-    assert "50 %" in line and line.endswith("A failed run lies at the border of that box.")
+    assert "50 %" in line and line.endswith("A failed run lies on the border of that box.")
 
 
 @pytest.mark.parametrize("further", [0, 2])
@@ -230,7 +230,7 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
         ({"crossing": "psi", "level": 3.0}, "It still moves then: simulate longer"),
         (
             {"crossing": "psi", "level": -1.0},
-            "`psi` comes to 0 rad at 0 s, and the event needs −1 rad. It goes no further",
+            "`psi` gets to 0 rad at 0 s, but the event needs −1 rad. It goes no further",
         ),
     ],
 )

@@ -335,7 +335,7 @@ def test_rounds_refine_what_is_too_coarse(met):
             sum(errors[n] for n in ("surrogate", "step", "mesh"))
         )
     text = (met / "summary.md").read_text()
-    assert "The accuracy that was set is met" in text
+    assert "The requested accuracy is met" in text
     assert "target |" in text
 
 

@@ -92,7 +92,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    assert "The nearest failure is of `in_time`" in text
+    assert "The nearest failure is that of `in_time`" in text
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
@@ -130,7 +130,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
         (False, None, False, "No run was made there; the error of the fit is 0.2 s."),
         (True, None, False, "In the run there, `t` does not happen."),
         (True, 2.5, False, "The run there gives `t` = 2.5 s."),
-        (True, 1.5, True, "The run there gives `t` = 1.5 s, which meets it"),
+        (True, 1.5, True, "The run there gives `t` = 1.5 s, which meets the"),
     ],
 )
 def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
@@ -142,7 +142,7 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
     assert text in line
     assert ("he run there" in line) == ran
     line = sentence("nearest", together | {"fails": None}, [])
-    assert "50 %" in line and line.endswith("A failed run lies at the border of that box.")
+    assert "50 %" in line and line.endswith("A failed run lies on the border of that box.")
     line = sentence("nearest", together | {"unsampled": True}, [])
     assert line.endswith("so runs may fail there, too.") and "border of that" not in line
 

@@ -108,7 +108,7 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
 
 FOUND = "None of 9 runs fails a requirement"
 YES = "Yes: all requirements are met in the whole tolerance box"
-UNSEEN = "Failures in at most 34 % of the box may lie between runs and not be seen."
+UNSEEN = "Failures in at most 34 % of the box may lie unseen between the runs."
 OF = "of the tolerance box (by volume, not a probability)"
 
 
@@ -117,7 +117,7 @@ OF = "of the tolerance box (by volume, not a probability)"
     [
         ("all", 1.0, 1e-4, f"{YES}, by the fit to 9 runs. {UNSEEN}"),
         ("all", 1.0, 0.03, f"All requirements are met in at least 97 % {OF}."),
-        ("none", 0.0, 1e-4, "No: all requirements together are met nowhere in the tolerance box."),
+        ("none", 0.0, 1e-4, "No: no part of the tolerance box meets all requirements."),
         ("none", 0.0, 0.28, f"All requirements are met in at most 28 % {OF}."),
         ("some", 0.5, 0.02, f"Not everywhere: all requirements are met in 50 ± 2 % {OF}."),
         ("undecided", 1.0, 0.03, f"{FOUND}. All requirements are met in at least 97 % {OF}."),
@@ -336,7 +336,7 @@ def test_tolerances_that_cannot_be_told_apart_get_one_sentence():
     assert sentence("tolerance", facts).startswith("Tighten `k1` (± 10 %). Halving it raises")
     for error in ({"gain_uncertainty": 0.11}, {"share_uncertainty": 0.11}):
         facts["together"]["halved"] = {"k1": half | error, "k2": half | error}
-        assert sentence("tolerance", facts).startswith("No single one: ")
+        assert sentence("tolerance", facts).startswith("No single tolerance: ")
 
 
 @pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])
@@ -404,11 +404,11 @@ def test_a_choice_that_changes_nothing_is_no_advice(kept):
     facts = facts_of_two() | {"choice": found | {"parameters": [one | {"decides": False}]}}
     text = sentence("choice", facts)
     assert "end of its range" not in text and "Choose " not in text
-    assert ("No choice is better" if kept else "None misses them less") in text
+    assert ("No choice is better" if kept else "They differ by no more") in text
     other = one | {"name": "k2", "value": 1.5, "decides": True}
     found["parameters"] = [one | {"decides": False}, other]
     text = sentence("choice", facts | {"choice": found})
-    assert "end of its range" not in text and "That changes with `k1` by no more" in text
+    assert "end of its range" not in text and "The choice of `k1` changes that by no more" in text
     found["parameters"] = [one | {"decides": True}]
     assert "`k1` is at the lower end" in sentence("choice", facts | {"choice": found})
 

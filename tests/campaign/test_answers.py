@@ -110,7 +110,7 @@ def test_the_summary_tells_the_intervals(opened):
     assert rows["t_open"]["argmax"]["k"] == pytest.approx(0.095)
     assert rows["t_open"]["predicted_ends"] == []
     text = (opened / "summary.md").read_text()
-    assert "1.8682 to 1.9640 s" in text
+    assert "1.8682 to 1.9640 s" in text and "| error of the fit | ends |" in text
     assert "`t_late` happens in " in text
     # The nominal run is a node, too, and counts once.
     made = len(curves_in(opened.runs("trajectories")))

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 import fpm
 from deployable import campaign
+from deployable.campaign.text import numbers
 from fpm.structures import load
 
 STRUCTURE = """
@@ -66,5 +67,7 @@ def test_such_runs_are_repeated_and_the_result_says_so(tmp_path, monkeypatch, ke
     exact = [opening(play) for play in (0.05, 0.1, 0.15)]
     error = 1.5 * quantity["error_whole"]
     assert quantity["error_step"] > 0
+    row = next(line for line in text.splitlines() if line.endswith("| simulated |"))
+    assert f"| {numbers.quantity(quantity['error_whole'], quantity['units'], 2)} |" in row
     assert quantity["lower"] - error < min(exact) < quantity["lower"] + error
     assert quantity["upper"] - error < max(exact) < quantity["upper"] + error

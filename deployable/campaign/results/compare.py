@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from os.path import abspath
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ Curves = dict[str, dict[str, ResponseBounds]]
 def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     """Return the facts of several folders of results as plain data, with the curves of all
     responses. Raises `CampaignError` for a folder without results."""
-    for path in (path_by_folder := {Path(path).resolve(): str(path) for path in paths}).values():
+    for path in (path_by_folder := {Path(abspath(path)): str(path) for path in paths}).values():
         if len(path_by_folder) < max(len(paths), 2):
             text = "the same folder is given twice" if len(paths) > 1 else "nothing to compare"
             raise CampaignError(f"{path}: {text}; allowed: two different folders or more")

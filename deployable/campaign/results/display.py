@@ -70,7 +70,8 @@ def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, A
         if quantity.kind in ("crossing", "settling"):  # whose long name has a number
             texts["long_name"] = texts["words"]
         words[quantity.name] = texts
-    rows = [*facts.get("fixed", ()), *facts["parameters"]]
+    choice = facts.get("choice", {"parameters": ()})  # perhaps of a parameter that has no value
+    rows = [*facts.get("fixed", ()), *facts["parameters"], *choice["parameters"]]
     scales = {row["name"]: shown_unit(row["units"], display)[0] for row in rows}
     conversion = _Conversion(display, scales, words)
     unshown_parts = {key: facts[key] for key in ("review", "mechanism") if key in facts}
@@ -79,10 +80,9 @@ def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, A
     } | unshown_parts
     result["deepest"] = conversion.show({"value": facts.get("overlap", 0.0), "units": "rad"})
     result["metre"] = conversion.show({"value": 1.0, "units": "m"})
-    choice = result.get("choice", {"tried": ()})
-    for trial in choice["tried"]:
+    for trial in result.get("choice", {"tried": ()})["tried"]:
         for key, section in (("values", "parameters"), ("goals", "goals")):
-            pairs = zip(trial[key], choice[section], strict=True)
+            pairs = zip(trial[key], result["choice"][section], strict=True)
             trial[key] = [x if x is None else x * row["scale"] for x, row in pairs]
     for pair in result.get("measured", {}).get("trade_offs", ()):
         first, second = (scales[name] for name in pair["names"])

@@ -20,18 +20,18 @@ _CONDITION = 1e9  # of the equations of runs left out together: above it others 
 MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
-def in_blocks(function: Callable[[np.ndarray], np.ndarray], points: np.ndarray) -> np.ndarray:
+def in_blocks(function: Callable, points: np.ndarray) -> np.ndarray:
     """Return the values (P, ...) of a function of points (P, k). It takes 256 at once, so that its
     arrays stay in the cache: large new ones cost five times as much as computing them."""
     blocks = [function(points[i : i + _BLOCK]) for i in range(0, max(len(points), 1), _BLOCK)]
     return np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
 
 
-def squared_distances(x: np.ndarray, points: np.ndarray) -> np.ndarray:
+def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return the squares (P, N) of the distances between points x (P, k) and `points` (N, k)."""
-    squares = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
-    squares -= 2 * x @ points.T
-    return np.maximum(squares, 0.0, out=squares)
+    values = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
+    values -= 2 * x @ points.T
+    return np.maximum(values, 0.0, out=values)
 
 
 def stands_alone(points: np.ndarray) -> np.ndarray:

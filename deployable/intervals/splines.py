@@ -14,14 +14,7 @@ import scipy
 
 from .errors import IntervalError
 from .formula import Formula, cubes
-from .spline_equations import (
-    Polyharmonic,
-    distinct,
-    in_blocks,
-    line_rows,
-    solve_line,
-    squared_distances,
-)
+from .spline_equations import Polyharmonic, distinct, in_blocks, line_rows, solve_line, squares
 
 MAX_RUNS = 4000  # the spline's matrix is full
 _SCALE_RUNS = 400  # runs that choose the scales
@@ -263,11 +256,8 @@ def _rows(x, points, scales) -> np.ndarray:
     x, points = (x * scales)[:, free], (points * scales)[:, free]
     if len(points) == 1:
         return np.ones((len(x), 1))
-    count, square = len(points), squared_distances(x, points)
-    rows = np.empty((len(x), count + 1 + x.shape[1]))
-    rows[:, count], rows[:, count + 1 :] = 1.0, x
-    np.multiply(square, np.sqrt(square), out=rows[:, :count])
-    return rows
+    square = squares(x, points)
+    return np.concatenate([square * np.sqrt(square), np.ones((len(x), 1)), x], axis=1)
 
 
 def _system(points, scales) -> Polyharmonic:

@@ -89,7 +89,7 @@ class ModelEvaluator:
     planned_failures: Sequence[FailedRun] = ()
     failures: Sequence[FailedRun] = ()
     further_runs: FurtherRuns | None = None
-    _fitted: tuple[Any, list[Any]] = (None, [])
+    _last_fit: tuple[Any, list[Any]] = (None, [])
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -238,10 +238,10 @@ class ModelEvaluator:
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order; once,
         as long as there are no others."""
-        if self._fitted[0] is not self.points:
+        if self._last_fit[0] is not self.points:
             runs = FittedRuns(self.points, self.numbers, self.margins)
-            self._fitted = self.points, runs.surrogates(limits_of(self.experiment))
-        return self._fitted[1]
+            self._last_fit = self.points, runs.surrogates(limits_of(self.experiment))
+        return self._last_fit[1]
 
     def evaluate(
         self, plan: Plan, points: Sequence[np.ndarray] | np.ndarray

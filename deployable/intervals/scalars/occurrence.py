@@ -18,7 +18,7 @@ import scipy
 
 from ..designs import scan_points, spread_points
 from ..formula import Formula
-from ..spline_equations import distinct, in_blocks, squared_distances, stands_alone
+from ..spline_equations import distinct, in_blocks, squares, stands_alone
 
 if TYPE_CHECKING:
     from .fits import Fit
@@ -154,7 +154,6 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                # No band changes the sign.
                 values = self._ratios(middle) if level else self.decision(middle)
                 happens = (values >= level)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
@@ -243,15 +242,8 @@ class Occurrence:
 
 def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
-    distance = squared_distances(x, points)
-    distance *= 5
-    np.sqrt(distance, out=distance)
-    distance /= _LENGTH
-    values = distance**2
-    values /= 3
-    values += 1 + distance
-    np.negative(distance, out=distance)
-    return np.multiply(values, np.exp(distance, out=distance), out=values)
+    distance = np.sqrt(5 * squares(x, points)) / _LENGTH
+    return (1 + distance + distance**2 / 3) * np.exp(-distance)
 
 
 @dataclass(frozen=True)

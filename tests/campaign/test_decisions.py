@@ -92,7 +92,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    assert "The nearest failure violates `in_time`" in text
+    assert "the nearest failure violates `in_time`" in text
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
@@ -156,7 +156,7 @@ def test_further_runs_are_told_only_where_there_are_some(further):
              "runs": {"choice": 0, "checks": 0, "measured": 0, "further": further}}  # fmt: skip
     line = sentence("required", facts)
     assert "3 of the 9 runs in the tolerance box fail a requirement" in line
-    assert ("Runs cluster near the limits" in line) == bool(further)
+    assert ("Many runs lie near the limits" in line) == bool(further)
 
 
 def test_shares_say_which_error_they_do_not_have():

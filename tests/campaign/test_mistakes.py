@@ -63,6 +63,8 @@ requirements:
 MISTAKES = [  # what is replaced, by what, and what the message holds
     ("  tube: {", "\ttube: {", "line 14: this is not YAML: a tab; allowed: spaces"),
     ("description: A", "description A", "line 2: this is not YAML: a colon is missing"),
+    ("description: A", "description A\n", "line 2: this is not YAML: a colon is missing"),
+    ("value: 1.2,", "value: 1.2, description: a: b,", "text with a colon in quotes"),
     ("points:", "points", "line 8: this is not YAML: a colon is missing"),
     ("value: 1.2,", "value 1.2,", "line 4: parameters.L.value 1.2", "missing: `value: 1.2`"),
     ("value: 1.2,", "value:1.2,", "a space behind the colon is missing: `value: 1.2`"),
@@ -326,9 +328,9 @@ def test_a_case_with_a_mistake_is_there_for_the_requirements(tmp_path, capsys, m
 @pytest.mark.parametrize(
     ("command", "text", "words"),
     [
-        ("check", STRUCTURE, "this is a structure's file: use `structure` with it"),
-        ("run", STRUCTURE, "this is a structure's file: use `structure` with it"),
-        ("structure", CAMPAIGN, "this is a campaign's file: use `check` or `run` with it"),
+        ("check", STRUCTURE, "this is a structure's file, not a campaign's: use `structure"),
+        ("run", STRUCTURE, "this is a structure's file, not a campaign's: use `structure"),
+        ("structure", CAMPAIGN, "this is a campaign's file, not a structure's: use `check"),
     ],
 )
 def test_the_file_of_the_other_command_is_told_at_once(tmp_path, capsys, command, text, words):

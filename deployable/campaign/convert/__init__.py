@@ -450,6 +450,11 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
 
 
 def _read(path: Path, keyframe: str) -> Draft:
+    if path.suffix in (".yaml", ".yml"):
+        text = "a YAML file, as a structure is one already; allowed: .xml (MJCF) or .urdf"
+        raise CampaignError(f"{path} is {text}")
+    if not path.is_file():
+        raise CampaignError(f"{path}: there is no such file; allowed: .xml (MJCF) or .urdf")
     library = load_mujoco()
     try:
         spec = library.MjSpec.from_file(str(path))

@@ -114,12 +114,16 @@ def simulate(
     for key, value, is_allowed, allowed in (
         ("duration", duration, lambda x: 0 < x < np.inf, "a positive number (s)"),
         ("instants", instants, lambda x: x >= 2, "at least 2"),
-        ("step", step, lambda x: 0 < x < np.inf, "a positive number (s), or None"),
+        (
+            "step",
+            1.0 if step is None else step,
+            lambda x: 0 < x < np.inf,
+            "a positive number (s), or None",
+        ),
         ("safety", safety, lambda x: 0 < x < np.inf, "a positive number"),
         ("energy_tolerance", energy_tolerance, lambda x: x >= 0, "a number of at least 0"),
     ):
-        is_left_out = key == "step" and value is None
-        if not (is_left_out or (isinstance(value, Real) and is_allowed(value))):
+        if not (isinstance(value, Real) and is_allowed(value)):
             raise SceneError(key, value, allowed)
     pack.check_topology(scenes)
     scenes = consistent_scenes(scenes)

@@ -155,6 +155,15 @@ def test_a_step_longer_than_a_pulse_is_told(tmp_path, capsys, monkeypatch):
     assert "t may miss it between two instants; take 66668 or more" in text
 
 
+def test_radians_of_a_parameter_in_degrees_are_told(tmp_path, capsys, monkeypatch):
+    text = STRUCTURE.replace("parameters:\n", "parameters:\n  up: {value: 90, unit: deg}\n")
+    monkeypatch.setitem(globals(), "STRUCTURE", text.replace("angle: 90 deg", "angle: up"))
+    for nominal, count in (("1.57", 1), ("88", 0)):
+        new = f"up: {{nominal: {nominal}, absolute: 0.02}}"
+        text = told(tmp_path, capsys, monkeypatch, "L: {absolute: 0.02}", new)
+        assert text.count("intervals.up: did you mean 89.95, for 1.57 rad, not deg?") == count
+
+
 def told(folder, capsys, monkeypatch, old: str, new: str) -> str:
     """What `structure`, or `check`, says of the files in which `old` is `new`."""
     monkeypatch.chdir(folder)

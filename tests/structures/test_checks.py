@@ -140,6 +140,14 @@ def test_every_part_of_a_joint_has_a_point():
     refused(OPEN, "{BC: end, CD: C}", "{BC: end}", "joints.C.at: ['BC'] is not allowed; allowed: a")
 
 
+def test_what_follows_from_a_body_that_cannot_be_built_is_not_told(request):
+    text = (request.config.rootpath / "config/structures/hatch.yaml").read_text(encoding="utf-8")
+    with pytest.raises(StructureError) as caught:
+        loads(text.replace("unit: kg,", "unit: N,", 1))
+    (problem,) = caught.value.problems
+    assert problem.text.startswith("bodies.lid.mass: 'mass' is N (parameters.mass on line ")
+
+
 def test_a_loop_that_does_not_close_is_told_with_its_gap_and_line():
     fourbar = loads(OPEN, "fourbar.yaml")
     fourbar.build(slack=1e-9)

@@ -111,15 +111,11 @@ def simulate(
     record = tuple(dict.fromkeys(record))
     if record:
         scenes = [add_probe(scene, record) for scene in scenes]
+    set_step = 1.0 if step is None else step
     for key, value, is_allowed, allowed in (
         ("duration", duration, lambda x: 0 < x < np.inf, "a positive number (s)"),
         ("instants", instants, lambda x: x >= 2, "at least 2"),
-        (
-            "step",
-            1.0 if step is None else step,
-            lambda x: 0 < x < np.inf,
-            "a positive number (s), or None",
-        ),
+        ("step", set_step, lambda x: 0 < x < np.inf, "a positive number (s), or None"),
         ("safety", safety, lambda x: 0 < x < np.inf, "a positive number"),
         ("energy_tolerance", energy_tolerance, lambda x: x >= 0, "a number of at least 0"),
     ):

@@ -9,14 +9,14 @@ from math import inf, isfinite
 
 class SceneError(ValueError):
     """Raised for a scene, parameter, response or argument that is not allowed. key: name of what is
-    wrong; value: as given; allowed: what would be allowed, in words."""
+    wrong; value: as given; allowed: what would be, in words; text: the message, "": of these."""
 
-    def __init__(self, key: str, value: object, allowed: str):
-        self.key, self.value, self.allowed = key, value, allowed
-        super().__init__(f"{key} = {value!r} is not allowed; expected {allowed}")
+    def __init__(self, key: str, value: object, allowed: str, text: str = ""):
+        self.key, self.value, self.allowed, self.text = key, value, allowed, text
+        super().__init__(text or f"{key} = {value!r} is not allowed; expected {allowed}")
 
     def __reduce__(self):
-        return type(self), (self.key, self.value, self.allowed)
+        return type(self), (self.key, self.value, self.allowed, self.text)
 
 
 class InstabilityError(RuntimeError):
@@ -168,7 +168,9 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")
     word = ""
-    if unit == "%":
+    if re.fullmatch(r"[-+]?\d{1,3}(\.\d{3}){2,}", text):  # dots between thousands
+        word = f"{float(text.replace('.', '')):.9g}"
+    elif unit == "%":
         word = f"{number / 100:.9g}"
         if with_unit:
             return f" (did you mean {word}? A share of another value is a product: {word}*k)"

@@ -150,7 +150,7 @@ class Definition(NamedTuple):
         value = self.data[key] if value is None else value
         is_point = self.kind in _OF_POINTS
         is_point = is_point and names == [*self.scene.points]
-        addition = ", or a point that the structure has under `record`" if is_point else ""
+        addition = "; the list `record` of the structure's file may name others" if is_point else ""
         return check_choice(f"responses.{self.name}.{key}", value, names, addition)
 
     def hinge(self) -> tuple[str, bool, str]:

@@ -128,8 +128,8 @@ class SceneType:
         """Values of all parameters, checked; those that are not given have their defaults."""
         for name, value in parameters.items():
             if name not in self.parameters:
-                key, allowed = f"parameter {name} of scene {self.name}", ", ".join(self.parameters)
-                hint = did_you_mean(name, self.parameters)
-                raise SceneError(key, value, f"one of {allowed}{hint}")
+                allowed, hint = ", ".join(self.parameters), did_you_mean(name, self.parameters)
+                text = f"{self.name} has no parameter {name}{hint}; expected one of {allowed}"
+                raise SceneError(f"parameter {name}", value, f"one of {allowed}{hint}", text)
             self.parameters[name].check(name, value)
         return {name: p.default for name, p in self.parameters.items()} | dict(parameters)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,18 +101,25 @@ def simulate(
     from fpm.kernels.lanes import width as lanes_of
 
     width = lanes_of(dtype)
-    scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
+    is_group = isinstance(scenes, Iterable) and not isinstance(scenes, str)
+    scenes = list(scenes) if is_group else [scenes]
+    for scene in scenes:
+        if not isinstance(scene, Scene):
+            raise SceneError("scenes", scene, "a scene, as structures.load(path).build() makes one")
     if not scenes:
         return []
     record = tuple(dict.fromkeys(record))
     if record:
         scenes = [add_probe(scene, record) for scene in scenes]
+    set_step = 1.0 if step is None else step
     for key, value, is_allowed, allowed in (
-        ("duration", duration, 0 < duration < np.inf, "a positive number (s)"),
-        ("instants", instants, instants >= 2, "at least 2"),
-        ("step", step, step is None or 0 < step < np.inf, "a positive number (s), or None"),
+        ("duration", duration, lambda x: 0 < x < np.inf, "a positive number (s)"),
+        ("instants", instants, lambda x: x >= 2, "at least 2"),
+        ("step", set_step, lambda x: 0 < x < np.inf, "a positive number (s), or None"),
+        ("safety", safety, lambda x: 0 < x < np.inf, "a positive number"),
+        ("energy_tolerance", energy_tolerance, lambda x: x >= 0, "a number of at least 0"),
     ):
-        if not is_allowed:
+        if not (isinstance(value, Real) and is_allowed(value)):
             raise SceneError(key, value, allowed)
     pack.check_topology(scenes)
     scenes = consistent_scenes(scenes)

@@ -115,6 +115,8 @@ class Builder:
         several have it. key: dotted path of the key that names the point, for the error."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]
         matches = [part for part in parts if point in part.points]
+        if not matches and self.problems:  # its part may be what could not be built
+            raise SkippedError(key)
         if len(matches) != 1:
             allowed = "a point that one part has, or {part: ..., at: " + f"{point}}}"
             if matches:

@@ -190,6 +190,12 @@ class OpeningKey(Key):
         text = f", or of a joint of several openings with {' or '.join(suffixes)} behind it"
         return f"the name of a {names} joint{text if suffixes else ''}{self.hint}"
 
+    def options(self, place: Place) -> list[str]:
+        """Names of joints with one opening, seen at a place of a file, that are allowed."""
+        types = place.names.types
+        joints = [n for n, type in types.items() if type and len(TYPES[type].openings) == 1]
+        return [*place.context.visible([n for n in joints if self._fits(types[n], 0)])]
+
     def read(self, node, place):
         names, number, name = place.names, None, node
         try:

@@ -101,8 +101,7 @@ class FileStatements:
         self.entries = list(self._entries(sheets))
         for name, p in inputs.items() if not self.problems else ():
             if not self.names.uses[name]:  # probably a typing error
-                allowed = "nothing uses it; allowed: parameters in use"
-                self.problems.say(p.line, f"parameters.{name}: {allowed}")
+                self.problems.say(p.line, f"parameters.{name}: nothing uses it: use or delete it")
 
     # -- repeats ------------------------------------------------------------------------------
 

@@ -343,7 +343,10 @@ class Place:
             self._say(node, f": {error}")
         target = actual if symbol is None else unit(symbol).dimension
         if not actual.fits(target._replace(vector=vector)):
-            self._say(node, f" is {actual}; allowed: {allowed}")
+            number = self.names.numbers.get(bound.full.get(node.text, ""))
+            source = f" ({number.key} on line {number.line})" if number and number.line else ""
+            kind = "one number" if vector and not actual.vector else actual
+            self._say(node, f" is {kind}{source}; allowed: {allowed}")
         if symbol == "rad" and actual.bare and not zero:
             self.refuse(node, f"{allowed}, whose unit must be said, such as 90 deg or 1.5 rad")
         return bound

@@ -3,6 +3,7 @@
 A key may be given once, and is text. Of structures nothing is converted: whether `1e9` is a number,
 or `on` a name, is up to the key it belongs to."""
 
+import os
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -64,8 +65,16 @@ def read_text(path: str | Path) -> str:
     except (OSError, ValueError) as error:
         damage = error.reason if isinstance(error, DamagedError) else ""
         reason = damage or getattr(error, "strerror", None) or str(error)
+        reason += search_hint(path) if isinstance(error, FileNotFoundError) else ""
         problem = Problem(0, f"the file cannot be read: {reason}")
         raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None
+
+
+def search_hint(path: str | Path) -> str:
+    """Tell in which folder a file that is not there was looked for, and a similar name there."""
+    folder = next(p for p in Path(path).absolute().parents if p.is_dir())
+    hint = did_you_mean(str(path), map(os.path.relpath, sorted(folder.glob("*.yaml"))))
+    return f" in {folder}{hint}"
 
 
 class SkippedError(Exception):
@@ -127,9 +136,10 @@ class Problems:
         text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
         self._problems.setdefault((line, text), Problem(line, sentence))
 
-    def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
-        """Note that a key (dotted path) on a line has a value not `allowed` (what is, in words)."""
-        self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
+    def refuse(self, line: int, key: str, value: object, allowed: str, hint: str = "") -> None:
+        """Note that a key (dotted path) on a line has a value not `allowed` (what is, in words).
+        hint: what may be meant, as " (did you mean x?)", or ""."""
+        self.say(line, f"{key}: {show(value)} is not allowed{hint}; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
         """Note an unknown key (dotted path) on a line. keys: those allowed; hint: what may be
@@ -191,6 +201,7 @@ def read(text: str, problems: Problems, is_typed: bool = False) -> Node:
 _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to do
     (r"'\\\\?t'", False, "a tab; allowed: spaces"),
     ("expected ':'", True, "a colon is missing; allowed: `key: value`"),
+    ("got ':'", False, "this text has a colon; allowed: text with a colon in quotes"),
     ("flow", True, "the bracket that opens here is not closed, a comma is missing behind it, or an "
      "expression with brackets lacks quotes"),
     ("quoted", True, "the quotes that open here are not closed"),
@@ -214,7 +225,8 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
     line = mark.line + 1 if mark else 0
     if "colon" in words and line < len(lines):
         indent = re.sub(r"[^ -].*", "", lines[line], flags=re.S)
-        numbers = (line - 1, line) if "too many" in words else (line,)
+        previous = max([n for n in range(1, line) if lines[n].strip()], default=line)
+        numbers = (previous, line) if "too many" in words else (line,)
         for number in numbers:  # a key and its value without a colon between
             key = re.fullmatch(rf"{indent}(\w+)(| +[^:#]*| *[{{\[].*)", lines[number])
             if key and (number < line or "too many" not in words):

@@ -171,10 +171,10 @@ class Entry:
             if isinstance(error.value, float) and re.search("[a-zA-Z]", value_node.text):
                 value = f"{value} ({value_node.text!r})"
             sentence = f"{path}: {value} is not allowed"
-        elif first not in self.statement.keys:
-            sentence = f"{', '.join(filter(None, (self.key, error.key)))}: {value} is not allowed"
         elif error.value is None:
             sentence = f"{path}: missing"
+        elif first not in self.statement.keys:
+            sentence = f"{', '.join(filter(None, (self.key, error.key)))}: {value} is not allowed"
         else:
             sentence = f"{self.key}: `{name}`, left out, is {value}"
         problems.say(self.node.lines.get(name, self.line), f"{sentence}; allowed: {error.allowed}")
@@ -272,7 +272,9 @@ def _read_keys(
     for key, (_, kind) in keys.items():
         if kind.default is NO_VALUE and key not in node.entries and key not in corrections:
             is_sound = False
-            place.problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
+            options = commas(kind.options(place) if isinstance(kind, OpeningKey) else ())
+            allowed = kind.allowed if "(" in options else options
+            place.problems.say(line, f"{place.key}.{key}: missing; allowed: {allowed}")
     if not is_sound:
         raise SkippedError(place.key)
     return read

@@ -17,7 +17,7 @@ import numpy as np
 from fpm.arithmetic.expressions import ExpressionError, parse
 from fpm.arithmetic.units import Unit, UnitError, unit
 from fpm.declare import NO_VALUE
-from fpm.errors import SceneError, did_you_mean
+from fpm.errors import SceneError, did_you_mean, number_hint
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
@@ -204,8 +204,8 @@ def build_type(node: Node, problems: Problems) -> SceneType:
     file; if there are any, they are raised as StructureError."""
     source = problems.source
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
-        remedy = "use `check` or `run` with it; allowed: a structure's, such as the one its `scene`"
-        problems.say(0, f"this is a campaign's file: {remedy} names")
+        remedy = f"use `check {source}`, or in Python `campaign.run`"
+        problems.say(0, f"this is a campaign's file, not a structure's: {remedy}")
         problems.stop()
     table = correct_keys(node, KEYS, problems)
     parameters = table.entries.get("parameters", Node({}))
@@ -304,15 +304,16 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenPara
 
 def _number(key: str, node: Node, symbol: Unit, problems: Problems) -> float | None:
     """Arithmetic of numbers, in the unit of the parameter: plain ones, or with units that fit."""
-    allowed = "a number in the parameter's `unit`, or with a unit that fits"
+    allowed, hint = "a number in the parameter's `unit`, or with a unit that fits", ""
     try:
         expression = parse(node.text)
         if not expression.names and (dimension := expression.dimension({})).fits(symbol.dimension):
             value = expression.value({})
             return value if dimension.bare else float(f"{value / symbol.si(1.0):.15g}")
     except ExpressionError as error:
-        allowed = f"{allowed}: {error}" if node.text else allowed
-    problems.refuse(node.line, key, node.plain, allowed)
+        hint = number_hint(node.text)
+        allowed = f"{allowed}: {error}" if node.text and not hint else allowed
+    problems.refuse(node.line, key, node.plain, allowed, hint)
     return None
 
 

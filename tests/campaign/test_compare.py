@@ -62,7 +62,7 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     [
         (["a"], "a: nothing to compare; allowed: two different folders or more"),
         (["a", "./a"], "a: the same folder is given twice; allowed: two different folders"),
-        (["a", "b"], "a has no summary.json; allowed: a folder of finished results"),
+        (["a", "b"], "a is no folder; allowed: a folder of finished results"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(names, words, capsys, tmp_path, monkeypatch):

@@ -56,7 +56,9 @@ def test_what_is_wrong_is_told_with_key_value_and_what_is_allowed(row):
 
 
 def test_a_structure_is_told_from_a_campaign():
-    with pytest.raises(ConfigError, match=r"has 1 problem:\n.*a structure's file: use"):
+    with pytest.raises(
+        ConfigError, match=r"has 1 problem:\n.*a structure's file, not a campaign's: use"
+    ):
         load_config([ROOT / "config/structures/panel.yaml"])
 
 

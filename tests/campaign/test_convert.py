@@ -271,6 +271,9 @@ def test_the_command_prints_what_is_not_taken(tmp_path, capsys):
     assert "mobility" in capsys.readouterr().out
     assert main(command) == 1
     assert "allowed: a .yaml file that does not exist yet" in capsys.readouterr().err
+    for model_file, fault in ((target, "a YAML file, no model"), ("arm.urdf", "no such file")):
+        assert main(["convert", str(model_file), "--to", str(tmp_path / "new.yaml")]) == 1
+        assert f"{fault}; allowed: a model, .xml (MJCF) or .urdf" in capsys.readouterr().err
 
 
 REFUSED = {

@@ -50,7 +50,14 @@ def problems(raw, curves=None, **changes):
     [
         ("", "line 1: '' is no line of names with units"),
         ("t [s],angle\n0,1\n", "columns.angle: {}, line 1: angle: it has no unit; allowed"),
-        ("t [s],angle [mm]\n0,1\n1,1\n2,1\n", "csv: its unit is not that of phi; allowed: one"),
+        (
+            "t [s],angle [mm]\n0,1\n1,1\n2,1\n",
+            "csv has m, which does not fit phi; allowed: a unit that fits rad",
+        ),
+        (
+            CURVES.replace("t [s]", "t [ms]"),
+            "instants are 0.0001 s apart (are its times in s, not ms?); allowed: at least three",
+        ),
         ("angle [rad],x [m]\n0,1\n", "line 1: 'angle [rad],x [m]' has no column with a unit of"),
         ("t [s],angle [rad],angle [rad]\n0,1,1\n", "the column angle stands twice"),
         ("t [s],angle [rad]\n", "no rows"),

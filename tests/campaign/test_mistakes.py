@@ -63,6 +63,8 @@ requirements:
 MISTAKES = [  # what is replaced, by what, and what the message holds
     ("  tube: {", "\ttube: {", "line 14: this is not YAML: a tab; allowed: spaces"),
     ("description: A", "description A", "line 2: this is not YAML: a colon is missing"),
+    ("description: A", "description A\n", "line 2: this is not YAML: a colon is missing"),
+    ("value: 1.2,", "value: 1.2, description: a: b,", "text with a colon in quotes"),
     ("points:", "points", "line 8: this is not YAML: a colon is missing"),
     ("value: 1.2,", "value 1.2,", "line 4: parameters.L.value 1.2", "missing: `value: 1.2`"),
     ("value: 1.2,", "value:1.2,", "a space behind the colon is missing: `value: 1.2`"),
@@ -151,6 +153,15 @@ def test_a_step_longer_than_a_pulse_is_told(tmp_path, capsys, monkeypatch):
     text = told(tmp_path, capsys, monkeypatch, "{event: latches, of: catch}", "{rms: psi}")
     assert "201 for 2 s are 0.01 s apart, but a curve of time rises or falls in 3e-05 s" in text
     assert "t may miss it between two instants; take 66668 or more" in text
+
+
+def test_radians_of_a_parameter_in_degrees_are_told(tmp_path, capsys, monkeypatch):
+    text = STRUCTURE.replace("parameters:\n", "parameters:\n  up: {value: 90, unit: deg}\n")
+    monkeypatch.setitem(globals(), "STRUCTURE", text.replace("angle: 90 deg", "angle: up"))
+    for nominal, count in (("1.57", 1), ("88", 0)):
+        new = f"up: {{nominal: {nominal}, absolute: 0.02}}"
+        text = told(tmp_path, capsys, monkeypatch, "L: {absolute: 0.02}", new)
+        assert text.count("intervals.up: did you mean 89.95, for 1.57 rad, not deg?") == count
 
 
 def told(folder, capsys, monkeypatch, old: str, new: str) -> str:
@@ -326,9 +337,9 @@ def test_a_case_with_a_mistake_is_there_for_the_requirements(tmp_path, capsys, m
 @pytest.mark.parametrize(
     ("command", "text", "words"),
     [
-        ("check", STRUCTURE, "this is a structure's file: use `structure` with it"),
-        ("run", STRUCTURE, "this is a structure's file: use `structure` with it"),
-        ("structure", CAMPAIGN, "this is a campaign's file: use `check` or `run` with it"),
+        ("check", STRUCTURE, "this is a structure's file, not a campaign's: use `structure"),
+        ("run", STRUCTURE, "this is a structure's file, not a campaign's: use `structure"),
+        ("structure", CAMPAIGN, "this is a campaign's file, not a structure's: use `check"),
     ],
 )
 def test_the_file_of_the_other_command_is_told_at_once(tmp_path, capsys, command, text, words):

@@ -98,7 +98,7 @@ def test_parameters_without_a_column_are_nominal(config, tmp_path):
     [
         ("k,c\n0.05,0\n0.06,0\n", {}, "doe.csv, line 3: k = 0.06 is outside its interval; allowed: "
          "0.045 to 0.055"),
-        ("k,cc\n0.05,0\n", {}, "line 1: the column cc is of no interval (did you mean c?)"),
+        ("k,cc\n0.05,0\n", {}, "there is no interval cc (did you mean c?), and no column c;"),
         ("k [m],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),
         ("run,note\n1,a\n", {}, "line 1: no column of a parameter; allowed: k, c"),
         ("k,c\n0.05,\n", {}, "line 2: the cell of c is empty; allowed: a finite number"),

@@ -138,7 +138,7 @@ def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_pa
         ([str(tmp_path)], "no samples.nc"),
         (["pendulum", "--run", "abc"], "needs the folder of a campaign's results"),
         (["pendulum", "--set", "L=-1"], "L = -1 is not allowed"),
-        (["pendulum", "--set", "M=1"], "parameter M of scene pendulum"),
+        (["pendulum", "--set", "M=1"], "pendulum has no parameter M; expected one of L"),
         (["pendulum", "--set", "L=["], "this is not YAML"),
         (["pendulum", "--frames", "0"], "--frames 0; allowed: 1 or more"),
         (["absent.yaml"], "absent.yaml"),

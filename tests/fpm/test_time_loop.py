@@ -93,11 +93,15 @@ def test_batch_of_unlike_scenes_is_refused():
         ({"duration": -1.0, "instants": 3}, "duration"),
         ({"duration": 1.0, "instants": 1}, "instants"),
         ({"duration": 1.0, "instants": 3, "step": 0.0}, "step"),
+        ({"duration": "1 sec", "instants": 3}, r"duration = '1 sec' .* a positive number \(s\)"),
+        ({"duration": 1.0, "instants": "3"}, "instants = '3' .* at least 2"),
+        ({"duration": 1.0, "instants": 3, "safety": "1"}, "safety = '1' .* a positive number"),
+        ({"scenes": "latch.yaml", "duration": 1.0, "instants": 3}, "scenes = .* a scene, as"),
     ],
 )
 def test_bad_arguments_are_refused(arguments, text):
     with pytest.raises(fpm.SceneError, match=text):
-        fpm.simulate(linkage(), **arguments)
+        fpm.simulate(arguments.pop("scenes", linkage()), **arguments)
 
 
 def test_a_whole_number_as_tolerance_compiles_nothing_new():

@@ -239,7 +239,7 @@ def test_an_unstable_run_has_no_dataset():
 def test_scene_types_check_what_they_are_given():
     with pytest.raises(fpm.SceneError, match="one of bennett, boom"):
         scene_type("bennet")
-    with pytest.raises(fpm.SceneError, match="parameter mass of scene bennett"):
+    with pytest.raises(fpm.SceneError, match="bennett has no parameter mass"):
         BENNETT.build(mass=1.0)
     with pytest.raises(fpm.SceneError, match=r"E = -1\.0"):
         BENNETT.build(E=-1.0)

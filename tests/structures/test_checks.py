@@ -34,6 +34,8 @@ WRONG = [
     ("range: [0.1, 10], ", "range: [3, 2], ", "allowed: the lowest value first"),
     ("unit: deg", "unit: degre", "'degre' is not a unit (did you mean deg?)"),
     ("value: 1, unit: m", "value: 1 s, unit: m", "a number in the parameter's `unit`, or with a"),
+    ("value: 1, unit: m", "value: '1,5', unit: m", "'1,5' is not allowed (did you mean 1.5?)"),
+    ("joint: root, ", "", "actions.spring.joint: missing; allowed: root"),
     ("value: 1, unit: m", "value: 1 m", "a number in the parameter's `unit`, or with a unit that"),
     ("value: 1, unit", "valeu: 1, unit", "there is no such key (did you mean value?)"),
     ("L*cos(stow), 0", "stow*cos(stow), 0", "points.B: stow*cos(stow) is a number or an angle"),
@@ -64,7 +66,8 @@ WRONG = [
     ("3 N m/rad", "3 N", "actions.spring.stiffness: '3 N' is N; allowed: a value in N m/rad of at"),
     ("3 N m/rad", "-3", "actions.spring.stiffness: -3 is not allowed"),
     ("joint: root", "joint: rot", "there is no joint 'rot' (did you mean root?)"),
-    ("record:", "bodies: {box: {mass: 1, centre: B}}\nrecord:", "bodies.box.box: missing"),
+    ("record:", "bodies: {box: {mass: 1, centre: B}}\nrecord:",
+     "bodies.box.box or inertia: missing; allowed: one of the two"),
     ("record:", "bodies: {b: {mass: 1, centre: B, inertia: [1, 1, 3]}}\nrecord:",
      "none of them more than the sum of the other two"),
     ("record:", "bodies: {box: {mass: 1, centre: B, box: [0, 0, 0]}}\nrecord:",
@@ -137,13 +140,23 @@ def test_every_part_of_a_joint_has_a_point():
     refused(OPEN, "{BC: end, CD: C}", "{BC: end}", "joints.C.at: ['BC'] is not allowed; allowed: a")
 
 
+def test_what_follows_from_a_body_that_cannot_be_built_is_not_told(request):
+    text = (request.config.rootpath / "config/structures/hatch.yaml").read_text(encoding="utf-8")
+    with pytest.raises(StructureError) as caught:
+        loads(text.replace("unit: kg,", "unit: N,", 1))
+    (problem,) = caught.value.problems
+    assert problem.text.startswith("bodies.lid.mass: 'mass' is N (parameters.mass on line ")
+
+
 def test_a_loop_that_does_not_close_is_told_with_its_gap_and_line():
     fourbar = loads(OPEN, "fourbar.yaml")
     fourbar.build(slack=1e-9)
     with pytest.raises(StructureError) as caught:
         fourbar.build(slack=30.0)
     (problem,) = caught.value.problems
-    assert problem.text.startswith("joints.C.at: 'end of BC and C of CD, 0.03 m apart'")
+    assert problem.text.startswith(
+        "joints.C.at: '0.03 m apart' is not allowed; allowed: end of BC and C of CD up to"
+    )
     assert "CD: C}" in OPEN.splitlines()[problem.line - 1]
 
 

@@ -163,5 +163,5 @@ def test_a_sample_that_is_refused_is_refused_as_alone():
     with pytest.raises(SceneError) as together:
         structure.build_all(samples)
     assert str(together.value) == str(alone.value)
-    with pytest.raises(SceneError, match="parameter y of scene"):
+    with pytest.raises(SceneError, match="structure has no parameter y"):
         structure.build_all([{"x": 1.0}] * 4 + [{"y": 1.0}])

@@ -56,6 +56,8 @@ def main(arguments: list[str]) -> int:
         words = sorted({*re.findall(r"--[\w-]+", options.parser.format_help())})
         text = f"there is no option {rest[0]}{did_you_mean(rest[0], words)}"
         text = text if rest[0].startswith("-") else f"{rest[0]} is one word too many"
+        if rest[0] in words:
+            text = f"{rest[0]} belongs behind the command: `{options.parser.prog} {rest[0]} ...`"
         options.parser.error(f"{text}; allowed: {', '.join(words)}")
     LOGGER.setLevel(options.level)
     try:

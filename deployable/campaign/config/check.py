@@ -98,8 +98,8 @@ def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campa
     sections = Config.__dataclass_fields__.keys()
     if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & sections):
         raise ConfigError(source, [
-            "this is a structure's file: use `structure` with it; allowed: a campaign's, such as "
-            "one that names it (`scene: {file: ...}`)"
+            f"this is a structure's file, not a campaign's: use `structure {source}`, or in Python "
+            "`structures.load`"
         ])  # fmt: skip
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from deployable.campaign.errors import ConfigError
+from deployable.campaign.folder import CAMPAIGN
 from fpm.structures.reading import Node, Problems, StructureError, join_key, read_text
 from fpm.structures.reading import read as read_yaml
 
@@ -57,7 +58,9 @@ def read_file(path: str | Path) -> Text:
     try:
         text = read_text(path)
     except StructureError as error:
-        raise ConfigError(error.source, [*map(str, error.problems)]) from None
+        is_default = str(path) == CAMPAIGN and not Path(path).exists()
+        remedy = " (it is read where no other file is named)" * is_default
+        raise ConfigError(error.source, [f"{x}{remedy}" for x in error.problems]) from None
     return read(text, str(path))
 
 

@@ -61,8 +61,9 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
         elif response not in curves:
             yield f"columns.{column}: {unknown(response, 'response over time', curves)}"
         elif not file.units[column].fits(unit(curves[response].unit)):
-            text = f"{test.file}: its unit is not that of {response}"
-            yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
+            dimension, symbol = file.units[column].dimension, curves[response].unit
+            text = f"{test.file} has {dimension}, which does not fit {response}"
+            yield f"columns.{column}: {text}; allowed: a unit that fits {symbol}"
         elif (has_column := band in file.columns) == (response in test.band):
             text = "has two bands" if has_column else "has no band"
             yield f"band.{response}: {response} {text}; allowed: one here or as {band}"
@@ -99,7 +100,11 @@ def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> 
         text = f"{text}{hint}; allowed: an earlier end, or a longer delay (unknown.delay)"
         yield f"window: {text} or solver.duration"
     elif (count := ((file.times >= first) & (file.times <= last)).sum()) < 3:
-        yield f"window: {count} instants of {test.file} lie there; allowed: at least three"
+        step = np.diff(file.times).min(initial=duration)
+        hint = " (are its times in s, not ms?)" * bool(high < duration / ODD)
+        key, span = "window" if test.window else "file", f"from {first:.6g} to {last:.6g} s"
+        text = f"{count} instants of {test.file} lie {span}; it ends at {high:.6g} s, and its "
+        yield f"{key}: {text}instants are {step:.3g} s apart{hint}; allowed: at least three"
 
 
 def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]:

@@ -82,7 +82,9 @@ def _read_columns(design: Any, experiment: Any) -> tuple[dict[str, np.ndarray], 
             fault = table.units[number]
             if isinstance(fault, str) and fault != NO_UNIT:
                 table.refuse(table.head, f"{name}: {fault}")
-            text = f"the column {name} is of no interval{did_you_mean(name, experiment.intervals)}"
+            missing = ", ".join(n for n in experiment.intervals if n not in table.names)
+            text = f"there is no interval {name}{did_you_mean(name, experiment.intervals)}"
+            text += f", and no column {missing}" if missing else ""
             table.refuse(table.head, f"{text}; allowed: {names}, and `run` or `note`")
     if not columns:
         table.refuse(table.head, f"no column of a parameter; allowed: {names}")

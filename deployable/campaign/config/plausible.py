@@ -75,8 +75,11 @@ def _interval_texts(experiment: Any) -> Iterator[str]:
     """Intervals without width, or much wider than their nominal values."""
     for name, interval in experiment.intervals.items():
         lower, nominal, upper = interval.lower, interval.nominal, interval.upper
-        unit = experiment.scene_type.parameters[name].unit
-        if lower == upper:
+        unit, default = (p := experiment.scene_type.parameters[name]).unit, p.default or 0.0
+        degrees = np.degrees(nominal)
+        if unit == "degree" and abs(degrees - default) < 0.01 * abs(default):
+            yield f"intervals.{name}: did you mean {degrees:.4g}, for {nominal:g} rad, not deg?"
+        elif lower == upper:
             yield (
                 f"intervals.{name}: {lower:g} to {upper:g} has no width, so that nothing of it is "
                 f"uncertain: state one, or put {name}: {lower:g} under scene.parameters, which is "

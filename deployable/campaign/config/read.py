@@ -147,6 +147,8 @@ def _refusal(key: Rule, path: tuple, value: Any) -> str:
     matches = ((re.fullmatch(form, entry), text) for form, text in _SHORT_FORMS.items())
     for match, text in matches:
         hint = f" (did you mean {text.format(*match.groups())}?)" if match else hint
+    if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+        hint = hint or " (leave out the dashes)" * ("a mapping" in allowed)
     allowed += f" ({unit})" if unit in ("s", "min") else ""
     return f"{'.'.join(path) or 'the file'}: {show(value)} is not allowed{hint}; allowed: {allowed}"
 
@@ -172,12 +174,15 @@ _OF_DISTRIBUTIONS = (
 def _no_key(path: list[str], name: str, section: Rule) -> str:
     """That a key is not known, with the likely one."""
     hint = did_you_mean(name, section.children)
+    owners = [owner for owner, rule in section.children.items() if name in rule.children]
     if not hint and path and name in Config.__dataclass_fields__:
         hint = " (it stands at the top of the file)"
     elif not hint and path[:1] == ["intervals"] and name in _OF_DISTRIBUTIONS:
         hint = " (an interval has no distribution: give lower and upper)"
     elif not hint and path == ["scene"]:
         hint = f" (is `{name}` a parameter? These stand under scene.parameters)"
+    elif not hint and not path and owners:
+        hint = f" (did you mean {' or '.join(f'{owner}.{name}' for owner in owners)}?)"
     elif not hint and not path and name in KEYS:
         hint = " (it stands in the file of the structure)"
     key = ".".join([*path, name])

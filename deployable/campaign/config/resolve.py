@@ -1,5 +1,6 @@
 """From a config to its campaign: names, numbers and defaults in place of what it leaves open."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, cast
@@ -204,9 +205,10 @@ def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: 
     """Return the interval of one parameter, inside the range that the scene allows."""
     real, parameter = real_names(scene_type), scene_type.parameters.get(name)
     if parameter is None:
-        raise RefusedError("", unknown(name, f"parameter of {scene_type.name}", real))
+        raise RefusedError("", _unknown_parameter(name, scene_type, real))
     if parameter.is_whole:
-        text = f"{name} is of kind integer and cannot be an interval"
+        text = f"{name} is a whole number and cannot be an interval"
+        text = f"{text} (give one value under scene.parameters, or several as cases)"
         raise RefusedError("", f"{text}; allowed: {', '.join(real)}")
     if name in scene_values and spec.nominal is not None:
         text = f"{name} is defined twice, here and by scene.parameters.{name}"
@@ -242,11 +244,19 @@ def real_names(scene_type: Any) -> list[str]:
     return [name for name, parameter in scene_type.parameters.items() if not parameter.is_whole]
 
 
-def unknown(name: str, noun: str, names: Iterable[str]) -> str:
+def unknown(name: str, noun: str, names: Iterable[str], likely: Iterable[str] = ()) -> str:
     """Write the end of a message about an unknown name: that there is no such `noun`, a hint such
-    as the most similar name, and all allowed `names`."""
-    hint, names = did_you_mean(name, names), ", ".join(names)
-    return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
+    as the most similar name, and all allowed `names`; likely: names to suggest before others."""
+    guess = " or ".join(likely)
+    hint = f" (did you mean {guess}?)" if guess else did_you_mean(name, names)
+    return f"there is no such {noun}{hint}; allowed: {', '.join(names) or 'none'}"
+
+
+def _unknown_parameter(name: str, scene_type: Any, names: Iterable[str]) -> str:
+    """As `unknown`, of a structure's parameter, whose description may have the name as a word."""
+    words = [(n, re.findall(r"\w+", scene_type.parameters[n].text.lower())) for n in names]
+    likely = [n for n, text in words if name.lower() in text]
+    return unknown(name, f"parameter of {scene_type.name}", names, likely)
 
 
 def allows(parameter: Any, value: Any) -> bool:
@@ -263,7 +273,7 @@ def parameter_problems(key: str, values: Mapping, scene_type: Any) -> list[str]:
     problems, parameters = [], scene_type.parameters
     for name, value in values.items():
         if name not in parameters:
-            text = unknown(name, f"parameter of {scene_type.name}", parameters)
+            text = _unknown_parameter(name, scene_type, parameters)
         elif not allows(parameters[name], value):
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
             text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"

@@ -1,7 +1,6 @@
 """Checks of a config that need the scene, as of names, ranges, responses and requirements."""
 
 import itertools
-import os
 import re
 from collections.abc import Mapping
 from contextlib import suppress
@@ -44,7 +43,7 @@ from deployable.campaign.config.sections import (
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import did_you_mean
+from fpm.errors import likely
 from fpm.files.outcome import eventful
 from fpm.reading.margins import find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
@@ -264,12 +263,8 @@ def _spline_problems(campaign: Campaign, design: Any) -> list[str]:
 def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
     """Turn a scene's error into sentences: all problems of a file, or the one of a known scene."""
     if problems := getattr(error, "problems", None):
-        allowed = ""
-        if not Path(error.source).exists():
-            folder = next(p for p in Path(error.source).absolute().parents if p.is_dir())
-            names = [os.path.relpath(path) for path in sorted(folder.glob("*.yaml"))]
-            hint = did_you_mean(error.source, names)
-            allowed = f"{hint}; allowed: a path from the folder of the campaign's file"
+        is_missing = not Path(error.source).exists()
+        allowed = "; allowed: a path from the folder of the campaign's file" * is_missing
         return [f"{key}: {error.source}, {problem}{allowed}" for problem in problems]
     return [f"{key}: {text}" if text else sentence(error.key, error)]
 
@@ -334,9 +329,10 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
         key = f"choose.{'minimise' if sign > 0 else 'maximise'}"
         if end not in ENDS or not quantity:
             text = f"{end}({quantity})" if quantity else end
-            hint = f" (did you mean {ENDS[0]}({end})?)" * (end in quantities)
-            problems.append(f"{key}: {text!r} is not allowed{hint}; allowed: e.g. upper(q) of a "
-                            f"quantity q, with {', '.join(ENDS)}")  # fmt: skip
+            goal = (ENDS[0], end) if end in quantities else (likely(end, ENDS), quantity)
+            hint = " (did you mean {}({})?)".format(*goal) * all(goal)
+            allowed = f"{', '.join(f'{word}(q)' for word in ENDS)} of a quantity q"
+            problems.append(f"{key}: {text!r} is not allowed{hint}; allowed: {allowed}")
         elif quantity not in quantities:
             problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
     for name in choose.parameters:

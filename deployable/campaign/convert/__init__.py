@@ -450,6 +450,9 @@ def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:
 
 
 def _read(path: Path, keyframe: str) -> Draft:
+    if not path.is_file() or path.suffix in (".yaml", ".yml"):
+        fault = "it is a YAML file, no model" if path.is_file() else "there is no such file"
+        raise CampaignError(f"{path}: {fault}; allowed: a model, .xml (MJCF) or .urdf")
     library = load_mujoco()
     try:
         spec = library.MjSpec.from_file(str(path))

@@ -33,7 +33,8 @@ def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
     for folder in folders.values():
         if not (folder / "summary.json").exists():
-            text = f"{folder.path} has no summary.json; allowed: a folder of finished results"
+            fault = "is no folder" if not folder.path.is_dir() else "has no summary.json"
+            text = f"{folder.path} {fault}; allowed: a folder of finished results"
             raise CampaignError(f"{text}, of a campaign with cases that of one case")
     summaries = {label: read_json(folder / "summary.json") for label, folder in folders.items()}
     states = {label: _state(facts, folders[label]) for label, facts in summaries.items()}

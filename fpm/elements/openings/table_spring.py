@@ -82,8 +82,9 @@ def check_table(angles, values, noun: str, owner: str) -> None:
     owner: what they call the element."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
+        counts = f"{len(angles)} angles, {len(values)} {noun}"
         allowed = f"as many {noun} as angles, two or more, all finite"
-        raise SceneError(f"angles, {noun} of {owner}", (len(angles), len(values)), allowed)
+        raise SceneError(f"angles of {owner}", counts, allowed)
     if not np.all(np.diff(angles) > 0):
         raise SceneError(f"angles of {owner}", list(angles), "increasing angles")
 

@@ -48,9 +48,9 @@ def _meet(build, args) -> tuple[list[int], np.ndarray]:
     for (part1, p), (part2, q) in pairwise(zip(args.parts, points, strict=True)):
         gap = length(p.position - q.position)
         if not gap <= POINT_TOL * build.size and build.hold is None:
-            text = f"{p.name} of {part1.name} and {q.name} of {part2.name}, {gap:.6g} m apart"
-            allowed = f"points that coincide to {POINT_TOL * build.size:.2g} m, or `assemble: true`"
-            build.refuse("at", text, allowed)
+            points = f"{p.name} of {part1.name} and {q.name} of {part2.name}"
+            allowed = f"{points} up to {POINT_TOL * build.size:.2g} m apart, or `assemble: true`"
+            build.refuse("at", f"{gap:.6g} m apart", allowed)
     for particle in particles:
         build.joints_of.setdefault(particle, []).append(args.name)
     if build.hold is None:  # what is apart by rounding meets at the first part's point

@@ -251,7 +251,7 @@ def body(build, args):
     """A rigid body (without `type`), which moves freely unless joints or supports hold it."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
-        build.refuse("box", pair, "either `box` or `inertia`")
+        build.refuse("box" if pair else "box or inertia", pair, "one of the two")
     inertia = args.inertia
     if args.box is not None:
         if not (np.all(args.box >= 0) and np.any(args.box)):

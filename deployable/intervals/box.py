@@ -64,7 +64,7 @@ class Box:
         """Mask (k) of the parameters whose interval has a width, True where lower < upper."""
         return self.upper > self.lower
 
-    def unvaried(self, points: np.ndarray) -> list[str]:
+    def constant_names(self, points: np.ndarray) -> list[str]:
         """Names of the parameters whose interval has a width that runs at normalized points (R, k)
         do not vary: what rests on these runs lacks their influence."""
         is_fixed = self.free & (np.ptp(points, axis=0) == 0)

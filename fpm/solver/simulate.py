@@ -101,8 +101,7 @@ def simulate(
     from fpm.kernels.lanes import width as lanes_of
 
     width = lanes_of(dtype)
-    is_group = isinstance(scenes, Iterable) and not isinstance(scenes, str)
-    scenes = list(scenes) if is_group else [scenes]
+    scenes = [scenes] if isinstance(scenes, Scene | str) else list(scenes)
     for scene in scenes:
         if not isinstance(scene, Scene):
             raise SceneError("scenes", scene, "a scene, as structures.load(path).build() makes one")

@@ -273,8 +273,8 @@ def _read_keys(
         if kind.default is NO_VALUE and key not in node.entries and key not in corrections:
             is_sound = False
             options = commas(kind.options(place) if isinstance(kind, OpeningKey) else ())
-            allowed = kind.allowed if "(" in options else options
-            place.problems.say(line, f"{place.key}.{key}: missing; allowed: {allowed}")
+            words = kind.allowed if "(" in options else options
+            place.problems.say(line, f"{place.key}.{key}: missing; allowed: {words}")
     if not is_sound:
         raise SkippedError(place.key)
     return read

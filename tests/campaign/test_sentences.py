@@ -184,7 +184,7 @@ CASES = {
         ("happens", rows(TIME | {"constant": True, "upper": 3.8, "runs_without": 2})),
         ("happens", rows(TIME | {"constant": True, "upper": 3.8})),
         ("happens", rows(TIME, SPEED | {"runs_without": 2, "predicted_ends": ["upper"]}, TIME)),
-        ("happens", rows(TIME, SPEED, TIME, TIME)),
+        ("happens", rows(TIME, SPEED, TIME, TIME, SPEED)),
         ("happens", rows(NEVER)),
         ("happens", rows()),
         ("happens", rows(closures=[])),

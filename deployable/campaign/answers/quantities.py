@@ -113,8 +113,8 @@ def _columns(
     of each; finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not
     estimated."""
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
-    planned = slice(len(model.points) - len(model.refinements))
-    runs = FittedRuns(model.points[planned], model.numbers[planned], model.margins[planned])
+    design = slice(len(model.points) - len(model.refinements))
+    runs = FittedRuns(model.points[design], model.numbers[design], model.margins[design])
     previous = runs.surrogates(limits_of(model.experiment))
     quantities = zip(model.experiment.quantity_list, bounds, previous, shifts.tolist(), strict=True)
     rows = [_row(model, *quantity) for quantity in quantities]

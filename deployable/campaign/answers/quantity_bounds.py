@@ -27,7 +27,7 @@ _OPEN = 0.05  # of the width: error of an upper bound that may not exist
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
-_FAILING, _SPARE = 2, 6  # about the border to failed runs, while so many more may fail
+_FAILURE_POINTS, _SPARE = 2, 6  # about the border to failed runs, while so many more may fail
 
 
 @dataclass(frozen=True)
@@ -315,7 +315,7 @@ def _find_deciding_points(
     if assessment.doubt is not None:
         border, spare = assessment.limits[-1].surrogate.occurrence, model.spare_failures
         points += [assessment.doubt] if spare else []
-        points += [*border.infill_points(_FAILING if has_borders and spare > _SPARE else 0)]
+        points += [*border.infill_points(_FAILURE_POINTS if has_borders and spare > _SPARE else 0)]
     for limit in assessment.limits[: len(specs)] if has_borders else []:
         if limit.border is not None and limit.border.open_fraction > _MIN_FRACTION:
             points += list(limit.border.infill_points(_SURFACE))

@@ -79,7 +79,7 @@ def _judge_limits(
     """Return whether all, some or none of the box keeps chosen limits, which share, and what is
     open. All is open where no run varies a parameter, as with runs of a user's own."""
     row = _judge_runs(model, result, limits, shares)
-    if model.experiment.box.unvaried(model.points):
+    if model.experiment.box.constant_names(model.points):
         row["met"] = "undecided" if row["met"] == "all" else "some"
         row["share_uncertainty"] = 1.0
     return row

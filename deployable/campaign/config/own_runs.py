@@ -14,7 +14,7 @@ LABELS = ("", "run", "id", "no", "number", "name", "note")
 """Names of columns that are of no parameter, in lower case."""
 
 
-UNVARIED = "No run varies {}, so no bound and no answer includes its influence."
+CONSTANT_TEXT = "No run varies {}, so no bound and no answer includes its influence."
 
 
 class OwnRunsError(ValueError):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.own_runs import UNVARIED, own_points
+from deployable.campaign.config.own_runs import CONSTANT_TEXT, own_points
 from deployable.campaign.text.numbers import code
 from fpm.elements import kinds_of
 from fpm.reading.quantities import PEAKS
@@ -97,13 +97,13 @@ def _design_texts(experiment: Any) -> Iterator[str]:
     design = experiment.design
     if design.method == "own":
         points = own_points(experiment)
-        if unvaried := experiment.box.unvaried(points):
-            yield f"design: {UNVARIED.format(' or '.join(map(code, unvaried)))} Add such runs."
+        if names := experiment.box.constant_names(points):
+            yield f"design: {CONSTANT_TEXT.format(' or '.join(map(code, names)))} Add such runs."
         values = experiment.box.from_unit(points)
         for column, (name, interval) in zip(values.T, experiment.intervals.items(), strict=True):
             low, high, ends = column.min(), column.max(), (interval.lower, interval.upper)
             margin = 0.05 * (ends[1] - ends[0])
-            if name not in unvaried and (low > ends[0] + margin or high < ends[1] - margin):
+            if name not in names and (low > ends[0] + margin or high < ends[1] - margin):
                 yield (
                     f"design: the runs have {name} from {low:.4g} to {high:.4g}, and its interval "
                     f"is {ends[0]:.4g} to {ends[1]:.4g}: bounds beyond the runs are extrapolated; "

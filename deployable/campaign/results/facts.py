@@ -86,7 +86,11 @@ def facts_of(
         del choice["fitted"]
     facts["failures"] = describe_failures(failures, experiment.intervals)
     facts["failures"] += facts.get("choice", {}).pop("failures", [])
-    facts |= {"unvaried": names} if (names := experiment.box.unvaried(plan.runs.normalized)) else {}
+    facts |= (
+        {"unvaried": names}
+        if (names := experiment.box.constant_names(plan.runs.normalized))
+        else {}
+    )
     runs["measured"] = facts.get("measured", {}).get("runs", 0)
     runs["failed"] = len(facts["failures"])
     rows = [*facts["responses"], *facts["quantities"]]

@@ -7,7 +7,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from deployable.campaign.config.own_runs import UNVARIED
+from deployable.campaign.config.own_runs import CONSTANT_TEXT
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.results import facts
 from deployable.campaign.results.response_bounds import COMPONENTS
@@ -63,7 +63,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
     env.globals |= {"SOFT": facts.SOFT, "COMPONENTS": COMPONENTS, "VOLUME": numbers.VOLUME}
-    env.globals["UNVARIED"] = UNVARIED
+    env.globals["CONSTANT_TEXT"] = CONSTANT_TEXT
     return env
 
 

@@ -5,6 +5,7 @@ import json
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -18,14 +19,14 @@ from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import LOGGER, Notify
 from fpm.errors import SceneError
-from fpm.files.seals import remove_temporary
+from fpm.files.seals import DamagedError, remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 DESIGN_BOUNDS, SENSITIVITIES = "design_bounds.nc", "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", DESIGN_BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "refinement.nc"
 
-_SHOWN = "name", "intervals", "responses", "quantities"
+_IDENTITY = "name", "intervals", "responses", "quantities"
 # Sections of an experiment that rounds do not change.
 
 FRAMES = 401  # frames of the runs that move on a page, unless others are asked for
@@ -114,8 +115,10 @@ class Stage:
                                         f"{config}; allowed: {allowed}")  # fmt: skip
                 campaign = names[folder.whole.name]
             if folder is not None and self.takes and folder.plan.exists():
-                of_config, made = campaign.experiment, read_plan(folder.plan).experiment
-                if any(getattr(of_config, key) != getattr(made, key) for key in _SHOWN):
+                source = campaign.experiment
+                with suppress(DamagedError):  # which the stage refuses when it reads the file
+                    source = read_plan(folder.plan).experiment
+                if any(getattr(campaign.experiment, k) != getattr(source, k) for k in _IDENTITY):
                     text = f"the results in {folder.path} belong to another config than {config}"
                     raise CampaignError(f"{text}: name theirs, or run that one again")
             return self.sections_of(campaign)

@@ -608,8 +608,8 @@ class ChoiceProblem:
 
         safest = self._refine(trials, rank)
         for i in range(len(self.ranges)):
-            kept = np.where(np.arange(len(self.ranges)) == i, best.values, safest.values)
-            trial = self.judge(kept)
+            values = np.where(np.arange(len(self.ranges)) == i, best.values, safest.values)
+            trial = self.judge(values)
             if trial.is_allowed and trial.safety >= safest.safety - 2:
                 safest = trial
         return safest

@@ -48,8 +48,8 @@ def _meet(build, args) -> tuple[list[int], np.ndarray]:
     for (part1, p), (part2, q) in pairwise(zip(args.parts, points, strict=True)):
         gap = length(p.position - q.position)
         if not gap <= POINT_TOL * build.size and build.hold is None:
-            points = f"{p.name} of {part1.name} and {q.name} of {part2.name}"
-            allowed = f"{points} up to {POINT_TOL * build.size:.2g} m apart, or `assemble: true`"
+            pair = f"{p.name} of {part1.name} and {q.name} of {part2.name}"
+            allowed = f"{pair} up to {POINT_TOL * build.size:.2g} m apart, or `assemble: true`"
             build.refuse("at", f"{gap:.6g} m apart", allowed)
     for particle in particles:
         build.joints_of.setdefault(particle, []).append(args.name)

@@ -171,7 +171,7 @@ def bench(monkeypatch):
             self.points = np.vstack([self.points, np.reshape(points, (-1, 1))])
 
     for name, value in {
-        "_infill": lambda bench, ends: [np.array([float(len(bench.points))])] * len(ends),
+        "_infill": lambda ends: [np.array([0.0])] * len(ends),
         "_spread": lambda *_: [np.zeros(1)],
         "_mispredictions": lambda bench, bounds, known: known,
         "_turning_points": lambda bench: [],

@@ -13,10 +13,10 @@ import pytest
 
 import fpm
 from deployable import campaign
-from deployable.campaign.answers.estimate import _round, estimate
+from deployable.campaign.answers.estimate import _duration, estimate
 from deployable.campaign.interrupts import STEPS
 from deployable.campaign.runs.progress import MessagePrinter, progress_of, report_seconds, warm_up
-from deployable.campaign.text.numbers import size_text
+from deployable.campaign.text.numbers import duration_text, size_text
 from fpm import structures
 from fpm.elements import Beams, Probe
 from fpm.kernels.compiled_loop import cache_folder
@@ -210,7 +210,7 @@ def test_progress_is_told_while_something_compiles(monkeypatch, ticks):
     [(0.2, 1.0), (7.44, 7.4), (12.3, 12.0), (123.0, 120.0), (1501.0, 1500.0), (87_654.0, 88_000.0)],
 )
 def test_times_are_told_to_two_digits_and_as_a_second_at_least(seconds, told):
-    assert _round(seconds) == pytest.approx(told)
+    assert _duration(seconds) == duration_text(told)
 
 
 def test_sizes_as_people_write_them():

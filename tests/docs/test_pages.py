@@ -138,7 +138,8 @@ def folder(tmp_path_factory, shipped):
     (folder / "my.yaml").symlink_to(ROOT / "config/small.yaml")
     (folder / "mast.yaml").symlink_to(ROOT / "config/structures/scissor.yaml")
     shutil.copytree(shipped("small")[0], folder / "results/small")
-    for other in ("paper", "first", "second"):
+    shutil.copytree(shipped("paper")[0], folder / "results/paper")
+    for other in ("first", "second"):
         shutil.copytree(folder / "results/small", folder / "results" / other)
     return folder
 

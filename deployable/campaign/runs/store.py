@@ -88,7 +88,7 @@ class Trajectories(Store):
         parameters = {key: ([result.parameters[key] for result in results], types[key].unit)
                       for key in self.experiment.intervals}  # fmt: skip
         outcomes, attributes = [r.outcome for r in results], {**results[0].common, **attributes}
-        basis = {c for c in outcomes[0].columns if c[0] in MARGIN_READS or c[0] in VARIABLES}
+        basis = {c for c in outcomes[0].columns if c[0] in (*MARGIN_READS, PEAK, *VARIABLES)}
         columns = self._reads.union(basis, *(self._columns.get(name, ()) for name in names))
         contents = trajectory.contents(outcomes, (), attributes, parameters, names, columns)
         path = self.folder / f"{digest(names)}.nc"

@@ -260,6 +260,7 @@ CASES = {
     ],
     "How far can this be trusted?": [
         ("trust", FACTS),
+        ("trust", rows(TIME | {"errors": {"whole": 0.2}})),
         ("trust", facts(unseen_from=0.64)),
         ("trust", facts(responses=[curve(grade="unknown")])),
         ("trust", facts(responses=[LARGE | {"undivided_from": 3.7}])),

@@ -43,7 +43,7 @@ def test_the_headline_is_the_answer(opened):
 
 
 def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
-    parts = r"(\d+) (?:runs|of the design|further ones|for the best choice)"
+    parts = r"(\d+) (?:runs|of the design|for quantities|for the best choice)"
     total, *parts = map(int, re.findall(parts, sentence("given", opened.facts)))
     assert len(parts) == 3
     assert total == sum(parts) == len(curves_in(folder / "trajectories"))

@@ -344,7 +344,11 @@ class Place:
         target = actual if symbol is None else unit(symbol).dimension
         if not actual.fits(target._replace(vector=vector)):
             number = self.names.numbers.get(bound.full.get(node.text, ""))
-            source = f" ({number.key} on line {number.line})" if number and number.line else ""
+            source = (
+                f" ({number.key} on line {number.line})"
+                if number and number.line not in (0, node.line)
+                else ""
+            )
             kind = "one number" if vector and not actual.vector else actual
             self._say(node, f" is {kind}{source}; allowed: {allowed}")
         if symbol == "rad" and actual.bare and not zero:

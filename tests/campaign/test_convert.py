@@ -1,7 +1,5 @@
 """MJCF and URDF become structures: the motions are MuJoCo's, and what is not taken is named."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
@@ -303,5 +301,6 @@ def test_warnings_of_mujoco_go_to_the_log_and_leave_no_file(made, tmp_path, monk
 
 def test_without_mujoco_the_message_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
+    (tmp_path / "model.xml").touch()
     with pytest.raises(CampaignError, match=r"pip install 'deployable-intervals\[mjcf\]'"):
-        convert(Path("model.xml"), tmp_path / "structure.yaml")
+        convert(tmp_path / "model.xml", tmp_path / "structure.yaml")

@@ -259,7 +259,7 @@ def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():
         (Friction(0, 1.0, damping=-1.0), "damping of friction"),
         (Stop(0, np.nan, "above", 1.0), "angle of stop"),
         (Stop(0, 0.0, "up", 1.0), "side of stop"),
-        (TableSpring(0, (0.0,), (1.0,)), "angles, moments of spring by a table"),
+        (TableSpring(0, (0.0,), (1.0,)), "angles of spring by a table"),
         (TableSpring(0, (0.0, 0.0), (1.0, 1.0)), "increasing angles"),
         (TableSpring(0, (0.0, 1.0), (1.0, np.nan)), "all finite"),
     ],

@@ -120,12 +120,20 @@ VECTOR_REFUSALS = (  # what is replaced, by what, and what is said
     ("let: {step:", "let: {z: n, step:", "repeat.bay.let.z: a vector called z"),
     ("k: w.x + norm(w)", "z: 2*w\n  k: 1 m", "let.z: a vector called z"),
     ("axis: n", "axis: up", "axis: 'up' is not allowed; allowed: x, y, z"),
-    ("axis: n", "axis: L", "'L' is m; allowed: x, y, z"),
+    ("axis: n", "axis: L", "'L' is one number (parameters.L on line 3); allowed: x, y, z"),
     ("axis: n", "axis: Q", "one point is no direction"),
     ("axis: n", "axis: 0*n", "a direction that is not zero"),
-    ("mass: 1,", "mass: w,", "'w' is a vector in m; allowed: a value in kg above 0"),
-    ("box: [1, 1, 1]", "box: [P, 1, 1]", "'P' is a vector in m; allowed: three numbers"),
-    ("gravity: (-9.81 m/s2)*z", "gravity: 9.81 m/s2", "'9.81 m/s2' is m s-2; allowed: three"),
+    (
+        "mass: 1,",
+        "mass: w,",
+        "'w' is a vector in m (let.w on line 8); allowed: a value in kg above 0",
+    ),
+    (
+        "box: [1, 1, 1]",
+        "box: [P, 1, 1]",
+        "'P' is a vector in m (let.span on line 6); allowed: three numbers",
+    ),
+    ("gravity: (-9.81 m/s2)*z", "gravity: 9.81 m/s2", "'9.81 m/s2' is one number; allowed: three"),
     ("{value: 2, unit: m}", "{value: 'cross([1, 0, 0], [0, 1, 0])'}", "in the parameter's"),
 )
 

@@ -9,6 +9,7 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import dropwhile
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -20,9 +21,9 @@ from fpm.files.seals import DamagedError, read_bytes
 
 EXAMPLE = "`t [s],angle [rad]`"
 
-_POWER = r"(?:[eE][-+]?\d+)?"
+_POWER = r"(?:[dDeE][-+]?\d+)?"
 _NUMBER = re.compile(rf"[-+]?(?:\d+\.?\d*|\.\d+){_POWER}")
-_DIGITS = re.compile(rf"[-+]?[\d.,]*\d[\d.,]*{_POWER}")  # a number, with signs of any language
+_DIGITS = re.compile(rf"[-+−]?[\d.,]*\d[\d.,]*{_POWER}")  # a number, with signs of any language
 _DECIMAL_COMMA = re.compile(
     rf"[-+]?(?:0*,\d+|\d{{4,}},\d+|\d+,(?:\d{{0,2}}|\d{{4,}})|\d{{1,3}}(?:\.\d{{3}})+,\d+){_POWER}"
     r"|[-+]?\d,\d+[eE][-+]?\d+"
@@ -30,8 +31,8 @@ _DECIMAL_COMMA = re.compile(
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+\.\d*|[-+]?\d{1,3}(?:,\d{3}){2,}")
 _WITH_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,3}(?:\.\d{3})+,\d*|[-+]?\d{1,3}(?:\.\d{3}){2,}|[^.]*")
 _WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?|[^,]*")
-_SHEET_ERROR = "N/?A|NV|VALUE|REF|DIV|NAME|NUM|NULL"
-_COMMENT = re.compile(rf"[\s;,]*$|\s*(?:[%!]|//|#(?!{_SHEET_ERROR}))")
+_COMMENT = re.compile(r"[\s;,]*$|\s*([#%!]|//)")  # an empty line, or a comment
+_SHEET_ERROR = re.compile(r"#+|#[^\sa-z]*[!?]|#N/?[A-Z]")  # in any language
 _IN_BRACKETS = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 _BEHIND_SLASH = re.compile(r"([^/]*[^/\s])\s*/\s*(?:\(([^()]+)\)|([^()]+))")
 _SIGNS = str.maketrans({"°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "^": "", "·": " ",
@@ -47,13 +48,14 @@ class CurvesFileError(ValueError):
 @dataclass(frozen=True)
 class CurvesFile:
     """Content of a CSV file of curves of time. times (r,): s, increasing; columns: others (r,) by
-    name, SI units; units: of these in the file by name; digest: of the file; faults: why other
-    columns cannot be used, by name."""
+    name, SI units; units: of these in the file by name; digest: of the file; time_unit: s, of the
+    times in the file; faults: why other columns cannot be used, by name."""
 
     times: np.ndarray
     columns: dict[str, np.ndarray]
     units: dict[str, Unit]
     digest: str
+    time_unit: float
     faults: dict[str, str] = field(default_factory=dict)
 
     @classmethod
@@ -76,12 +78,7 @@ class CurvesFile:
                 units[name] = table.units[number]
             except CurvesFileError as error:
                 faults[name] = str(error)
-        return cls(times, columns, units, table.digest, faults)
-
-    def allowed(self, name: str) -> str:
-        """Say which names of columns are allowed instead of `name`, and why that one is not."""
-        fault = f"; {self.faults[name]}" if name in self.faults else ""
-        return f"a column of the file, {', '.join(self.columns) or '(there is none)'}{fault}"
+        return cls(times, columns, units, table.digest, table.units[table.time].si(1.0), faults)
 
 
 def _decode(content: bytes) -> str:
@@ -113,6 +110,7 @@ class CsvTable:
             reason = getattr(error, "strerror", None) or damage
             raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
         self.digest = hashlib.sha256(content).hexdigest()[:16]
+        text = re.sub(r"[\r\n][\s;,]*\Z", "", text)  # rows of separators end a sheet
         all_lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
         rows = [(number, line) for number, line in all_lines if not _COMMENT.match(line)]
         separator = rows.pop(0)[1][4:5] if rows and re.fullmatch("sep=.", rows[0][1]) else ""
@@ -127,11 +125,13 @@ class CsvTable:
             rows.insert(0, (lines_above[-1][0], lines_above[-1][1].strip().lstrip("#%!/ ")))
         self.head, self.head_line = rows.pop(0)
         self.separator = separator or self._separator(self.head_line)
+        rows = [row for row in all_lines[self.head :] if self._is_row(*row)]
+        rows = list(dropwhile(lambda row: not row[1].strip("; ,\t"), rows))
+        for number, line in [(self.head, self.head_line), *rows]:
+            if line.count('"') % 2:
+                self.refuse(number, "quotes do not close where they open; allowed: both in a line")
         self.names, self.units = self._header(self.head_line, rows)
         self.lines = [number for number, _ in rows]
-        for number, line in rows:
-            if line.count('"') % 2:
-                self.refuse(number, "quotes that open here are not closed; allowed: both in a line")
         self.time = self._time() if has_time else -1
         if not rows:
             raise CurvesFileError(f"{path}: no rows; allowed: rows of numbers")
@@ -145,7 +145,8 @@ class CsvTable:
         self.cells = [[str(cell).strip() for cell in frame[k]] for k in frame.columns]
         counts = [k for k, cells in enumerate(self.cells, 1) if any(cells)]
         counts += [k for k, name in enumerate(self.names, 1) if name]
-        if not max(counts) <= min(most, len(self.names)):
+        least = min(most, len(self.names))
+        if max(counts) > least or (is_spaced and "" in self.cells[least - 1]):
             self._refuse_count(rows)
         self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
         self.comma = self._comma()
@@ -165,6 +166,17 @@ class CsvTable:
             return [cell.strip('"') for cell in cells]
         reader = csv.reader([line], delimiter=self.separator, skipinitialspace=True)
         return [cell.strip() for cell in next(reader)]
+
+    def _is_row(self, number: int, line: str) -> bool:
+        """Whether a line below the names is a row; refuses what could be one or a comment."""
+        if not (match := _COMMENT.match(line)) or not match[1]:
+            return bool(line.strip(" " if self.separator == "\t" else None))
+        first, *cells = self._cells(line)
+        is_error = bool(_SHEET_ERROR.fullmatch(first))
+        if not is_error and any(map(_DIGITS.fullmatch, (first.lstrip("#%!/ "), *cells))):
+            text = f"{first!r} could begin a comment or a row of numbers"
+            self.refuse(number, f"{text}; allowed: that cell in quotes, or no such line")
+        return is_error
 
     def _header(self, head: str, rows: list[tuple[int, str]]) -> tuple[list[str], list[Any]]:
         """Names and units of the columns, from one line or, with the first of `rows`, from two."""

@@ -167,6 +167,8 @@ class Entry:
         first, _, rest = key.partition(".")
         name = self.key_names.get(first, first)
         path, value = join_key(self.key, name, rest), show(error.value)
+        if error.text:
+            return problems.say(self.node.lines.get(name, self.line), f"{path}: {error.text}")
         if value_node := self.node.entries.get(name):
             if isinstance(error.value, float) and re.search("[a-zA-Z]", value_node.text):
                 value = f"{value} ({value_node.text!r})"

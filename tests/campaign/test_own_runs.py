@@ -69,9 +69,11 @@ def planned(config):
         ROWS.replace(",", ";").replace(".", ","),
         "run;c;k [N mm/rad];note\n1;0;45;a\n2;0;55;\n3;4e-4;45;\n"
         "4;4e-4;55;\n5;1e-4;50;\n6;3e-4;47,5;\n",
+        "note;k [N mm/rad];c\n;45;0\n;55;0\n#WERT!;45;4e-4\n#N/A;55;4e-4\n"
+        ";50;1e-4\n####;47,5;3e-4\n",
         "k / N mm/rad;c;;\n45;0;;\n55;0\n45;4e-4;;\n55;4e-4\n50;1e-4\n47,5;3e-4\n;;;\n",
     ],
-    ids=["plain", "decimal commas", "units and other columns", "of a sheet"],
+    ids=["plain", "decimal commas", "units and other columns", "errors of a sheet", "of a sheet"],
 )
 def test_rows_are_the_runs(config, tmp_path, text):
     (tmp_path / "doe.csv").write_text(text)
@@ -100,6 +102,7 @@ def test_parameters_without_a_column_are_nominal(config, tmp_path):
          "0.045 to 0.055"),
         ("k,cc\n0.05,0\n", {}, "there is no interval cc (did you mean c?), and no column c;"),
         ("k [m],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),
+        ("k,c\n0.05,0\n#0.05,0\n", {}, "doe.csv, line 3: '#0.05' could begin a comment or a row"),
         ("run,note\n1,a\n", {}, "line 1: no column of a parameter; allowed: k, c"),
         ("k,c\n0.05,\n", {}, "line 2: the cell of c is empty; allowed: a finite number"),
         ("k [rpm],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),

@@ -96,15 +96,23 @@ def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> 
         yield f"window: {text}{delay}{hint}; allowed: two times in s from {least:.6g} to {high:.6g}"
     elif (end := last - test.unknown.delay[0]) > duration + 1e-12:
         text = f"it ends {end:.6g} s into the run, at the least delay, the run at {duration:.6g} s"
-        hint = " (are its times in ms?)" if end / 1000 <= duration < end / ODD else ""
+        hint = _time_hint(file, end, duration)
         text = f"{text}{hint}; allowed: an earlier end, or a longer delay (unknown.delay)"
         yield f"window: {text} or solver.duration"
     elif (count := ((file.times >= first) & (file.times <= last)).sum()) < 3:
         step = np.diff(file.times).min(initial=duration)
-        hint = " (are its times in s, not ms?)" * bool(high < duration / ODD)
+        hint = _time_hint(file, high, duration)
         key, span = "window" if test.window else "file", f"from {first:.6g} to {last:.6g} s"
         text = f"{count} instants of {test.file} lie {span}; it ends at {high:.6g} s, and its "
         yield f"{key}: {text}instants are {step:.3g} s apart{hint}; allowed: at least three"
+
+
+def _time_hint(file: CurvesFile, end: float, duration: float) -> str:
+    """A question that names the unit of time in which a file that ends at `end` (s) fits a run."""
+    for symbol, seconds in {"us": 1e-6, "ms": 1e-3, "s": 1, "min": 60, "h": 3600}.items():
+        if seconds != file.time_unit and 1 / ODD < end * seconds / file.time_unit / duration < 1.01:
+            return f" (are its times in {symbol}?)"
+    return ""
 
 
 def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]:
@@ -164,12 +172,14 @@ def _usual_sizes(experiment: Experiment, response: Response) -> tuple[float, flo
     from fpm.structures.plausible import extent  # scipy's graphs take 0.1 s to load
 
     scene = experiment.nominal_scene
-    if response.unit == "m" and (size := extent(scene)):
-        return size / 100 / ODD, size * ODD, f"the structure's extent is {size:.4g} m"
-    if response.kind == "opening" and response.unit == "rad":
-        openings = {hinge.name: abs(hinge.opening) for hinge in scene.hinges}
-        start = openings[response.subjects[0]]
+    names = response.subjects if response.kind == "opening" else ()
+    start = sum(abs(hinge.opening) for hinge in scene.hinges if hinge.name in names)
+    if response.unit == "rad" and names:
         return start / ODD, max(start * ODD, 4 * np.pi), f"it is {start:.4g} rad at the start"
+    if response.unit == "m":  # a body alone has no extent, but its radius of gyration
+        radii = [np.sqrt(scene.inertia[i].max() / scene.mass[i]) for i in scene.bodies.values()]
+        size = max(span := extent(scene), start, *radii)
+        return (start or span / 100) / ODD, size * ODD, f"the structure's size is {size:.4g} m"
     return 0.0, 0.0, ""
 
 

@@ -16,7 +16,6 @@ from fpm.elements.cables.strut import gas_table
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
-from fpm.errors import fold_name
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import (
@@ -79,10 +78,9 @@ def curve(build, args):
         if len(args.times) != len(args.values):
             build.refuse("values", args.values, f"{len(args.times)} numbers, one for each time")
         return build.scene.add_curve(args.times, args.values, smooth)
-    column = fold_name(args.column)
-    if column not in args.file.columns:
-        build.refuse("column", args.column, args.file.allowed(column))
-    return build.scene.add_curve(args.file.times, args.file.columns[column], smooth)
+    if args.column not in args.file.columns:
+        build.refuse("column", args.column, args.file.allowed(args.column))
+    return build.scene.add_curve(args.file.times, args.file.columns[args.column], smooth)
 
 
 def _curve_by_expression(build, args) -> Any:

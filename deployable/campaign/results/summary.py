@@ -2,7 +2,10 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import Any
 
+from deployable.campaign.config.sections import as_json
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
@@ -15,11 +18,12 @@ from deployable.campaign.results.templates import summary_text
 
 def summarise(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = (),
-    review: str | None = None,
+    review: str | None = None, sections: Mapping[str, Any] = MappingProxyType({}),
 ) -> str:  # fmt: skip
     """Write a campaign's results as `summary.json` and `summary.md` into its folder, and return the
     latter's text. published, answers: as in `facts_of`; review: key of the standard for
-    `review.csv` and `review.md`; None: these are not written."""
+    `review.csv` and `review.md`; None: these are not written; sections: of the config, by name,
+    that decide the results beside those of the plan."""
     facts, experiment = facts_of(folder, published, answers), read_plan(folder.plan).experiment
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])
@@ -33,6 +37,7 @@ def summarise(
         }
         write_result(folder / "review.csv", sheet.as_csv(rows, review))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
+    facts["config"] = json.loads(as_json(**sections))
     text = summary_text(shown_facts(facts, experiment))
     write_result(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
     write_result(folder / "summary.md", text)

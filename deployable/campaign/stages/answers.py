@@ -46,5 +46,6 @@ def work(
             )
     with step("writing the answers"):
         include_runs(folder, further_runs)
-        summarise(folder, published, answers, review)
+        sections = {"choose": choose, "published": published, "review": review, "verify": verify}
+        summarise(folder, published, answers, review, sections | {"measured": measured})
     notify(f"answers: {folder / 'summary.md'}")

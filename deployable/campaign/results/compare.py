@@ -93,21 +93,21 @@ def _curve(rows: Mapping[str, ResponseBounds], labels: list[str]) -> dict[str, A
     return {**keys, "by_case": [*by_case.values()]}
 
 
-def _changes(first: ResponseBounds, other: ResponseBounds) -> dict[str, float]:
+def _changes(first: ResponseBounds, response: ResponseBounds) -> dict[str, float]:
     """Return the largest changes of both bounds at the `instants` that both have. Where that is the
     start alone, the others are interpolated, with an `interpolation_error` by second differences.
     """
-    places = np.interp(first.time, other.time, np.arange(len(other.time)))
-    gaps = np.abs(other.time[np.rint(places).astype(int)] - first.time)
+    places = np.interp(first.time, response.time, np.arange(len(response.time)))
+    gaps = np.abs(response.time[np.rint(places).astype(int)] - first.time)
     is_compared, row = gaps < 1e-9 * first.time[-1], {}
     if is_compared.sum() > 1:
         row["instants"] = is_compared.sum()
     else:
-        is_compared = first.time <= other.time[-1]
-        bends = np.diff([other.lower, other.upper], 2)
+        is_compared = first.time <= response.time[-1]
+        bends = np.diff([response.lower, response.upper], 2)
         row["interpolation_error"] = np.abs(bends).max(initial=0.0) / 8
     for end in ("lower", "upper"):
-        curve = np.interp(first.time, other.time, getattr(other, end))
+        curve = np.interp(first.time, response.time, getattr(response, end))
         change = np.abs(curve - getattr(first, end))[is_compared].max()
         row[f"{end}_change"] = change if change > 1e-12 * np.abs(curve).max() else 0.0
     return row

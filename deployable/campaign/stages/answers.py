@@ -46,6 +46,6 @@ def work(
             )
     with step("writing the answers"):
         include_runs(folder, further_runs)
-        sections = {"choose": choose, "published": published, "review": review, "verify": verify}
-        summarise(folder, published, answers, review, sections | {"measured": measured})
+        sections = {"choose": choose, "verify": verify, "measured": measured}
+        summarise(folder, published, answers, review, **sections)
     notify(f"answers: {folder / 'summary.md'}")

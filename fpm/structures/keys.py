@@ -375,7 +375,7 @@ class CurvesKey(TextKey):
 
     def read(self, node, place):
         super().read(node, place)
-        path, files = Path(place.problems.source).parent / node.text, place.names.files
+        path, files = Path(place.problems.source).parent / node.value, place.names.files
         try:
             files[path] = file = files.get(path) or CurvesFile.read(path)
         except CurvesFileError as error:

@@ -94,8 +94,8 @@ class Node:
 
     @property
     def text(self) -> str:
-        """The node's text; "" if it is a list or a table."""
-        return self.value if isinstance(self.value, str) else ""
+        """The node's text, its letters spelt as in keys; "" if it is a list or a table."""
+        return fold_name(self.value) if isinstance(self.value, str) else ""
 
     @property
     def items(self) -> "list[Node]":
@@ -281,7 +281,7 @@ class _Reader:
         self.events, self.problems = events, problems
         self.types = _Types() if is_typed else None
         self.anchors: dict[str, Node] = {}
-        self.count = 0
+        self.count, self.is_path = 0, False
 
     def document(self) -> Node:
         """Return the only document of the text."""
@@ -336,7 +336,8 @@ class _Reader:
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
-        event.value = fold_name(event.value) if is_key else event.value
+        if is_key or (self.types and not self.is_path):
+            event.value = fold_name(event.value)
         try:
             types = None if is_key and event.implicit[0] else self.types
             return types.value(event) if types else event.value.strip()
@@ -352,6 +353,7 @@ class _Reader:
         table, bases = Node({}, line), []
         for event in self._rest():
             key, key_line = self._node(event, depth + 1, True), event.start_mark.line + 1
+            self.is_path = key.value == "file"
             value, name = self._node(next(self.events), depth + 1), key.value
             if isinstance(name, list | dict):
                 self.problems.say(key_line, "a key is a mapping or a list; allowed: a name")

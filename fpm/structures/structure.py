@@ -6,13 +6,14 @@ file, by key instead of line. The methods of groups are made of the table of sta
 import json
 import re
 from collections.abc import Callable, Mapping
+from html import escape
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import yaml
 
-from fpm.errors import SceneError
+from fpm.errors import SceneError, fold_name
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
 from fpm.structures.reading import Node, Problem, Problems, StructureError, read, read_text
@@ -43,6 +44,7 @@ class StatementTable:
         self._add("points", name, place)
 
     def _add(self, group: str, name: str, value: Any) -> Any:
+        name = fold_name(str(name))
         entries, key = self.table.setdefault(group, {}), f"{group}.{name}"
         problems = Problems(self.source)
         if not isinstance(entries, dict):
@@ -120,7 +122,10 @@ class Structure(StatementTable):
         return self.scene_type.build(**parameters)
 
     def _repr_html_(self) -> str:
-        return self.scene_type._repr_html_()
+        try:
+            return self.scene_type._repr_html_()
+        except SceneError as error:  # as of a structure that is not whole yet
+            return f"<pre>{escape(str(error))}</pre>"
 
     def text(self) -> str:
         """Return the structure as the text of a YAML file, which loads to the same scenes."""
@@ -163,7 +168,7 @@ def _plain(value: Any, key: str) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
-        items = ((str(name), x) for name, x in value.items() if x is not None)
+        items = ((fold_name(str(name)), x) for name, x in value.items() if x is not None)
         return {name: _plain(entry, f"{key}.{name}") for name, entry in items}
     if isinstance(value, list | tuple):
         return [_plain(entry, key) for entry in value]

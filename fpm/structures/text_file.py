@@ -243,7 +243,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
 
 def _check_mesh(mesh: Node, values: Mapping, parameters: Mapping, problems: Problems) -> None:
     """Refuse a mesh that is no whole parameter; nothing is said of one that is refused itself."""
-    name: Any = mesh.value
+    name = mesh.text
     whole = [n for n, p in values.items() if p.whole]
     if name not in whole and (name in values or name not in parameters):
         allowed = f"{did_you_mean(name, whole)}; allowed: a parameter with `whole: true`"

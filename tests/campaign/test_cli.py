@@ -102,10 +102,13 @@ def test_help_names_all_commands(capsys, arguments):
     assert "config/" not in told  # files that only a checkout has
 
 
-def test_an_option_before_its_command_is_told_where_it_belongs(capsys):
+@pytest.mark.parametrize(
+    ("option", "name"), [("--json", "check"), ("-q", "run"), ("--results=out", "run")]
+)
+def test_an_option_before_its_command_is_told_where_it_belongs(option, name, capsys):
     with pytest.raises(SystemExit):
-        main(["--json", "check", "x.yaml"])
-    assert "--json belongs behind the command: `" in capsys.readouterr().err
+        main([option, name, "x.yaml"])
+    assert f"{option} belongs behind the command: `" in capsys.readouterr().err
 
 
 def test_every_command_is_in_one_group_of_the_help_and_has_help_of_its_own(capsys):

@@ -8,6 +8,8 @@ import xarray
 from opening_panel import exact_time, panel, run
 
 from deployable.campaign.cli import main
+from deployable.campaign.results.compare import _curve
+from deployable.campaign.results.response_bounds import ResponseBounds
 
 
 @pytest.fixture(scope="module")
@@ -19,6 +21,8 @@ def pair(tmp_path_factory):
             panel(campaign="strong", intervals=strong, requirements=early)]  # fmt: skip
     raws[1]["design"]["order"], raws[1]["solver"]["instants"] = 4, 801
     raws[1]["responses"]["speed"] = {"opening_rate": "hinge"}
+    raws[1]["requirements"] = early | {"far": {"wide": {"at_least": 0.1}}}
+    raws[1]["verify"] = {"max_iterations": 5}
     return [str(run(raw, results).path) for raw in raws]
 
 
@@ -28,13 +32,16 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     facts = json.loads(capsys.readouterr().out)
     assert [case["name"] for case in facts["cases"]] == ["weak", "strong"]
     assert [case["changes"] for case in facts["cases"]] == [
-        "k 0.1 N m/rad, ± 5 %; solver.instants 401; design.order 3",
-        "k 0.2 N m/rad, ± 5 %; solver.instants 801; design.order 4"]  # fmt: skip
+        "k 0.1 N m/rad, ± 5 %; solver.instants 401; design.order 3; verify.max_iterations 6; "
+        "no responses.speed; no requirements.far",
+        "k 0.2 N m/rad, ± 5 %; solver.instants 801; design.order 4; verify.max_iterations 5; "
+        "responses.speed opening_rate: hinge; requirements.far final opening of the hinge is at "
+        "least 0.1 rad"]  # fmt: skip
     (t_open,) = [row for row in facts["quantities"] if row["name"] == "t_open"]
     for row, k in zip(t_open["by_case"], (0.1, 0.2), strict=True):
         expected = [exact_time(1.05 * k), exact_time(0.95 * k)]
         np.testing.assert_allclose([row["lower"], row["upper"]], expected, rtol=2e-3)
-    (early,) = facts["requirements"]
+    early, _ = facts["requirements"]
     met = [row["met"] for row in early["limits"][0]["by_case"]]
     expected = [exact_time(0.95 * k) <= 1.9 for k in (0.1, 0.2)]
     assert [m == "all" for m in met] == expected
@@ -54,7 +61,24 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     text = capsys.readouterr().out
     assert text.startswith("# Comparison of weak, strong\n") and "## Curves by case" in text
     assert "- speed: " in text and "\n  - weak: –\n" in text and "\\`" not in text
-    assert "No: not all requirements are met in 1 of 2 cases (“weak”)." in text
+    assert "No: 1 of 2 cases (“weak”) does not meet all requirements." in text
+
+
+@pytest.mark.parametrize(("duration", "instants"), [(0.5, 9), (0.4 / np.sqrt(2), None)])
+def test_curves_are_compared_where_both_have_values(duration, instants):
+    """Curves that are parabolas: their straight lines are off by a quarter of a squared step."""
+    rows = {}
+    for label, end, offset in (("first", 0.4, 0.0), ("other", duration, 0.3)):
+        time = np.linspace(0, end, 41)
+        rows[label] = ResponseBounds("x", "x of P", "m", time, time**2 + offset, time**2 + 1)
+    row = _curve(rows, [*rows])["by_case"][1]
+    error = 0.0 if instants else (duration / 40) ** 2 / 4
+    assert (row.get("instants"), row.get("interpolation_error", 0.0)) == (
+        instants,
+        pytest.approx(error),
+    )
+    for end, change in (("lower_change", 0.3), ("upper_change", 0.0)):
+        assert change - 1e-12 <= row[end] <= change + error + 1e-12
 
 
 @pytest.mark.parametrize(

@@ -119,14 +119,14 @@ def test_other_joints_move_as_in_mujoco(kind, made):
 
 URDF = """<robot name="two"><link name="base"><collision><geometry><box size="1 1 1"/></geometry>
 </collision></link>
-<link name="arm-1"><inertial><origin xyz="0.2 0 0"/><mass value="1"/>
+<link name="maß-²"><inertial><origin xyz="0.2 0 0"/><mass value="1"/>
 <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0.001" ixz="0" iyz="0"/></inertial></link>
 <link name="tool"><inertial><mass value="0.5"/>
 <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="hinge" type="continuous"><parent link="base"/><child link="arm-1"/><axis xyz="0 1 0"/>
+<joint name="hinge" type="continuous"><parent link="base"/><child link="maß-²"/><axis xyz="0 1 0"/>
 <dynamics damping="0.1" friction="0"/></joint>
-<joint name="weld" type="fixed"><parent link="arm-1"/><child link="tool"/><origin xyz="0.5 0 0"/>
-</joint><transmission name="drive"/><gazebo reference="arm-1"/></robot>"""
+<joint name="weld" type="fixed"><parent link="maß-²"/><child link="tool"/><origin xyz="0.5 0 0"/>
+</joint><transmission name="drive"/><gazebo reference="maß-²"/></robot>"""
 
 
 def test_urdf_swings_by_its_closed_equation(made):
@@ -135,7 +135,7 @@ def test_urdf_swings_by_its_closed_equation(made):
 
     notes, structure, _ = made(URDF, suffix="urdf")
     scene = structure.build()
-    assert scene.mass[scene.bodies["arm_1"]] == 1.5
+    assert scene.mass[scene.bodies["maß_2"]] == 1.5
     arm, inertia = 1 * 0.2 + 0.5 * 0.5, 0.02 + 0.2**2 + 0.001 + 0.5 * 0.5**2
 
     def swing(_, state):
@@ -146,18 +146,19 @@ def test_urdf_swings_by_its_closed_equation(made):
     exact = solve_ivp(swing, (0, 1), (0, 0), rtol=1e-10, atol=1e-12, t_eval=np.linspace(0, 1, 11))
     np.testing.assert_allclose(outcome.openings["hinge"], exact.y[0], atol=2e-5)
     assert "link base has the mass of its shapes at 1000 kg/m3" in notes
-    assert "body tool is held rigidly on arm-1" in notes
-    assert "arm-1 is called arm_1 among bodies" in notes
+    assert "body tool is held rigidly on maß-²" in notes
+    assert "maß-² is called maß_2 among bodies" in notes
     assert "<transmission> of <robot> two is not taken: it has no equivalent" in notes
     assert "<gazebo> of <robot> two is not taken: it has no equivalent" in notes
 
 
 def test_meshes_that_give_no_mass_need_no_file(tmp_path):
     mesh = '<collision><geometry><mesh filename="package://none/arm.stl"/></geometry></collision>'
-    (tmp_path / "arm.urdf").write_text(URDF.replace("</link>\n<link", f"{mesh}</link>\n<link"))
+    text = URDF.replace("</link>\n<link", f"{mesh}</link>\n<link")
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
     notes = convert(tmp_path / "arm.urdf", tmp_path / "arm.yaml")
     assert structures.load(tmp_path / "arm.yaml").build().mass.max() == 1.5
-    assert any(note.startswith("contact of arm-1, base is not taken") for note in notes)
+    assert any(note.startswith("contact of base, maß-² is not taken") for note in notes)
 
 
 def test_parameters_of_what_acts_can_be_intervals(made):
@@ -227,6 +228,14 @@ LEFT = {  # XML of the body, the rest, and what is said of it
     "least length of a tendon": (
         FREE, '<tendon><spatial name="t" range="0.5 2"><site site="eye"/><site site="end"/>'
         "</spatial></tendon>", "limit of tendon t at 0.5 m",
+    ),
+    "range that no joint reaches at first": (  # it has no stiffness: a force moves nothing there
+        '<joint name="a"/>', '<worldbody><site name="top" pos="0.3 0.05 2"/></worldbody><tendon>'
+        '<spatial name="t" range="0 2"><site site="top"/><site site="end"/></spatial></tendon>',
+        "range of t",
+    ),
+    "range without a damping ratio": (
+        '<joint name="a" range="-1 1" solreflimit="0.02 0"/>', "", "range of a",
     ),
     "actuator that is off": (
         '<joint name="a"/>', '<option actuatorgroupdisable="2"/><actuator><motor name="m" joint="a"'

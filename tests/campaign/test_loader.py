@@ -52,6 +52,11 @@ def test_keys_are_text():
         read("a: 1\n[3]: x", "x")
 
 
+def test_names_have_one_spelling_and_paths_keep_theirs():
+    text = "e\u0301: {of: [e\u0301], file: e\u0301}"
+    assert read(text, "x").data == {"é": {"of": ["é"], "file": "e\u0301"}}
+
+
 def test_whole_numbers_and_names_as_programs_write_them():
     plain = {
         "campaign": "test", "scene": {"name": "bennett", "parameters": {"elements": 2}},

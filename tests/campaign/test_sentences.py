@@ -361,7 +361,8 @@ CASES_OF_CASES = {
         ("quantity_cell", None), ("quantity_cell", NEVER), ("quantity_cell", TIME),
         ("quantity_cell", TIME | {"runs_without": 2, "predicted_ends": ["upper"], "error": None}),
         ("curve_cell", None), ("curve_cell", WIDE),
-        ("curve_cell", WIDE | {"lower_change": 0.01, "upper_change": 0.02}),
+        *(("curve_cell", WIDE | {"lower_change": 0.01, "upper_change": 0.02} | at)
+          for at in ({"instants": 9.0}, {"interpolation_error": 0.003})),
         ("whole", NEVER), ("whole", BOTH_ENDS),
         ("whole", BOTH_ENDS | {"lower_error": None, "upper_error": 0.2, "never": ["hot"]}),
         ("whole", BOTH_ENDS | {"censored_cases": ["hot"]}),

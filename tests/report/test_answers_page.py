@@ -56,7 +56,7 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index("all requirements are met in ") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
-                   "the nearest failure violates <code>in_time</code>",
+                   "On its edge, <code>in_time</code>",
                    "Choose <code>k</code> = ",
                    'id="choice"', "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
         assert words_ in page

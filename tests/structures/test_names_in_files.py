@@ -54,7 +54,8 @@ WRITINGS = {
     "points for whole numbers": other(("{value: 2, whole", "{value: 2.0, whole")),
     "powers for whole numbers": other(("{value: 2, whole", "{value: 0.2e1, whole")),
     "accents": other(("fold", "öffnung"), ("k:", "κ:"), ("stiffness: k", "stiffness: κ")),
-    "decomposed accents": other(("fold:", "o\u0308ffnung:"), ("opening: fold", "opening: öffnung")),
+    "decomposed accents": other(("fold:", "o\u0308ffnung:"), ("opening: fold", "opening: öffnung"),
+        ("O: [0", "e\u0301: [0"), ("centre: O", "centre: e\u0301"), ("at: O", "at: é")),
     "a micro sign": other(("friction:", "µ:"), ("moment: friction", "moment: µ")),
     "numbers": other(
         ("arm", "1"), ("hinge", "2"), ("B:", "3:"), ("A, B, C", "A, 3, C"), ("rod", "10"),

@@ -80,9 +80,9 @@ def flap(**overall) -> fpm.Structure:
     s.parameter("L", 1, "m", range=(0.1, np.float64(10)))
     s.parameter("n", np.int64(1), whole=True)
     s.point("root", np.zeros(3))
-    s.point("tip", ["L", 0, 0.0])
+    s.point("ti\u0301p", ["L", 0, 0.0])
     inertia = [np.float32(0.5), 0.1 + 0.2, 0.25]
-    s.body("panel", mass=2, centre="tip", points=["root"], inertia=inertia)
+    s.body("panel", mass=2, centre="típ", points=["root"], inertia=inertia)
     s.joint("hinge", type="revolute", parts=["ground", "panel"], at="root", axis=(0, -1, 0))
     s.action("spring", type="torsion spring", joint="hinge", stiffness="n*0.2 N m", rest="90 deg",
              class_=None)  # fmt: skip
@@ -97,6 +97,7 @@ def test_numbers_are_kept_to_the_last_bit():
 
 
 def test_what_is_wrong_is_told_by_key_all_at_once():
+    assert "<pre>empty has 1 problem" in fpm.Structure("empty")._repr_html_()
     s = flap()
     s.joint("hung", type="revolute", parts=["ground", "pannel"], at="root", axis="up")
     s.action("tight", type="damper", joint="hinge", damping=-1, dampin=2, class_="FR")

@@ -53,10 +53,11 @@ def main(arguments: list[str]) -> int:
         parser.error(f"there is no command {arguments[0]!r}{hint}; allowed: {', '.join(names)}")
     options, rest = parser.parse_known_args(arguments or ["--help"])
     if rest:
-        words = sorted({*re.findall(r"--[\w-]+", options.parser.format_help())})
+        allowed = {*re.findall(r"(?<!\w)--?\w[\w-]*", options.parser.format_help())}
+        words = sorted(word for word in allowed if word.startswith("--"))
         text = f"there is no option {rest[0]}{did_you_mean(rest[0], words)}"
         text = text if rest[0].startswith("-") else f"{rest[0]} is one word too many"
-        if rest[0] in words:
+        if rest[0].partition("=")[0] in allowed:
             text = f"{rest[0]} belongs behind the command: `{options.parser.prog} {rest[0]} ...`"
         options.parser.error(f"{text}; allowed: {', '.join(words)}")
     LOGGER.setLevel(options.level)

@@ -119,4 +119,4 @@ def _round_up(seconds: float) -> float:
 
 def _name(text: str) -> str:
     """Turn a text into a name that a response or quantity can have."""
-    return re.sub("[^A-Za-z0-9_]+", "_", text)
+    return re.sub(r"\W+", "_", text)

@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
+from unicodedata import normalize
 from xml.etree import ElementTree
 
 import numpy as np
@@ -128,7 +129,7 @@ class Draft:
 
     def add(self, group: str, text: str, **keys: Any) -> str:
         """Add an entry under the allowed name that is nearest to `text`, and return that name."""
-        name, entries = re.sub(r"[^A-Za-z0-9_]", "_", text), self.table[group]
+        name, entries = re.sub(r"\W", "_", normalize("NFKC", text)), self.table[group]
         name, room = name if name[:1].isalpha() else f"n{name}", group.replace("parameters", "let")
         while name in entries or not self._names.allows(name, "", 0, room):
             name += "_"
@@ -322,11 +323,19 @@ def _close(draft: Draft, equality: int, **keys: Any) -> None:
     draft.add("joints", name, **keys)
 
 
-def _limit(solref: np.ndarray, solimp: np.ndarray, inverse: float) -> dict[str, Any]:
+def _limit(
+    draft: Draft, name: str, stop: str, solref: np.ndarray, solimp: np.ndarray, inverse: float
+) -> dict[str, Any]:
     """Stiffness and damping of MuJoCo's soft limit: with the impedance d its force is d/A (-b v - k
-    r); A, `inverse`, is the acceleration by a unit force (its documentation, Computation)."""
+    r); A, `inverse`, is the acceleration by a unit force (its documentation, Computation). Empty
+    where they are not finite. name, stop: of what has it, and of what it becomes, for the note."""
     a, b = map(float, solref)
     d = float(np.clip(solimp[1], 1e-4, 0.9999))
+    if inverse <= 1e-12 * draft.model.body_invweight0.max() or b == 0 < a:
+        reason = f"MuJoCo's limit has no finite stiffness; add a {stop} with that of the real one"
+        draft.leave_out(f"range of {name}", reason)
+        return {}
+    draft.notes.append(f"range of {name} is a {stop} about as soft as MuJoCo's limit")
     values = (1 / (d * a**2 * b**2), 2 / a) if a > 0 else (-a / d, -b)
     return dict(zip(("stiffness", "damping"), digits(np.array(values) / inverse), strict=True))
 
@@ -343,10 +352,10 @@ def add_joint_forces(draft: Draft) -> None:
         draft.act(joint, opening, "frictionloss", m.dof_frictionloss[dof], **sticks)
         if m.jnt_limited[joint]:
             lower, upper = (with_unit(x, unit) for x in sorted(sign * m.jnt_range[joint]))
-            keys = _limit(m.jnt_solref[joint], m.jnt_solimp[joint], m.dof_invweight0[dof])
-            keys |= {"type": "stop", "joint": opening, "lower": lower, "upper": upper}
-            draft.add("actions", f"{opening}_range", **keys)
-            draft.notes.append(f"range of {opening} is a stop about as soft as MuJoCo's limit")
+            soft = m.jnt_solref[joint], m.jnt_solimp[joint], m.dof_invweight0[dof]
+            if keys := _limit(draft, opening, "stop", *soft):
+                keys |= {"type": "stop", "joint": opening, "lower": lower, "upper": upper}
+                draft.add("actions", f"{opening}_range", **keys)
 
 
 def add_tendons(draft: Draft) -> None:
@@ -367,12 +376,12 @@ def add_tendons(draft: Draft) -> None:
         elif damping:
             draft.leave_out(f"damping of tendon {name}")
         if m.tendon_limited[tendon]:
-            soft = m.tendon_solref_lim[tendon], m.tendon_solimp_lim[tendon]
-            k = _limit(*soft, m.tendon_invweight0[tendon])["stiffness"]
+            fields = m.tendon_solref_lim, m.tendon_solimp_lim, m.tendon_invweight0
             low, rest = digits(m.tendon_range[tendon])
             text = f"{name}_range" if stiffness else name
-            draft.add("cables", text, through=ends, EA=rest * k, rest=rest)
-            draft.notes.append(f"range of {name} is a cable about as soft as MuJoCo's limit")
+            if keys := _limit(draft, name, "cable", *(field[tendon] for field in fields)):
+                EA = rest * keys["stiffness"]
+                draft.add("cables", text, through=ends, EA=EA, rest=rest)
             if low > 0:
                 draft.leave_out(f"limit of tendon {name} at {low:.6g} m", "cables do not push")
 

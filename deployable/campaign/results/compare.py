@@ -13,8 +13,9 @@ from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.cases import facts_of_cases
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
+from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import quantity, spread
-from fpm.structures.reading import commas
+from fpm.structures.reading import commas, join_key
 
 Curves = dict[str, dict[str, ResponseBounds]]
 """Bounds of responses by name, then by the label of their results."""
@@ -39,15 +40,15 @@ def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     summaries = {label: read_json(folder / "summary.json") for label, folder in folders.items()}
     states = {label: _state(facts, folders[label]) for label, facts in summaries.items()}
     names = dict.fromkeys(name for state in states.values() for name in state)
-    differences = [
-        name for name in names
-        if len({state.get(name) for state in states.values()}) > 1
-        and (name.startswith("design.") or all(name in state for state in states.values()))
-    ]  # fmt: skip
+    rows = [row for facts in summaries.values() for row in facts["fixed"] + facts["parameters"]]
+    for name in {row["name"] for row in rows}:
+        if any(name not in state for state in states.values()):  # of another structure
+            del names[name]
+    differences = [n for n in names if len({state.get(n) for state in states.values()}) > 1]
     changes = {
-        label: "; ".join(f"{n} {state[n]}" for n in differences if n in state) or "nothing"
-        for label, state in states.items()
-    }
+        label: "; ".join(f"{n} {state[n]}" if n in state else f"no {n}" for n in differences)
+        or "nothing" for label, state in states.items()
+    }  # fmt: skip
     curves: Curves = {}
     for label, folder in folders.items():
         for response in read_bounds(folder).responses:
@@ -65,27 +66,48 @@ def _state(facts: Mapping[str, Any], folder: Folder) -> dict[str, str]:
     for row in facts["parameters"]:
         state[row["name"]] = f"{quantity(row['nominal'], row['units'], 6)}, {spread(row)}"
     plan = read_json(folder.plan)
-    for section in ("solver", "design", "accuracy", "responses", "quantities"):
-        for key, value in plan["config"][section].items():
-            if key != "duration" and value not in (None, "", [], {}):
-                state[f"{section}.{key}"] = re.sub("[\"'{}]", "", str(value))
+    sections = plan["config"] | facts.get("config", {})
+    for section, keys in sections.items():
+        is_said = section in ("name", "scene", "intervals")  # above
+        for key, value in (keys if isinstance(keys, dict) else {"": keys}).items():
+            if not is_said and key != "duration" and value not in (None, "", [], {}):
+                state[join_key(section, key)] = re.sub("[\"'{}]", "", str(value))
+    for row in facts.get("requirements", ()):
+        texts = [sentence("limit", limit, escapes=False) for limit in row["limits"]]
+        state[f"requirements.{row['name']}"] = " and ".join(texts)
     return state | {"bounds": facts["bounds"], "structure and code": plan["mechanics"]}
 
 
 def _curve(rows: Mapping[str, ResponseBounds], labels: list[str]) -> dict[str, Any]:
     """Compare one response of several results: where its bounds are widest, and their distance from
-    those of the first result that has the response, where both have values."""
+    those of the first result that has the response."""
     first, by_case = next(iter(rows.values())), dict.fromkeys(labels, None)
     for label, response in rows.items():
         place, units = response.widest, response.units
         row = {"width": response.width[place], "time": response.time[place],
                "lower": response.lower.min(), "upper": response.upper.max()}  # fmt: skip
-        is_same = (units, response.abscissa) == (first.units, first.abscissa)
-        time = first.time[first.time <= response.time[-1]]
-        for end in ("lower", "upper") if is_same and response is not first else ():
-            curve = np.interp(time, response.time, getattr(response, end))
-            change = np.abs(curve - getattr(first, end)[: len(time)]).max()
-            row[f"{end}_change"] = change if change > 1e-12 * np.abs(curve).max() else 0.0
+        if response is not first and (units, response.abscissa) == (first.units, first.abscissa):
+            row |= _changes(first, response)
         by_case[label] = {name: float(value) for name, value in row.items()} | {"units": units}
     keys = {"name": first.name, "long_name": first.long_name, "units": first.units}
     return {**keys, "by_case": [*by_case.values()]}
+
+
+def _changes(first: ResponseBounds, response: ResponseBounds) -> dict[str, float]:
+    """Return the largest changes of both bounds at the `instants` that both have. Where that is the
+    start alone, the others are interpolated, with an `interpolation_error` by second differences.
+    """
+    places = np.interp(first.time, response.time, np.arange(len(response.time)))
+    gaps = np.abs(response.time[np.rint(places).astype(int)] - first.time)
+    is_compared, row = gaps < 1e-9 * first.time[-1], {}
+    if is_compared.sum() > 1:
+        row["instants"] = is_compared.sum()
+    else:
+        is_compared = first.time <= response.time[-1]
+        bends = np.diff([response.lower, response.upper], 2)
+        row["interpolation_error"] = np.abs(bends).max(initial=0.0) / 8
+    for end in ("lower", "upper"):
+        curve = np.interp(first.time, response.time, getattr(response, end))
+        change = np.abs(curve - getattr(first, end))[is_compared].max()
+        row[f"{end}_change"] = change if change > 1e-12 * np.abs(curve).max() else 0.0
+    return row

@@ -2,6 +2,8 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from typing import Any
 
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
@@ -15,11 +17,12 @@ from deployable.campaign.results.templates import summary_text
 
 def summarise(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = (),
-    review: str | None = None,
+    review: str | None = None, **sections: Any,
 ) -> str:  # fmt: skip
     """Write a campaign's results as `summary.json` and `summary.md` into its folder, and return the
     latter's text. published, answers: as in `facts_of`; review: key of the standard for
-    `review.csv` and `review.md`; None: these are not written."""
+    `review.csv` and `review.md`; None: these are not written; sections: further ones of the
+    config that decide the results beside those of the plan."""
     facts, experiment = facts_of(folder, published, answers), read_plan(folder.plan).experiment
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])
@@ -33,7 +36,8 @@ def summarise(
         }
         write_result(folder / "review.csv", sheet.as_csv(rows, review))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
+    facts["config"] = {"published": published, "review": review, **sections}
     text = summary_text(shown_facts(facts, experiment))
-    write_result(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
+    write_result(folder / "summary.json", json.dumps(facts, indent=2, default=asdict) + "\n")
     write_result(folder / "summary.md", text)
     return text

@@ -46,5 +46,6 @@ def work(
             )
     with step("writing the answers"):
         include_runs(folder, further_runs)
-        summarise(folder, published, answers, review)
+        sections = {"choose": choose, "verify": verify, "measured": measured}
+        summarise(folder, published, answers, review, **sections)
     notify(f"answers: {folder / 'summary.md'}")

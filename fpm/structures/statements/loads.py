@@ -16,7 +16,7 @@ from fpm.elements.cables.strut import gas_table
 from fpm.elements.joints.hinge import list_names
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drag import stations
-from fpm.errors import SceneError, fold_name
+from fpm.errors import SceneError
 from fpm.scenes.curve import Curve, CurveError
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import (
@@ -79,10 +79,10 @@ def curve(build, args):
         if len(args.times) != len(args.values):
             build.refuse("values", args.values, f"{len(args.times)} numbers, one for each time")
         return build.scene.add_curve(args.times, args.values, smooth)
-    column = fold_name(args.column)
+    column = args.column
     if column not in args.file.columns:
         allowed = f"a column of the file, {', '.join((*args.file.columns, *args.file.faults))}"
-        raise SceneError("column", args.column, allowed, args.file.faults.get(column, ""))
+        raise SceneError("column", column, allowed, args.file.faults.get(column, ""))
     return build.scene.add_curve(args.file.times, args.file.columns[column], smooth)
 
 

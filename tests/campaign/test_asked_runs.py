@@ -66,7 +66,8 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
 
 
 def test_their_quantities_have_intervals(raw, tmp_path):
-    """The largest stress of a few milliseconds: with ends that were simulated."""
+    """The largest stress of a few milliseconds, which instants alone miss: with ends that were
+    simulated."""
     raw["responses"] |= STRESS
     raw["quantities"] = {"peak": {"largest": "stress"}}
     campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
@@ -79,7 +80,8 @@ def test_their_quantities_have_intervals(raw, tmp_path):
     with xarray.open_dataset(folder.samples) as samples:
         stress = samples["values"].sel(response="stress")
         peaks = stress.max("time").values
-        np.testing.assert_allclose(samples["quantities"][:, 0], peaks, rtol=0.05)
+        ratios = samples["quantities"][:, 0].values / peaks  # read between the instants, too
+        assert (ratios > 0.999).all() and (ratios < 3).all()
 
 
 def test_with_responses_only_they_are_there_too(raw, tmp_path):

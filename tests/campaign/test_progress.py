@@ -119,7 +119,7 @@ def test_a_stage_says_what_it_does_while_it_works(raw, tmp_path, monkeypatch, ti
 
     class Reached(Exception): ...
 
-    def wait(*rest):
+    def wait(*rest, **options):
         time.sleep(0.1)
         raise Reached
 

@@ -200,7 +200,9 @@ def _calibrate(
     def notify_of(indices: Sequence[int], text: str) -> None:
         notify(f"{', '.join(tests[t].name for t in indices)}: {text}")
 
-    evaluate = lambda t, points, halvings: tests[t].evaluate(points, halvings)  # noqa: E731
+    def evaluate(t: int, points: np.ndarray, halvings: int) -> np.ndarray:
+        return tests[t].evaluate(points, halvings)
+
     arguments = [test.measurement for test in tests], times, evaluate, hull
     waves = max(1, verify.max_iterations)
     if data is None:

@@ -24,19 +24,7 @@ Curves = dict[str, dict[str, ResponseBounds]]
 def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     """Return the facts of several folders of results as plain data, with the curves of all
     responses. Raises `CampaignError` for a folder without results."""
-    for path in (path_by_folder := {Path(abspath(path)): str(path) for path in paths}).values():
-        if len(path_by_folder) < max(len(paths), 2):
-            text = "the same folder is given twice" if len(paths) > 1 else "nothing to compare"
-            raise CampaignError(f"{path}: {text}; allowed: two different folders or more")
-    labels = [path.name for path in path_by_folder]
-    if len({*labels}) < len(labels):  # of the same campaign
-        labels = [*path_by_folder.values()]
-    folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
-    for folder in folders.values():
-        if not (folder / "summary.json").exists():
-            fault = "is no folder" if not folder.path.is_dir() else "has no summary.json"
-            text = f"{folder.path} {fault}; allowed: a folder of finished results"
-            raise CampaignError(f"{text}, of a campaign with cases that of one case")
+    folders = _folders(paths)
     summaries = {label: read_json(folder / "summary.json") for label, folder in folders.items()}
     states = {label: _state(facts, folders[label]) for label, facts in summaries.items()}
     names = dict.fromkeys(name for state in states.values() for name in state)
@@ -53,8 +41,26 @@ def compare(paths: Sequence[str | Path]) -> tuple[dict[str, Any], Curves]:
     for label, folder in folders.items():
         for response in read_bounds(folder).responses:
             curves.setdefault(response.name, {})[label] = response
-    facts = facts_of_cases(f"Comparison of {commas(labels)}", folders, summaries, changes)
-    return facts | {"curves": [_curve(rows, labels) for rows in curves.values()]}, curves
+    facts = facts_of_cases(f"Comparison of {commas([*folders])}", folders, summaries, changes)
+    return facts | {"curves": [_curve(rows, [*folders]) for rows in curves.values()]}, curves
+
+
+def _folders(paths: Sequence[str | Path]) -> dict[str, Folder]:
+    """Return folders of results by the labels that tell them apart."""
+    for path in (path_by_folder := {Path(abspath(path)): str(path) for path in paths}).values():
+        if len(path_by_folder) < max(len(paths), 2):
+            text = "the same folder is given twice" if len(paths) > 1 else "nothing to compare"
+            raise CampaignError(f"{path}: {text}; allowed: two different folders or more")
+    labels = [path.name for path in path_by_folder]
+    if len({*labels}) < len(labels):  # of the same campaign
+        labels = [*path_by_folder.values()]
+    folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
+    for folder in folders.values():
+        if not (folder / "summary.json").exists():
+            fault = "is no folder" if not folder.path.is_dir() else "has no summary.json"
+            text = f"{folder.path} {fault}; allowed: a folder of finished results"
+            raise CampaignError(f"{text}, of a campaign with cases that of one case")
+    return folders
 
 
 def _state(facts: Mapping[str, Any], folder: Folder) -> dict[str, str]:

@@ -92,19 +92,17 @@ class Key:
         return self
 
     def read(self, node: Any, place: Any) -> Callable[[Any], Any]:
-        """Read this key's value in a structure file, once; returns a function of the Builder of a
-        sample, which returns the value there (SI units), or raises SceneError if it is not allowed.
-        node: the value (Node of the YAML file); place: where it stands (Place). What is wrong with
-        the text is noted in place.problems, and SkippedError raised."""
+        """Read this key's value (a Node) in a structure file, once; return a function of a sample's
+        Builder, which returns the value (SI units) or raises SceneError. What is wrong with the
+        text is noted in place.problems, and SkippedError raised. place: where it stands (Place)."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Number(Key, NumberLimits):
-    """A number, or `count` of them, with their limits. finite: whether infinity is refused;
-    optional: whether None is allowed; zero: whether descriptions say a 0; joint: key of the entry
-    that names the joint that it may be about: if that is a slide, the unit is that of
-    SLIDE_UNITS."""
+    """A number, or `count` of them, with limits. finite: whether infinity is refused; optional:
+    whether None is allowed; zero: whether descriptions say a 0; joint: key of the entry that names
+    its joint: on a slide the unit is that of SLIDE_UNITS."""
 
     finite: bool = field(default=True, kw_only=True)
     optional: bool = field(default=False, kw_only=True)
@@ -173,10 +171,9 @@ class Word(Key):
 
 @dataclass(frozen=True)
 class Index(Key):
-    """An index into a list of the scene; in files the name of what is there. group: name of the
-    list, as "hinges"; least: -1 where that is allowed and means none, else 0; types: if the list is
-    of hinges, which of them it may refer to ("revolute", ...), empty: all; only_angles: whether
-    none whose opening is a length."""
+    """An index into a list of the scene, in files a name. group: the list, as "hinges"; least: -1
+    where that is allowed and means none; types: of hinges, allowed types, (): all; only_angles:
+    whether none whose opening is a length."""
 
     group: str = ""
     least: int = 0
@@ -200,19 +197,17 @@ def _field(kind: type[Any], default: Any, **keys: Any) -> Any:
 def number(
     unit: str = "", least=-inf, above=-inf, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
-    """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
-    least, above: lower bound, itself allowed (least) or not (above); default: MISSING where a value
-    must be given; is_shown: whether descriptions of elements say it (a single number); keys: more
-    attributes of its `Number` (count, finite, zero, is_topology, words, text)."""
+    """Declare a dataclass field that holds one or more numbers. least, above: lower bound, itself
+    allowed or not; default: MISSING where a value must be given; is_shown: whether descriptions say
+    it (a single number); keys: more attributes of its `Number`."""
     keys["is_shown"] = is_shown and keys.get("count", 1) == 1
     keys.setdefault("optional", default is None)
     return _field(Number, default, unit=unit, least=least, above=above, **keys)
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
-    """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: such as
-    "N/m"; words: its name in messages, where {noun} stands for the type's noun; keys: further
-    arguments of `number`."""
+    """Declare a dataclass field that holds a stiffness, at least 0. words: its name in messages;
+    keys: further arguments of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
@@ -230,9 +225,8 @@ def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
 
 
 def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
-    """Declare a dataclass field of an element that holds an index into a list of the scene. group:
-    name of the list, as "hinges"; least: -1 where that is allowed and means none, else 0; default:
-    MISSING where one must be given; keys: further ones of its `Index` (types, words, text)."""
+    """Declare a dataclass field that holds an index into the list `group` of the scene. least,
+    default: -1 where none is allowed; keys: further ones of its `Index` (types, words, text)."""
     return _field(Index, default, group=group, least=least, is_topology=True, **keys)
 
 

@@ -110,12 +110,10 @@ class ExpressionError(ValueError):
 
 
 class Expression:
-    """An arithmetic expression with units of a structure file, parsed once. text: as written, such
-    as `2 * P.x + 5 mm` or `P + 0.3*(Q - P)`. names: set of those in it (`P.x`: a coordinate of P);
-    dimension(names): returns its physical dimension from theirs (by name), ExpressionError where
-    they clash. parts: functions of the names' values, inner ones first, for what operations and
-    functions in it give, and for differences that vanish where `min`, `max`, `interpolate` bend.
-    ExpressionError for text that is not arithmetic."""
+    """An arithmetic expression with units, parsed once; ExpressionError if `text` is none. names:
+    set of those in it (`P.x`: a coordinate of P); dimension(names): its physical dimension from
+    theirs; parts: functions of the names' values, inner ones first, for what operations and
+    functions in it give, and for differences that vanish where `min`, `max`, `interpolate` bend."""
 
     def __init__(self, text: str):
         self.text = text

@@ -26,9 +26,8 @@ class Dimension(NamedTuple):
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:
-        """Return whether a value of this dimension may stand where `dimension` is required: if the
-        powers of kg, m and s are equal, or if this one is a number without unit, which fits all;
-        and if both are of vectors or both of numbers."""
+        """Return whether a value of this dimension may stand where `dimension` is required: powers
+        are equal, or this is a number without unit; and both are of vectors or of numbers."""
         is_one = self.vector == dimension.vector
         return is_one and (self.bare or self.powers == dimension.powers)
 

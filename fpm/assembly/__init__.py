@@ -15,9 +15,8 @@ from fpm.assembly.search import MisfitError, RestSearch, Words
 
 
 class Assembly(NamedTuple):
-    """Result of forcing the parts of a scene together (`assemble`). energy: strain energy after it
-    (J); joint, gap, tilt: of the joint most open before it, name, distance of its points (m) and
-    largest angle (rad) between directions that should agree; rounds: number of Newton steps;
+    """Result of `assemble`. energy: strain energy after it (J); joint, gap, tilt: of the joint most
+    open before it, name, distance of points (m) and largest angle (rad); rounds: of Newton steps;
     openings: joint coordinates of scene.hinges before (rad; m of slides)."""
 
     energy: float
@@ -30,10 +29,9 @@ class Assembly(NamedTuple):
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
     """Force a scene's parts (changed in place) together at its joints, in static balance, at rest.
-
-    Positions and frames become those of the assembled structure, scene.assembly the result. Beams
-    keep lengths and axes without stress; points stated later refer to the scene before. hold: names
-    of hinges whose joint coordinate stays as stated. MisfitError where no balance is found."""
+    Beams keep lengths and axes without stress; points stated later refer to the scene before. hold:
+    names of hinges whose joint coordinate stays as stated. MisfitError where no balance is
+    found."""
     if not len(scene.position):
         return
     words = Words(

@@ -65,12 +65,10 @@ class ParticlePoses(NamedTuple):
 def slopes(
     function, first: ParticlePoses, second: ParticlePoses, shifts: bool = True
 ) -> np.ndarray:
-    """Return exact derivatives (e, k, 12) of a function by the motions of e pairs of particles, by
-    complex steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in
-    global axes. function(first, second): returns values (..., e, k); it takes complex poses and
-    must be analytic: no abs (whose derivative would come out as 0), conj or casts to real numbers.
-    first, second: poses of the e first and second particles; shifts: False: those by shifts are 0.
-    """
+    """Return exact derivatives (e, k, 12) of a function by the motions of e pairs of particles
+    (shift, m, and rotation vector, rad, of the first, then the second, global), by complex steps.
+    function(first, second): returns (..., e, k); it must be analytic: no abs (its derivative would
+    be 0), conj or casts to real numbers. shifts: False: those by shifts are 0."""
     values = function(first.perturb(0, shifts), second.perturb(1, shifts))
     derivatives = np.zeros((12, *values.shape[1:]))
     derivatives[slice(None) if shifts else TURNS] = values.imag / STEP
@@ -141,9 +139,8 @@ class Conditions(NamedTuple):
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, poses: ParticlePoses, impulses: np.ndarray, form: Form = sparse):
-        """Return derivatives (c, 6n) of all conditions by motions (m, rad) of the n particles at
-        poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,).
-        form: of both matrices (`sparse`, `full`)."""
+        """Return derivatives (c, 6n) of all conditions by motions (m, rad) of n particles, and
+        second ones (6n, 6n) of their sum with factors `impulses` (c,). form: of matrices."""
         shifts = bool(np.any(self.axis_types == BODY_FIXED))
         blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses), shifts)
         curvature = pair_matrix(blocks, self.pairs, len(poses.position), form)

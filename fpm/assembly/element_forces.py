@@ -40,12 +40,11 @@ of the slope itself, and of the largest slope."""
 
 
 class ElementForces:
-    """Computes the forces of elements of one type on the n particles of a scene, by their kernels.
-    `forces(poses)` returns (6n,): force (N), then moment (N m), global, on each particle in turn;
-    `linearise(poses)` these and their stiffness (6n, 6n). scene: theirs; elements: list, of one
-    type; stiff: degrees of freedom by which forces may change, beside those by which springs are
-    strained, all of which are in the attribute of that name. Their memory, as of a bristle's
-    deflection, goes on from call to call of `forces`."""
+    """Computes the forces of `elements`, of one type, on the n particles of a scene, by their
+    kernels: `forces(poses)` (6n,), force (N), then moment (N m), global, on each particle in turn,
+    and `linearise(poses)`. stiff: degrees of freedom by which forces may change, beside those by
+    which springs are strained. Their memory, as a bristle's deflection, goes on from call to call
+    of `forces`."""
 
     def __init__(self, scene, elements: list, stiff: Sequence[int] = ()):
         from fpm.kernels.compiled_loop import prepare_call
@@ -94,10 +93,9 @@ class ElementForces:
             array[:] = values
 
     def linearise(self, poses: ParticlePoses, form: Form = sparse) -> tuple[np.ndarray, Any]:
-        """Return forces (6n,) of the elements at `poses` (positions and frames of n particles),
-        force (N), then moment (N m) on each, and their stiffness (6n, 6n): minus the derivatives by
-        all motions (m, rad). The elements' memory (bristle deflections) is kept. form: of the
-        stiffness (`sparse`, `full`)."""
+        """Return forces (6n,) at `poses` and their stiffness (6n, 6n), minus the derivatives by all
+        motions (m, rad); the elements' memory is kept. form: of the stiffness (`sparse`,
+        `full`)."""
         history, fields = self.copy_history(), _fields_of(poses)
         self._put(fields)
         forces, columns = self._act_there()[:, 0].copy(), np.arange(len(self.stiff))
@@ -147,9 +145,8 @@ class ElementForces:
 
 
 class BalanceForces:
-    """Forces that are in static balance in a scene: those of its elastic bars, and of elements.
-    scene: theirs; sources: ElementForces, of each element type. The methods take `poses`, positions
-    and frames of all n particles; bars and sources are attributes."""
+    """Forces in static balance in a scene: those of its elastic bars (`bars`), and of elements
+    (`sources`: ElementForces of each type), at `poses` of all particles."""
 
     def __init__(self, scene, sources: Sequence[ElementForces]):
         self.bars, self.sources = elastic_of(scene), sources

@@ -17,10 +17,9 @@ from fpm.elements import Drag, Journal, Load, Motor, Release, Stop, TorsionSprin
 
 
 class Equilibrium(NamedTuple):
-    """Result of bringing a scene into static equilibrium (`balance`). openings: joint coordinates
-    of scene.hinges before (rad; m of slides); imbalance: largest force (N) or moment (N m) left on
-    a particle; largest: that elements of one type give on one; energy: strain energy of bars (J);
-    motion: farthest that a particle moved (m); positions: on the way."""
+    """Result of `balance`. openings: joint coordinates of scene.hinges before (rad; m of slides);
+    imbalance: largest force (N) or moment (N m) left on a particle; largest: that elements of one
+    type give; energy: of bars (J); motion: farthest of a particle (m); positions: on the way."""
 
     openings: tuple[float, ...]
     imbalance: float
@@ -31,13 +30,12 @@ class Equilibrium(NamedTuple):
 
 
 def balance(scene, hold: Mapping[str, float]) -> None:
-    """Bring a scene (changed in place) into static equilibrium, at the nearest stable position
-    downhill in energy; scene.equilibrium becomes the result (Equilibrium).
+    """Bring a scene (changed in place) into the nearest stable static equilibrium downhill in
+    energy.
 
-    Joints stay closed, and beams keep lengths and axes without stress. hold: joint coordinates
-    (rad; m of slides) of hinges, by name, that are held, to which they are led where they are
-    elsewhere; what moves or keeps openings exactly has to be among them. MisfitError where nothing
-    comes to rest, as a body that falls."""
+    Joints stay closed, beams keep lengths and axes without stress. hold: joint coordinates (rad; m)
+    of hinges that are held, by name, to which they are led; what moves or keeps openings exactly
+    has to be among them. MisfitError where nothing comes to rest, as a body that falls."""
     words = Words(
         "start",
         "equilibrium",
@@ -60,9 +58,8 @@ def balance(scene, hold: Mapping[str, float]) -> None:
 
 
 def _forces_at_start(scene) -> BalanceForces:
-    """Collect the forces of the static equilibrium at a scene's start: bars, and all elements that
-    store energy or load it, except friction and latches. Pins with play have no friction or
-    damping."""
+    """Collect the forces at a scene's start: bars, and all elements that store energy or load it,
+    but friction and latches. Pins with play have no friction or damping."""
     elements: dict[type[Any], Any] = {
         kind: kind.sweep_elements(scene)
         for kind in kinds_of([scene])

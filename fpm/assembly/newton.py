@@ -35,16 +35,14 @@ def linearise(
     """Set up linear equations of a Newton step to static balance; returns a function solve(forces,
     gap_changes) and the gradient (6n,) of strain energy plus conditions times impulses.
 
-    solve: takes forces (6n,), N and N m, and gap_changes (c,), by how much the conditions, times
-    `weight`, shall change; returns the motion (6n,), shifts as fractions of the size, turns (rad),
-    and the change (c,) of impulses, NaN where the matrix is singular. scene: for masses; poses: of
-    all n particles; conditions: the c that close joints (Conditions); balance: Elastic or
-    BalanceForces; impulses (c,): Lagrange multipliers of the conditions (N m); scales (6n,): size
-    (m) for shifts, 1 for turns; free: indices of degrees of freedom not held; weight (c,): factors
-    that make conditions dimensionless; ease: stiffness (N m) by which the largest mass, others in
-    proportion, holds back motions that strain nothing; mass: matrix (6n, 6n) of masses by scaled
-    motions, None: the scene's; form: of all matrices, `sparse` or, several times as fast for few
-    particles, `full`; convex: True: without what makes bars' energy concave."""
+    solve: from forces (6n,), N and N m, and gap_changes (c,) of the conditions times `weight`, the
+    motion (6n,), over `scales`, and change (c,) of impulses, NaN where the matrix is singular.
+    conditions: Conditions, c of them; balance: Elastic or BalanceForces; impulses (c,): their
+    Lagrange multipliers (N m); scales (6n,): size (m) for shifts, 1 for turns; free: degrees of
+    freedom not held; weight (c,): makes conditions dimensionless; ease: stiffness (N m) by which
+    the largest mass, others in proportion, holds back motions that strain nothing; mass: mass
+    matrix, None: the scene's; form: of matrices, `full` for few particles; convex: without what
+    makes bars' energy concave."""
     count = len(scales)
     gradient, stiffness = balance.derivatives(poses, form, convex)
     rows, curvature = conditions.derivatives(poses, weight * impulses, form)

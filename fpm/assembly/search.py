@@ -99,9 +99,8 @@ class Words(NamedTuple):
 
 class RestSearch:
     """Search of poses in stable balance of a scene's particles, the joints closed. targets: joint
-    coordinates of hinges that are held, by name, to which they are led; balance: the forces, which
-    follow the way; words: of refusals. Attributes: open_before, name, gap (m) and tilt (rad) of the
-    joint open most at the start; hinges, with openings at the poses followed last."""
+    coordinates to which hinges are led, by name; balance: the forces; words: of refusals.
+    Attributes: open_before, of the joint open most at the start; hinges, with openings."""
 
     def __init__(self, scene, targets: Mapping[str, float], balance: BalanceForces, words: Words):
         from scipy.sparse import diags_array
@@ -237,9 +236,8 @@ class RestSearch:
         return poses, impulses, count
 
     def _find_descent(self, poses, impulses):
-        """Return the motion (6n,) along which the energy falls to both sides at second order, or
-        None. It is the image of a vector on which the inverse of a round's matrix is negative
-        beyond rounding."""
+        """Return the motion (6n,) along which the energy falls to both sides, or None: the image of
+        a vector on which the inverse of a round's matrix is negative beyond rounding."""
         scales, (bars, elements, forces) = self._scales, self._balance.sizes(poses, self._scales)
         if not max(bars, elements, *forces):
             return None

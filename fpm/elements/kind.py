@@ -22,9 +22,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """Rigid, massless arm from a particle to a point, as of a joint off the link's axis. particle:
-    index; arm (3,), m: vector to the point, in the particle's own axes. The paper uses stiff beam
-    elements; the limit of infinite stiffness costs no element, and does not shorten the step."""
+    """Rigid, massless `arm` (3,), m, in a particle's own axes, from it to a point. The paper uses
+    stiff beams; the limit of infinite stiffness costs no element, and does not shorten the step."""
 
     particle: int
     arm: np.ndarray
@@ -183,9 +182,8 @@ class ElementType:
                 raise SceneError(self.subject(scene, key), value, key.allowed)
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
-        """Check that an index in one of the element's fields exists in a list of the scene; raises
-        SceneError if not. field: spec of the field: `group`, the list's attribute, and `least`, the
-        lowest index allowed (-1: none); value: the index."""
+        """Check that an index `value` in a field exists in the list `field.group` of the scene, or
+        is `field.least`, -1; else SceneError."""
         count = len(getattr(scene, field.group))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
@@ -246,8 +244,7 @@ class ElementType:
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
         """Return the names of the type's elements in a scene, for messages: one for each row in
-        which kernels note who fails; by default the type's word and a number. An object that stands
-        for several elements, as a group of beams, has several names."""
+        which kernels note who fails; a group of beams has several."""
         return [f"{cls.noun or cls.__name__} {i}" for i in range(len(cls.find(scene)))]
 
     @classmethod
@@ -294,13 +291,11 @@ class ElementType:
 
     @classmethod
     def array(cls, name: str, batch: Batch) -> Any:
-        """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "numbers": constants of each element, in the order of NUMBERS in the kernels'
-        module; "state": zeros, STATE for each element; "track": zeros, TRACK for each at every
-        instant; "account": index in World.accounts of the work that it gives, else of the energy
-        that it takes out; "rows", "log", "peaks", "work_account", "loss_account": what the methods
-        of Batch of these names, or with _of, return; any other: the elements' own field of that
-        name, as whole numbers. batch: the scenes that are simulated side by side."""
+        """Return the array for a field `name` of the kernels' tuple: "numbers": constants of each
+        element, as NUMBERS lists them; "state": zeros, STATE for each; "track": zeros, TRACK for
+        each at every instant; "account": index in World.accounts of the work that it gives, else of
+        what it takes; those of BATCH_ARRAYS; else the elements' own field, as whole numbers. batch:
+        the scenes side by side."""
         elements = cls.find(batch.scene)
         match name:
             case "numbers":
@@ -319,16 +314,14 @@ class ElementType:
 
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
-        """Return the sum (N), over this type's elements in a scene, of the forces that joints may
-        have to bear at rest because of them; by default 0. By it the program estimates the work of
-        rounding errors, and so how exactly the energy can balance."""
+        """Return the sum (N) of the forces that joints may have to bear at rest because of a
+        scene's elements; by default 0. The tolerance of the energy balance follows from it."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """Return the sum (N m), over this type's elements in a scene, of the moments that exactly
-        held joint coordinates may have to bear at rest because of them; by default 0. By it the
-        program estimates the work of rounding errors, and so how exactly the energy can balance."""
+        """Return the sum (N m) of the moments that exactly held coordinates may have to bear at
+        rest because of a scene's elements; by default 0, as `held_up`."""
         return 0.0
 
     @classmethod
@@ -345,9 +338,8 @@ class ElementType:
 
     @classmethod
     def read_records(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
-        """Return the recorded series of one sample after a run, by names of variables in its
-        trajectory file; by default none. part: arrays of the type's kernels; scene: the sample's;
-        lane: index of the sample among those simulated side by side."""
+        """Return the recorded Series of one sample, by variable of its trajectory file. part: the
+        kernels' arrays; scene: the sample's; lane: its index."""
         return {}
 
 

@@ -19,10 +19,9 @@ class SceneList(list):
         self._counts: dict[Any, int] = {}
 
     def share(self, function: Callable[[Any], Any]) -> tuple[Any, int]:
-        """Return function(scene) of the first scene, and the number of scenes, counted from the
-        first, that have the same value because they agree in all that the function read of the
-        first scene. A Reader in place of the scene records this. function: depends only on what it
-        reads of the scene, and does not keep the scene."""
+        """Return function(scene) of the first scene, and how many scenes from the first on have the
+        same value, as they agree in all that the function read of the first. function: depends only
+        on what it reads of the scene."""
         if len(self) == 1:
             return function(self[0]), 1
         reads: set[Any] = set()

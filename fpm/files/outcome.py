@@ -80,16 +80,14 @@ class Outcome(Curves):
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest constraint error in position (t,), m, at the recorded instants, of hinges solved
-        alone (`are_alone`: no other joint on their bodies), 0 without any: distance of both
-        particles' points, or of one to where it is held. Of others: `records["joint_gap"]`."""
+        """Largest error in position (t,), m, of hinges solved alone (`are_alone`) at the recorded
+        instants; of others: `records["joint_gap"]`."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest constraint error in axes (t,) at the recorded instants, of hinges solved alone
-        (`are_alone`: no other joint on their bodies), 0 without any: sine of the angle between the
-        axes that a hinge has on its particles. Of others: `records["joint_axis_gap"]`."""
+        """Largest error in axes (t,), sine, of hinges solved alone (`are_alone`) at the recorded
+        instants; of others: `records["joint_axis_gap"]`."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:

@@ -39,10 +39,9 @@ class DamagedError(OSError):
 
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
-    """Append a seal to the complete file at `path` (in JSON: insert it as the first key): a line of
-    JSON, in an HTML comment in pages, SVG and Markdown, with the facts and a digest of file and
-    facts. facts: text by key: `name` (what the file is) and whatever else its readers need. A JSON
-    file must be an object over several lines."""
+    """Append a seal to the complete file at `path` (in JSON, an object over several lines: insert
+    it as first key): a line of JSON, in an HTML comment in pages, SVG and Markdown, with `facts`
+    (text by key, with `name`, what the file is) and a digest of both."""
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)
@@ -61,9 +60,8 @@ def _json(data: Mapping) -> str:
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
-    """Check that a sealed file is as it was written; returns the facts in its seal, text by key.
-    path: of the file; name: what it must be (the fact `name`), None: anything. Raises DamagedError
-    if either does not hold, FileNotFoundError if there is no file."""
+    """Check that a sealed file is as it was written, and what `name` says (None: anything); return
+    the facts in its seal. DamagedError, or FileNotFoundError."""
     path = Path(path)
     if path.suffix == ".json":
         return check_content(path, read_bytes(path), name)
@@ -110,9 +108,8 @@ def unseal(path: str | os.PathLike) -> bytes:
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
-    """Check a sealed file by all its bytes, `content`; returns the facts in its seal, text by key.
-    path: its ending tells the format; name: what it must be (the fact `name`), None: anything.
-    Raises DamagedError if it is another, or not as it was written."""
+    """Check a sealed file by its bytes, `content`; return the facts in its seal. path: its ending
+    tells the format; name: as in `check`. DamagedError."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts
@@ -176,9 +173,8 @@ def _hash(path: Path, size: int):
 
 @contextmanager
 def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """Return a context manager that writes a file completely or not at all. It gives a temporary
-    path, which is renamed to `path` when the block ends, and removed after an error. facts: text by
-    key, with `name`, with which the file is sealed first; None: no seal."""
+    """Return a context manager that gives a temporary path, renamed to `path` when the block ends,
+    removed after an error. facts: of the file's seal, None: no seal."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Some writers need the ending, but a listing of netCDF files must not find an unfinished one.

@@ -18,9 +18,8 @@ from fpm.files import seals
 
 
 class NetcdfVariable(NamedTuple):
-    """A netCDF variable. dims: names of its dimensions; values: array of numbers or text;
-    attributes: by name, such as "units"; options: of `netCDF4.Dataset.createVariable`, and `kind`,
-    the type in the file, if it is not that of the values."""
+    """A netCDF variable: dimensions, values, attributes. options: of
+    `netCDF4.Dataset.createVariable`, and `kind`, the type in the file, if it is another."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -163,13 +162,11 @@ class Curves:
 def contents(
     outcomes, responses=(), attributes=None, parameters=None, runs=None, columns=None
 ) -> Contents:
-    """Return the contents of a trajectory file of runs of one structure, with names and units by
-    the CF conventions. outcomes: of the runs (fpm.Outcome), the first failure of which is raised;
-    responses: fpm.reading.responses.Response, whose values are added; attributes: further global
-    ones by name; parameters: (value of each run, unit) by name, coordinates `parameter_<name>`,
-    without unit if it is ""; runs: their names; columns: (variable, label) of the recorded
-    variables and, as "position", of the points to be written; None: no attributes, no parameters,
-    numbers, all."""
+    """Return the contents of a trajectory file of runs of one structure, by the CF conventions.
+    outcomes: of the runs, the first failure of which is raised; responses: whose values are added;
+    attributes: further global ones; parameters: (value of each run, unit) by name, coordinates
+    `parameter_<name>`; runs: their names; columns: (variable, label) of what is to be written, of
+    points as "position"; None: all."""
     for outcome in outcomes:
         if outcome.failure is not None:
             raise outcome.failure
@@ -313,10 +310,9 @@ def _responses(outcomes, responses) -> dict[str, NetcdfVariable]:
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-    """Return one run's trajectory as an xarray.Dataset, without the dimension of runs. outcome: the
-    run's (fpm.Outcome), whose failure is raised if it has one; responses: sequence of Response
-    whose values are added; attributes: further global ones by name; parameters: (value, unit) by
-    name, of the run; None: none."""
+    """Return one run's trajectory as an xarray.Dataset, without the dimension of runs. outcome:
+    whose failure is raised; responses: whose values are added; attributes: further global ones;
+    parameters: (value, unit) by name."""
     import xarray
 
     columns = {name: ([value], unit) for name, (value, unit) in (parameters or {}).items()}
@@ -335,9 +331,8 @@ def _is_coordinate(name: str, variable: NetcdfVariable) -> bool:
 
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **facts: str) -> None:
-    """Write trajectories (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
-    appears when it is complete. facts: texts by name for the seal, where `name` is what they are
-    called. Raises ValueError if a value is not finite; then no file is left."""
+    """Write trajectories (Contents or Dataset) to a whole, sealed netCDF file at `path`. facts: of
+    its seal, with `name`. ValueError if a value is not finite."""
     if not isinstance(trajectory, Contents):
         variables = {
             str(key): NetcdfVariable(tuple(map(str, v.dims)), v.values, v.attrs)
@@ -367,10 +362,9 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
 def read_curves(
     path: str | os.PathLike, name: str | None = None, runs: Iterable[str] | None = None
 ) -> dict[str, Curves]:
-    """Return curves and events of the runs in the trajectory file at `path`, by their names; all
-    are views of arrays of the file. name: what it must be called in its seal, None: anything; runs:
-    names of those to return, None: all. Raises OSError if there is no file,
-    seals.DamagedError (a subclass) if it is not as it was written, or has no dimension of runs."""
+    """Return curves and events of the runs in a trajectory file, by their names, as views of its
+    arrays. name: in its seal, None: anything; runs: those to return, None: all. OSError, or
+    seals.DamagedError if it is not as it was written, or has no dimension of runs."""
     import netCDF4
 
     seals.check(path, name)

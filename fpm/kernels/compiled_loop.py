@@ -72,9 +72,8 @@ def cache_folder() -> Path:
 
 
 def cache_file(name: str, form: str, arrays: type | None = None) -> Path:
-    """Return a file of compiled code (it may not exist). name: of the loop's function, or class;
-    form: of the arguments (`form_of`); arrays: class of the named tuple of an element type, None:
-    the loop's own."""
+    """Return a file of compiled code (it may not exist). name: of function or class; form: of the
+    arguments (`form_of`); arrays: class of an element type's named tuple, None: the loop's."""
     constants = [_constants_of(KERNELS[arrays, hook]) for hook in _hooks(arrays)] if arrays else []
     text = repr([form, constants])
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -97,8 +96,7 @@ def form_of(value: Any) -> str:
 
 def words_of(value: Any) -> list[int]:
     """Return the 64-bit words of an argument in memory, as compiled code reads them (of an array:
-    two pointers of Python, number and size of its items, address, shape, strides). value: an array,
-    int, float, None, or named tuple of such, which has to live on while the words are used."""
+    two pointers of Python, count and size of items, address, shape, strides); it has to live on."""
     if isinstance(value, np.ndarray):
         address = value.__array_interface__["data"][0]
         return [0, 0, value.size, value.itemsize, address, *value.shape, *value.strides]
@@ -346,9 +344,8 @@ def _make_ready(
     path: Path, compile_all: Callable[[], tuple[Code, bool]], is_kept: bool = True
 ) -> dict[str, int]:
     """Addresses of functions, loaded from their file, or compiled and written there. compile_all:
-    returns code, and whether other processes may load it, as it has no addresses of this one;
-    is_kept: False: the file is neither read nor written. The first process compiles, and others
-    wait for its lock; so do threads."""
+    returns code, and whether other processes may load it; is_kept: False: no file. The first
+    process compiles, and others wait for its lock; so do threads."""
     with THREADS, _one_at_a_time(path) if is_kept else ExitStack():
         code = _read(path) if is_kept else {}
         if not code:

@@ -7,9 +7,8 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def curve_value(world, curve, t):
-    """Return the value of a curve of time at time t (s): one number for all samples, polynomial
-    between the curve's points, constant before the first and after the last, in the unit of what
-    refers to it. world: solver state with all curves (World); curve: index, -1: always 1."""
+    """Return the value of a curve at time t (s). world: with all curves; curve: index, -1: constant
+    1."""
     if curve < 0:
         return 1.0
     times, values = world.curve_time, world.curve_value
@@ -44,9 +43,8 @@ def _point_after(times, first, last, t):
 
 @kernel
 def bend_after(world, curve, t):
-    """Return the time (s) from t (s) to the next point of a curve after t where its slope jumps;
-    infinite where none follows. world: solver state with all curves (World); curve: index, -1: the
-    curve that is always 1, which has no points."""
+    """Return the time (s) from t to the next point of a curve where its slope jumps, or
+    infinity."""
     if curve >= 0:
         times, last = world.curve_time, world.curve_start[curve + 1] - 1
         if times[last] > t:
@@ -57,8 +55,7 @@ def bend_after(world, curve, t):
 
 @kernel
 def curve_integral(world, curve, t):
-    """Return the exact integral of a curve of time from 0 to time t (s). world: solver state with
-    all curves (World); curve: index, -1: the curve that is always 1."""
+    """Return the exact integral of a curve from 0 to time t (s)."""
     if curve < 0:
         return t
     times, values = world.curve_time, world.curve_value
@@ -83,9 +80,8 @@ def curve_integral(world, curve, t):
 
 @kernel
 def curve_mean(world, curve, start, end):
-    """Return the mean of a curve of time between two times (s), start and end, from 0 on; exact but
-    for rounding, so that an impulse is right however short the curve's pulses are. world: solver
-    state with all curves (World); curve: index, -1: the curve that is always 1."""
+    """Return the mean of a curve between two times (s), exact but for rounding, so that an impulse
+    is right however short the curve's pulses are."""
     if curve < 0:
         return 1.0
     start = max(start, 0.0)
@@ -98,9 +94,8 @@ def curve_mean(world, curve, start, end):
 
 @kernel
 def kick_mean(world, curve, timing, steps=0):
-    """Return the mean of a curve of time over the kick of this step, from half a step before its
-    start to half a step after it, or over that of a later step. world: solver state with all curves
-    (World); curve: index; timing: times of this step (s); steps: how many later."""
+    """Return the mean of a curve over the kick of this step, half a step before to half a step
+    after its start, or of one `steps` later."""
     time = timing.time + steps * timing.step
     return curve_mean(world, curve, time - 0.5 * timing.step, time + 0.5 * timing.step)
 
@@ -108,8 +103,7 @@ def kick_mean(world, curve, timing, steps=0):
 @kernel
 def travel_factor(world, curve, by_rate, t):
     """Return by what a motor's turn (rad; by_rate: rad/s) is multiplied to give that made by time t
-    (s): the value of its curve or, if by_rate, the curve's integral from 0 to t. world: solver
-    state with all curves (World); curve: index, -1: the curve that is always 1."""
+    (s): its curve, or the integral of that from 0 to t."""
     if by_rate:
         return curve_integral(world, curve, t)
     return curve_value(world, curve, t)
@@ -118,8 +112,7 @@ def travel_factor(world, curve, by_rate, t):
 @kernel
 def travel_mean(world, curve, by_rate, timing):
     """Return `travel_factor` as a mean over the kick of this step, or, if by_rate, that at
-    timing.time: no pulse of a rate is lost between two times. world: solver state (World); curve:
-    index, -1: the curve that is always 1; timing: times of this step (s)."""
+    timing.time: no pulse of a rate is lost between two times."""
     if by_rate:
         return curve_integral(world, curve, timing.time)
     return kick_mean(world, curve, timing)

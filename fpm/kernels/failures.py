@@ -20,14 +20,11 @@ above which it is an instability; and checks without one after which it is over.
 
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
-    """Note in `record` the samples that fail at step n; returns whether all have failed for good. A
-    sample fails when its energy balance has an error above `tolerance` times the largest energy it
-    has had so far, when a number is not finite, or when a watched quantity is above its limit. An
-    error of the balance is forgiven once it is over, as where a contact strikes (`events.edge`), or
-    the run has held so much more energy that it is negligible beside it, as where teeth with play
-    first touch; it is final once it has grown. parts: arrays of
-    each element type; world: solver state (World); record: of the run (Record); row: index of this
-    step's energies in it; n: number of steps done."""
+    """Note in `record` the samples that fail at step n; return whether all have failed for good: by
+    an error of the energy balance above `tolerance` times the largest energy so far, a number not
+    finite, or a watched quantity above its limit. An error of the balance is forgiven once it is
+    over, as where a contact strikes, or negligible beside the energy held since, as where teeth
+    with play first touch; it is final once it has grown. row: index of this step's energies."""
     count = 0
     for s in range(record.scale.shape[0]):
         if record.worst[s] == math.inf:
@@ -79,8 +76,7 @@ def find_failures(parts, world, record, row, n, tolerance):
 
 @kernel
 def turn_in_step(world, i):
-    """Return the angle (rad, lanes) by which particle i turns in a step with the angular momentum
-    half a step before the instant. world: solver state (World), start_state that at the instant."""
+    """Return the angle (rad, lanes) by which particle i turns in a step."""
     body = to_local(frame(world.start_state, i), get3(world.start_state, i, P))
     half = times(get3(world.particles, i, HALF), body)
     return 2.0 * sqrt(dot(half, half))
@@ -88,11 +84,9 @@ def turn_in_step(world, i):
 
 @kernel
 def worst_row(parts, world, cause, s):
-    """Return the index in World.rows, one number an element, of the element to blame for the
-    failure of sample s (its lane): that of the first number not finite, else of the largest; -1:
-    none. cause: IMBALANCE, then the numbers are stored energies (J) of elements of all types; or
-    index of a watched quantity, then what `list_excess` stores for elements of the type that
-    watches it. parts: arrays of each element type; world: solver state, rows overwritten."""
+    """Return the index in World.rows (overwritten) of the element to blame for the failure of
+    sample s: of the first number not finite, else the largest; -1: none. cause: IMBALANCE, by
+    stored energies, or index of a watched quantity."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)

@@ -3,7 +3,11 @@
 A kind's kernel file has a named tuple of its arrays and, for what it does, kernels marked with
 `@hook(ItsTuple)` that are named as the hooks below. Loop and kernels are compiled apart
 (compiled_loop.py): at each hook the loop calls the kernels there are, in the order of the kinds. So
-a new mix of known kinds compiles nothing, and a scene pays nothing for what it lacks."""
+a new mix of known kinds compiles nothing, and a scene pays nothing for what it lacks.
+
+Kernels say nothing of what they all take: `part`, the arrays of their type, whose named tuple tells
+shapes and units (lanes: samples side by side); `world`, the World, or its `state`; `timing`, the
+StepTime (s); `row`, index of an instant; i, h, c, ..., indices of an element, a hinge, a cable."""
 
 import functools
 import inspect
@@ -27,10 +31,9 @@ NAMES: list[str] = []
 
 
 def hook(arrays: type, name: str | None = None) -> Callable:
-    """Return a decorator that compiles a function as a kernel and registers it as what an element
-    type does at one point of each step (a hook, as "forces"). arrays: the NamedTuple of the type's
-    arrays, the kernel's first argument; name: of the hook, None: the function's name. The
-    decorator raises ValueError for unknown or taken hooks."""
+    """Return a decorator that compiles a function as the kernel of an element type for a hook.
+    arrays: the type's NamedTuple; name: of the hook, None: the function's. ValueError for unknown
+    or taken ones."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -104,9 +107,8 @@ def _call_each(stub: Callable, body: str = "") -> Callable:
 
 
 def entry_of(arrays: type, name: str) -> tuple[Callable, list[str]]:
-    """Return what is compiled of the kernel that an element type has for a hook: a function of the
-    type's arrays and what the loop gives, whose names are returned as well. arrays: NamedTuple of
-    the type; name: of the hook."""
+    """Return what is compiled of an element type's kernel for a hook `name`: a function of the
+    type's `arrays` and of what the loop gives, and the names of that."""
     arguments, body = ENTRIES[name]
     tools = {"store": store, "local_copy": local_copy, "ACCOUNTS": ACCOUNTS}
     namespace: dict[str, Any] = {**tools, "kernel": KERNELS[arrays, name]}
@@ -126,67 +128,57 @@ def forces(parts, world, timing):
 
 @_call_each
 def note_events(parts, world, timing):
-    """Write the events of the step that ends now into logs, by `events.note`; not called at the
-    start. parts: arrays of each element type; world: solver state; timing: step times (s)."""
+    """Write the events of the step that ends now into logs (`record.note`); not at the start."""
 
 
 @_call_each
 def work_before(parts, world, timing):
     """Add to World.accounts the work (J) of the half step that ends now, from the present forces
-    and the velocities in the middle of the half step. Not called at the start. parts: arrays of
-    each element type; world: solver state (World); timing: times of this step (s)."""
+    and the velocities in its middle. Not called at the start."""
 
 
 @_call_each
 def restrain(parts, world, timing):
-    """Change summed forces and momenta of particles before they act, as supports and damping do,
-    and add to World.accounts the work (J) of the half step that begins. parts: arrays of each
-    element type; world: solver state (World); timing: times of this step (s)."""
+    """Change summed forces and momenta before they act, as supports and damping do, and add to
+    World.accounts the work (J) of the half step that begins."""
 
 
 @_call_each
 def prepare(parts, world, timing):
-    """Kick the bodies of joints, and get all ready for `solve`. The impulses of all forces on these
-    bodies, over timing.kick (s), are added to their momenta, and those that keep the joints closed
-    as well; element types whose `solve` finds these set World.undecided instead. Rigid motors store
-    the joint coordinate that they prescribe for the end of the step, rigid latches the mean rate of
-    theirs in the last one. parts: arrays of each element type; world: solver state (World),
-    changed; timing: times of this step (s)."""
+    """Kick the bodies of joints, over timing.kick (s), and apply the impulses that keep joints
+    closed; types whose `solve` finds these set World.undecided instead. Rigid motors store the
+    joint coordinate that they prescribe for the end of the step, rigid latches the mean rate in the
+    last one."""
 
 
 @_call_each
 def decide(parts, world, timing):
-    """Hold or free openings in this step (as rigid latches and rigid friction do), from the
-    impulses that `solve` found. An element that changes anything sets World.undecided, and `solve`
-    and `decide` are repeated; it may change only finitely often per step. parts: arrays of each
-    element type; world: solver state (World); timing: times of this step (s)."""
+    """Hold or free openings in this step, from the impulses that `solve` found. What changes
+    anything sets World.undecided, and `solve` and `decide` are repeated; it may do so finitely
+    often."""
 
 
 @_call_each
 def solve(parts, world, timing):
-    """Find the impulses of joints and other constraints in this step; called while World.undecided
-    is set. parts: arrays of each element type; world: solver state; timing: step times (s)."""
+    """Find the impulses of joints in this step; called while World.undecided is set."""
 
 
 @_call_each
 def move(parts, world, timing):
-    """Move the particles that an element type moves itself over timing.step (s). parts: arrays of
-    each element type; world: solver state (World), changed; timing: times of this step (s)."""
+    """Move the particles that an element type moves itself over timing.step (s)."""
 
 
 @_call_each
 def look_back(parts, world, timing):
-    """Correct the momenta half a step before the start, once, in the first step. `reflect` has just
-    set them, in World.start_state, to those at the start less the change in the half step after it;
+    """Correct the momenta half a step before the start, once, in the first step. `reflect` has set
+    them, in World.start_state, to those at the start less the change in the half step after it;
     corrected, they close the joints one step before the start too, so that the changes over the
-    first instant are right. Adds the impulses this takes to the joints' of this step. parts: arrays
-    of each element type; world: solver state (World), changed; timing: times of this step (s)."""
+    first instant are right. The impulses this takes are added to the joints' of this step."""
 
 
 @_call_each
 def work_after(parts, world, timing):
-    """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
-    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
+    """Add to World.accounts the work (J) of the half step after timing.time, or of the step."""
 
 
 # At checks and instants, with the positions of timing.time.
@@ -197,47 +189,37 @@ SUM_COLUMN = "ACCOUNTS + world.accounts.shape[1] + number"
 
 @functools.partial(_call_each, body=f"store(energies, row, {SUM_COLUMN}, kernel(part, world))")
 def sum_energies(parts, world, energies, row):
-    """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
-    `energies`, the recorded ones. The kernel that a type registers takes (part, world) and returns
-    that sum; to register `energy_of`, for one element, is simpler. parts: arrays of each element
-    type; world: solver state (World)."""
+    """Store the energy (J, lanes) of each type's elements in its column of `energies`, which the
+    kernel (part, world) returns; to register `energy_of`, for one element, is simpler."""
 
 
 @_call_each
 def work_of_place(parts, world, energies, row):
-    """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
-    arrays of each type; world: solver state; energies: Record.energies; row: instant's index."""
+    """Add work (J) that depends on positions only, as of weight, to recorded energies."""
 
 
 @_call_each
 def record(parts, world, row):
-    """Write what each element type records into its arrays, at recorded instants and at each check
-    of the energy balance between them, and raise World.peaks, the largest values so far of watched
-    quantities, which fail a run above their limit. parts: arrays of each element type; world:
-    solver state (World); row: index of the instant in these arrays, of a spare last row between."""
+    """Write what each type records into its arrays, at instants and at each check of the energy
+    balance between (`row`: a spare last one), and raise World.peaks, which fail a run above their
+    limit."""
 
 
 @_call_each
 def record_points(parts, world, points, row, timing):
-    """Overwrite the recorded velocities (m/s) of named points on particles that an element type
-    moves without momenta, as drives do. parts: arrays of each element type; world: solver state;
-    points ((instants + 1) p, 6, lanes): Record.points, of p named points, changed; row: index of
-    the recorded instant, whose point n is points[row p + n]; timing: times of this step (s)."""
+    """Overwrite recorded velocities (m/s) of points on particles that a type moves without momenta,
+    in `points` (Record.points), whose rows row p to row p + p - 1 are those of the instant."""
 
 
 @_call_each
 def work_due(parts, world, energies, row, timing):
-    """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
-    it, and the kinetic energy of what has no momenta, as drives do. parts: arrays of each element
-    type; world: solver state (World); energies: Record.energies; row: index of the instant; timing:
-    times of this step (s)."""
+    """Add to recorded energies the work (J) of impulses found in the step after the instant, and
+    the kinetic energy of what has no momenta, as drives do."""
 
 
 @_call_each
 def record_step(parts, world, row, timing):
-    """Write what each type records of the step that begins at an instant into its arrays. parts:
-    arrays of each element type; world: solver state, World.start_state that at the step's start;
-    row: index of the recorded instant; timing: times of this step (s)."""
+    """Write what each type records of the step that begins at an instant (World.start_state)."""
 
 
 def energy_of(part, world, e):
@@ -252,11 +234,9 @@ NAMES.append("energy_of")
 
 @_call_each
 def list_energies(parts, world):
-    """After a failure, store every element's energy (J) in its row of World.rows, to name the
-    worst. parts: arrays of each element type; world: solver state (World)."""
+    """After a failure, store every element's energy (J) in World.rows, to name the worst."""
 
 
 @_call_each
 def list_excess(parts, world):
-    """After a failure, store in World.rows, in the rows of each type, how large every element's
-    watched quantity is. parts: arrays of each element type; world: solver state (World)."""
+    """After a failure, store in World.rows how large every element's watched quantity is."""

@@ -69,9 +69,8 @@ class EntryLibrary(KernelLibrary):
 
 
 class KernelCompiler(Compiler):
-    """numba's compiler for kernels, functions that become part of their callers and are never
-    called from Python: no machine code is made of them alone. typing, target, library, rest: as
-    numba passes them; library is replaced."""
+    """numba's compiler for kernels, which become part of their callers: no machine code is made of
+    them alone, as `library` is replaced."""
 
     library = KernelLibrary
 

@@ -12,8 +12,7 @@ and so little that a growing mode, whose kicks are all that it has, is none the 
 
 @kernel
 def keep(world):
-    """Copy positions, axes and momenta of all particles from World.state to World.start_state,
-    before a step that is recorded. world: solver state (World)."""
+    """Copy the motion of all particles to World.start_state, before a step that is recorded."""
     for i in range(world.state.shape[0]):
         for k in range(layout.START_FIELDS):
             store(world.start_state, i, k, load(world.state, i, k))
@@ -21,9 +20,8 @@ def keep(world):
 
 @kernel
 def reflect(world):
-    """In the first step, set velocities and angular momenta half a step before the start, in
-    World.start_state, to those at the start less the change in the half step after it
-    (World.state). world: solver state (World)."""
+    """Set momenta half a step before the start, in World.start_state, to those at the start less
+    the change in the half step after it."""
     for i in range(world.state.shape[0]):
         for k in (layout.V, layout.P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)
@@ -32,11 +30,10 @@ def reflect(world):
 
 @kernel
 def kinetic_energies(world):
-    """Return two energies (J, lanes): the kinetic energy at an instant, and half that of the change
-    of momenta in the step around it. world: solver state, with momenta half a step before the
-    instant in start_state, half a step after it in state. The first is of the product of both
-    velocities, the form that leapfrog conserves exactly, together with the potential energy at the
-    instant, for linear systems. It is less by the second than the mean of the energies of both."""
+    """Return the kinetic energy (J, lanes) at an instant, of the product of the velocities half a
+    step before (start_state) and after it, which leapfrog conserves exactly with the potential
+    energy, for linear systems; and half that of the change of momenta between, by which it is less
+    than their mean."""
     state, start, particles = world.state, world.start_state, world.particles
     total = 0.0 * load(start, 0, layout.X)
     kick = total
@@ -56,9 +53,7 @@ def kinetic_energies(world):
 
 @kernel
 def record_before(parts, world, record, row):
-    """Record what depends on positions at an instant: energies, and what each element type records.
-    parts: arrays of each element type; world: solver state (World); record: arrays of the run,
-    written (Record); row: index of the instant."""
+    """Record what depends on positions at an instant: energies, and what each type records."""
     hooks.sum_energies(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, layout.ACCOUNTS + k, load(world.accounts, 0, k))
@@ -68,10 +63,8 @@ def record_before(parts, world, record, row):
 
 @kernel
 def record_after(parts, world, record, row, timing):
-    """Record what depends on momenta before and after an instant: positions and velocities of named
-    points, kinetic energy, error of the balance. parts: arrays of each type; world: solver state,
-    World.start_state: that of the instant, with momenta half a step before it; record: arrays of
-    the run, written (Record); row: index of the instant in them; timing: times of this step (s)."""
+    """Record what depends on momenta around an instant: positions and velocities of named points,
+    kinetic energy, error of the balance."""
     start, state, points = world.start_state, world.state, record.points
     count = world.point_particle.shape[0]
     for n in range(count):
@@ -110,15 +103,12 @@ def note_passage(world):
 
 @kernel
 def balance(world, energies, row, kinetic, kick):
-    """Store the error of the energy balance (J) since the start in column BALANCE of row `row` of
-    `energies`: stored energy less work given, plus losses, less the same at the start. World.sums
-    gets the scale of comparison (J): the `kinetic` energy of what no drive moves plus the sizes of
-    all other stored energies (where such is zero, and so its sign, is a matter of definition) plus
-    1e-6 of `kick`; or what passed since the last check (`note_passage`), if that is more, less
-    `kick`, by which an instability outgrows it. world: solver state; energies: Record.energies,
-    whose other columns of the row are read; row: index of the instant; kick: half the energy (J) of
-    the change of momenta in the step, as what an impact starts has no kinetic energy between its
-    half steps yet."""
+    """Store the error of the energy balance (J) since the start in row `row` of `energies`: stored
+    energy less work given, plus losses, less the same at the start. World.sums gets the scale of
+    comparison (J): the `kinetic` energy of what no drive moves plus the sizes of all other stored
+    energies (where such is zero is a matter of definition) plus 1e-6 of `kick`; or what passed
+    since the last check (`note_passage`), if that is more, less `kick`, by which an instability
+    outgrows it. kick: half the energy (J) of the change of momenta in the step."""
     stored_energy = load(energies, row, layout.KINETIC)
     size = kinetic  # of either sign: where a step is not stable, velocities alternate
     accounts = layout.ACCOUNTS + world.accounts.shape[1]
@@ -143,9 +133,8 @@ def balance(world, energies, row, kinetic, kick):
 
 @kernel
 def note(log, lane, time, element, event):
-    """Write an event into a log; where the log is full, it is only counted. log: that of the
-    element's type (Log); lane: index of the sample; time (s); element: index among the type's
-    elements; event: index in ElementType.events, the names of the type's events."""
+    """Write an event of sample `lane` into a log of a type, or count it where that is full.
+    element, event: indices in the type; time (s)."""
     n = log.count[lane]
     log.count[lane] = n + 1
     if n < log.events.shape[0]:
@@ -156,9 +145,8 @@ def note(log, lane, time, element, event):
 
 @kernel
 def note_crossings(log, element, previous, value, timing):
-    """Note event 1 in samples whose value became negative in this step, 0 where it no longer is, at
-    the time by linear interpolation. log: of the element's type (Log); element: index in its type;
-    previous, value (lanes): at the start and end of the step; timing: times of this step (s)."""
+    """Note event 1 where a value (lanes) became negative in this step from `previous`, 0 where it
+    no longer is, at the time by linear interpolation."""
     signs = where_negative(value, -1.0, 1.0)
     if any_negative(signs * where_negative(previous, -1.0, 1.0)):
         store(log.ends, 0, 0, previous)
@@ -172,11 +160,10 @@ def note_crossings(log, element, previous, value, timing):
 
 @kernel
 def edge(new, old):
-    """Return what to add to the overlap or stretch `new` of a spring that begins at 0, as that of a
-    cable, in the step in which it passes 0; else 0. new, old: now and a step ago (rad or m, as the
-    result). From -b to s such a spring does the work k s²/2, but the mean of the forces 0 and k s
-    at both ends does k s (s + b)/2. Half of the difference is taken off now, half by the step that
-    follows: the energy is then kept to the third order in the step instead of the second. For that
-    one step, a cable that has turned slack pushes a little."""
+    """Return what to add to the overlap `new` (old: a step ago) of a spring that begins at 0, in
+    the step in which it passes 0; else 0. From -b to s it does the work k s²/2, but the mean of the
+    forces at both ends does k s (s + b)/2. Half of the difference is taken off now, half by the
+    step that follows: the energy is kept to the third order in the step, not the second. For that
+    step, a cable that turned slack pushes a little."""
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)

@@ -76,9 +76,8 @@ def _room(builder, kind):
 
 
 def calls_of(number: int) -> Callable:
-    """Return what writes the code of a hook's calls, for `intrinsic`. number: of the hook. Its
-    arguments are a Calls by reference, and those of the kernels, which get as a last one the number
-    of the call among those of the hook."""
+    """Return what writes the code of a hook's calls, for `intrinsic`. number: of the hook.
+    Arguments: a Calls by reference, and those of the kernels; these get the number of the call."""
 
     def codegen(context, builder, sig, args):
         calls, values = sig.args[0], args[1:]

@@ -23,17 +23,15 @@ MOST_BY_SERIES = 0.2
 
 @kernel
 def frame(state, i):
-    """Return the three axes of particle i: a tuple of three vectors of lanes (samples), of length
-    one, in global components. state (n, STATE, lanes): of all particles."""
+    """Return the three axes of particle i, vectors of lanes, global."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 
 
 @kernel
 def half_turn(body, rate):
-    """Return half the rotation vector (rad) of a step, along the particle's axes: 0.5 step J^-1 p
-    at the middle of the step. body: angular momentum p (N m s) along the axes at its start; rate:
-    0.5 step J^-1 about each axis. At the middle p is body + body x (rate body)."""
+    """Return half the rotation vector (rad) of a step, 0.5 step J^-1 p with p at its middle: body +
+    body x (rate body). body: p (N m s) at its start; rate: 0.5 step J^-1; along the axes."""
     x, y, z = body.x, body.y, body.z
     a, b, c = rate.x, rate.y, rate.z
     first, second = a * (x + (c - b) * (y * z)), b * (y + (a - c) * (z * x))
@@ -42,8 +40,7 @@ def half_turn(body, rate):
 
 @kernel
 def turn_frame(state, i, axes, half):
-    """Turn the axes of particle i and store them in state (n, STATE, lanes), of all particles.
-    axes: the three before, global; half: half the rotation vector (rad), along these axes."""
+    """Turn the `axes` of particle i by twice `half` (rad, along these), and store them."""
     x, y, z = half.x, half.y, half.z
     xx, yy, zz = x * x, y * y, z * z
     t = (xx + yy) + zz
@@ -68,9 +65,8 @@ def turn_frame(state, i, axes, half):
 
 @kernel
 def normalise(state):
-    """Bring the axes of all particles back to length one and right angles by a Newton step. state
-    (n, STATE, lanes): of all particles. They lose it by rounding, and in turns by tenths of a
-    radian by the ends of the series; the time loop calls this now and then."""
+    """Bring the axes of all particles back to length one and right angles by a Newton step:
+    rounding, and turns by tenths of a radian in a step, change them."""
     for i in range(state.shape[0]):
         b, c = get3(state, i, D2), get3(state, i, D3)
         skew = -0.5 * dot(b, c)

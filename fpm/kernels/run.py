@@ -19,10 +19,9 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """Store what this step does to every particle: in KICK the velocity (m/s) that a unit force
-    gives it in the kick, in HALF (3) half the turns (rad) in the step by unit angular momenta along
-    its own axes. particles (n, PARTICLE, lanes): World.particles, constants of all, changed;
-    timing: StepTime (s); called in the first two steps only, as the first kick is shorter."""
+    """Store for every particle in KICK the velocity (m/s) that a unit force gives it in the kick,
+    in HALF (3) half the turns (rad) in the step by unit angular momenta; in the first two steps
+    only, as the first kick is shorter."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -30,26 +29,22 @@ def time_particles(particles, timing):
 
 @kernel
 def kick_and_move(state, particles, i, timing):
-    """Add the impulses of the step's forces to the momenta of particle i, move and turn it by a
-    step, and set its forces to 0. state, particles: arrays of World, state (changed) and constants
-    of all particles; timing: times of this step (s)."""
+    """Add the impulses of the step's forces to particle i, move and turn it, and clear them."""
     carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
     turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
 def carry(state, i, v, step):
-    """Store velocity v (m/s) of particle i, and move it by step (s) of time with it.
-    state (n, STATE, lanes): of all particles, changed."""
+    """Store velocity v (m/s) of particle i, and move it by a step (s) with it."""
     put3(state, i, V, v)
     put3(state, i, X, step * v + get3(state, i, X))
 
 
 @kernel
 def turn(state, particles, i, p):
-    """Store angular momentum p (N m s, global axes) of particle i, turn it by a step,
-    and set its forces and moments to 0. state, particles: arrays of World. Returns the angular
-    momentum and half the rotation vector (rad), both along the particle's axes before."""
+    """Store angular momentum p (N m s, global) of particle i, turn it by a step, and clear its
+    forces. Return p and half the rotation vector (rad), along the particle's axes before."""
     put3(state, i, P, p)
     for k in range(6):
         store(state, i, F + k, 0.0)
@@ -62,10 +57,9 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, output_steps, check_steps, tolerance):
-    """Integrate `steps` steps of `step` s, fewer where all samples fail. parts: compiled kernels
-    and arrays of each element type (`hooks.Calls`); world: solver state, changed; record: arrays of
-    the run (Record), written; output_steps: steps between recorded instants; check_steps: between
-    checks that the error of the energy balance is at most `tolerance` times the largest energy."""
+    """Integrate `steps` steps of `step` s, fewer where all samples fail. record: arrays of the run,
+    written; output_steps: between instants; check_steps: between checks that the error of the
+    energy balance is at most `tolerance` times the largest energy."""
     state, particles, free, undecided = world.state, world.particles, world.free, world.undecided
     spare = record.energies.shape[0] - 1
     for n in range(steps + 1):
@@ -106,7 +100,6 @@ def run(parts, world, record, step, steps, output_steps, check_steps, tolerance)
 
 @kernel
 def act(parts, world, timing):
-    """Add the forces (N, N m) of all element types at timing.time to those of particles in
-    World.state, without a step: at the poses of slow motions (fpm/travel). parts: arrays of each
-    element type; world: solver state, changed; timing: step times (s)."""
+    """Add the forces (N, N m) of all element types at timing.time, without a step: at the poses of
+    slow motions (fpm/travel)."""
     hooks.forces(parts, world, timing)

@@ -163,15 +163,13 @@ def put6(a, i, k, s):
 
 @kernel
 def add3(a, i, k, v):
-    """Add a vector v (of lanes, with components x, y, z: `vector`) to fields k, k+1, k+2 of row i
-    of an array a (rows, fields, lanes), which is changed."""
+    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
     put3(a, i, k, get3(a, i, k) + v)
 
 
 @kernel
 def add_where(a, i, k, v, condition):
-    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes), in samples
-    where `condition` (lanes) is below 0."""
+    """Do as `add3` in samples where `condition` (lanes) is below 0."""
     old = get3(a, i, k)
     new = old + v
     store(a, i, k, where_negative(condition, new.x, old.x))

@@ -61,10 +61,9 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
-    """Return the shapes to draw of a scene. corners (m, 2, 4, 3): of the sections at both ends of
-    its m beam elements, from the end's particle in its own axes, m (`section_corners`). A rigid
-    body is a particle that is on no bar, and free to move in some way or named as a body. It is
-    drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m etc."""
+    """Return the shapes to draw of a scene. corners: of `section_corners`. A rigid body, a particle
+    on no bar that is free to move in some way or named, is the box of its mass and inertias: edges
+    a, b, c with b² + c² = 12 I/m etc."""
     nodes, length, half = elements_of(scene.beams)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
     free = np.flatnonzero(~scene.fixed.all(axis=1))
@@ -280,11 +279,10 @@ def whole_motion(
 def element_strains(
     scene: Scene, position: np.ndarray, frame: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return two strains of a scene's m beam elements at t instants: axial (t, m), > 0 in tension,
-    and the largest by bending at the surface (t, m), >= 0. position (t, n, 3) m and frame (t, n, 3,
-    3), axes as columns: of its n particles. The moments at an element's ends are the gradient of
-    its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger is
-    taken, at the corner of the rectangle with the section's radii of gyration (`elements_of`)."""
+    """Return the axial strains (t, m), > 0 in tension, and the largest bending strains (t, m), >=
+    0, of m beam elements. position (t, n, 3) m, frame (t, n, 3, 3): of the particles. The moments
+    at the ends are the gradient of the energy, 2 EI/l0 (2 th_a + th_b) and its mirror image; the
+    larger is taken, at the corner of the rectangle of `elements_of`."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
     _, length, half = elements_of(scene.beams)
@@ -300,10 +298,9 @@ def element_strains(
 
 
 def section_corners(scene: Scene) -> np.ndarray:
-    """Return the corners (m, 2, 4, 3), m, of the sections at both ends of a scene's m beam
-    elements, from the end's particle in its own axes, to draw them: of the rectangle with the
-    section's radii of gyration (`elements_of`). Ends of bars whose hinge has a contact are cut
-    along the contact's face, as mitred bars are."""
+    """Return the corners (m, 2, 4, 3), m, of the sections at both ends of m beam elements, from the
+    particle in its axes: of the rectangle of `elements_of`, where a hinge has a contact cut along
+    its face, as mitred bars are."""
     if not scene.beams:
         return np.zeros((0, 2, 4, 3))
     nodes, _, half = elements_of(scene.beams)

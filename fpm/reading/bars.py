@@ -59,10 +59,9 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
 
 
 def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return two pairs, for the start and the end of m beam elements: positions (t, m, 3) m, and
-    global axes y and z (t, m, 3, 2) of the sections as the particles carry them. scene: theirs;
-    beams: the group; place(particle): positions (t, 3) m of a particle (index) at t instants;
-    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`)."""
+    """Return, for the start and the end of m beam elements, positions (t, m, 3) m, and global axes
+    y and z (t, m, 3, 2) of the sections. place(particle), axes(particle): positions (t, 3) m and
+    frames (t, 3, 3) at t instants (`Recording`)."""
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
@@ -85,9 +84,7 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Return the deformation of `beams`, a group of m beam elements of a scene. place(particle),
-    axes(particle): functions of a particle's index that return its positions (t, 3) m and frames
-    (t, 3, 3) at t instants."""
+    """Return the deformation of `beams`, m elements of a scene. place, axes: as in `ends_of`."""
     (first, *end_axes), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, end_axes = second - first, end_axes + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -97,9 +94,8 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Return forces and moments at both ends of each of `beams`, a group of m elements of a scene.
-    place(i), axes(i): positions (t, 3) m and frames (t, 3, 3), axes as columns, of particle i at t
-    instants. The result: (t, m, 2, 3) each, N and N m, along and about the section's axes."""
+    """Return forces and moments (t, m, 2, 3), N and N m, at both ends of `beams`, m elements, in
+    the section's axes. place, axes: as in `ends_of`."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, end_axes = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)

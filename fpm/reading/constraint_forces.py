@@ -27,9 +27,8 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
-    """Return all joints of a scene that connect two bodies (hinges, slides, balls, ...), by name;
-    without those that only hold an opening (joint coordinate), and without pins with play, whose
-    force is that of a contact (Journal)."""
+    """Return all joints of a scene that connect two bodies, by name, without those that only hold
+    an opening, and pins with play, whose force is that of a contact (Journal)."""
     joints = [j for j in (*Hinge.find(scene), *Joint.find(scene)) if j.type not in (PIN, "held")]
     return {j.name: j for j in joints if not j.holds_opening}
 
@@ -42,9 +41,8 @@ def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
 
 
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
-    """Return the moment (t, 3) N m that a joint exerts on its second body about the joint's point,
-    in global axes, at the t instants of a recorded `run`; sides: its forces and moments on both
-    particles, from `run.joints`. About axes of no rotation: minus that on the first."""
+    """Return the moment (t, 3) N m of a joint on its second body about its point, global, in `run`;
+    `sides`: of run.joints. About axes of no rotation: minus that on the first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
     opposite = sides.moment2 - np.cross(point - place2, sides.force2)
@@ -144,9 +142,8 @@ SHARE = 3e-5
 
 
 def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str]:
-    """Return warnings, by name of the response, on those of constraint or reaction forces that the
-    motion does not determine (statically indeterminate): a sentence with reason and remedy.
-    responses: of a config (`fpm.reading.responses.Response`); others get none."""
+    """Return warnings, by name of the response, on constraint or reaction forces that the motion
+    does not determine: a sentence with reason and remedy."""
     joints = []
     for response in responses:
         if response.kind.startswith("constraint_"):
@@ -165,8 +162,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
 
 def find_indeterminate(scene: Scene) -> set[str]:
     """Return names of joints and supports of a scene whose forces the motion does not determine, at
-    the start: their conditions depend on those of others, with no elastic part between, as in a
-    planar loop of rigid bodies on hinges. Only sums of such forces are determined."""
+    the start: their conditions depend on others', with no elastic part between."""
     from scipy.sparse.csgraph import connected_components
 
     conditions = conditions_of(scene)

@@ -27,12 +27,10 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 
 def value_at(curves: Curves, response: Response, instant: float, is_event: bool) -> float:
-    """Return the value of a response in one run at `instant` (s). curves: the run's recorded
-    series; is_event: whether something jumps then, as at an impact: the value just before is
-    meant. That is found by values and rates of three instants where rates are recorded (Hermite);
-    else, and without an event, by a cubic at most through the nearest instants with no other event
-    between. With fewer than two such instants nothing is extrapolated: just before an event it is
-    the value at the last instant a step before, else linear interpolation."""
+    """Return the value of a response in one run at `instant` (s). is_event: something jumps then:
+    the value just before is meant, by values and rates of three instants where rates are recorded
+    (Hermite). Else by a cubic at most through the nearest instants with no other event between;
+    with fewer than two, before an event, the value at the last instant a step before."""
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
     if is_event:  # those that a few steps cannot tell apart are one
@@ -62,10 +60,9 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
 
 
 def peak(values: np.ndarray) -> float:
-    """Return the largest of values (t,) at equal time steps: the top of the parabola through the
-    largest and its two neighbours, above it by at most an eighth of the larger drop to them, and
-    not above lines through the two instants on either side, as at a jump; at the first or last
-    instant the value itself."""
+    """Return the largest of values (t,) at equal steps: the top of the parabola through it and its
+    neighbours, above it by at most an eighth of the larger drop, and not above lines through the
+    two instants on either side, as at a jump; at an end the value itself."""
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:
@@ -84,10 +81,9 @@ def peak(values: np.ndarray) -> float:
 
 def extreme_value(curves: Curves, response: Response, sign: float) -> float:
     """Return the largest (sign 1) or smallest (-1) value of a response in one run: by a parabola
-    (`peak`), unless an event, such as an impact, lies between the instants that it goes through or
-    touches one of them (`SPREAD`). It is then the extreme recorded value, or that just before such
-    an event (`value_at`), beyond it by at most as much as the response changes in that time at its
-    rate between the instants before. curves: of the run."""
+    (`peak`), unless an event lies between the instants it goes through, or touches one. It is then
+    the extreme recorded value, or that just before such an event (`value_at`), beyond it by at most
+    as much as the response changes meanwhile."""
     time, values = curves.time, sign * response.evaluate(curves)
     if response.along:  # no curve over time
         return sign * peak(values)
@@ -127,9 +123,8 @@ def find_root(time: np.ndarray, values: np.ndarray, i: int) -> float:
 
 
 def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
-    """Return the value of a response at t (s) after the instants `rows`, extrapolated with the
-    rates of its constituents. None if these are not recorded, or predict the last of five instants
-    worse than a cubic."""
+    """Return the value of a response at t (s) after the instants `rows` by the rates of its
+    constituents; None: not recorded, or worse than a cubic."""
     values: dict[str, Any] = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)

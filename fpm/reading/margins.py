@@ -56,10 +56,9 @@ class Abscissa(NamedTuple):
 
 
 class OpeningPath(NamedTuple):
-    """Path along which openings (joint coordinates) are moved quasi-statically (a travel).
-    openings: names of the hinges or slides moved together, the others as far from their start as
-    the first; first, last: begin and end of the first (rad, of slides m; None: where it is at the
-    start of each run); locked: names of hinges held at their opening at the start."""
+    """Path along which openings are moved quasi-statically. openings: hinges or slides moved
+    together, the others as far from their start as the first; first, last: ends of the first (rad,
+    m; None: its start in each run); locked: hinges held at their start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -100,10 +99,9 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
 
 
 def column_of(travel: Travel, variable: str, part: str) -> Any:
-    """Return the values (p,) of one variable at the p positions of a travel. variable:
-    "travel_work": virtual work of the component `part` per unit of the opening (N m; N on slides);
-    "travel_inertia": that the opening moves (kg m²; kg); "travel_opening": opening (rad; m). part:
-    read for "travel_work" only; None is returned if the travel has no such component."""
+    """Return the values (p,) of a variable at the positions of a travel: "travel_work" of the
+    component `part` (N m; N), None: there is none; "travel_inertia" (kg m²; kg); "travel_opening"
+    (rad; m)."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
@@ -115,11 +113,10 @@ def find_drives(works: Mapping[str, np.ndarray]) -> list[str]:
 
 
 def sweep_travel(scene, responses: Iterable[Any]) -> Any:
-    """Move openings (joint coordinates) of a scene slowly as `responses`, all margins, need it,
-    without a run. Returns what serves as argument `run` of `values`, `least`, `make_torque_budget`:
-    an object with `columns`, by (variable, label) the values (p,) at the p positions of a travel,
-    as many as its tolerance takes (units: `column_of`), and `time`, 201 values from 0 to 1, which
-    sets only how many margins `values` gives. scene: the Scene, at its start."""
+    """Move openings of a scene slowly as `responses`, all margins, need it, without a run. Return
+    what serves as `run` of `values`, `least`, `make_torque_budget`: an object with `columns` (p,),
+    by (variable, label), and `time`, 201 values, which sets only how many margins `values`
+    gives."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
         path, part = read_label(label)
@@ -267,11 +264,9 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Return the torque or force margin (t,), without unit, at t positions evenly spaced over its
-    travel, as many as the run has instants. It is the weighted sum of the moments (or forces) that
-    drive over that of those that resist, less 1: at least -1, at most 99, below 0 where what drives
-    does not suffice. response: made by `read_margin`; run: series (`Curves`) of a run, or what
-    `sweep_travel` returns."""
+    """Return the torque or force margin (t,) at t positions evenly spaced over its travel: the
+    weighted sum of the moments that drive over that of those that resist, less 1, from -1 to 99.
+    run: series (`Curves`) of a run, or what `sweep_travel` returns."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

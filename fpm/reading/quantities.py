@@ -38,10 +38,9 @@ def impact_margins(curves: Curves) -> list[float]:
 
 
 def gate_margin(curves: Curves, event: str, element: Eventful) -> float:
-    """Return the margin (rad²/s²; m²/s²) of an element's first event in one run: above 0 if it
-    occurs, else below; NaN where it is not known: of one without a gate, that is beyond it at the
-    start, or that may catch late within its reach, once it has become slow enough. curves: the
-    run's; event: "latches", "hits" or "closes"."""
+    """Return the margin (rad²/s²; m²/s²) of an element's first `event` ("latches", "hits",
+    "closes") in one run, above 0 if it occurs; NaN without a gate, if it is beyond that at the
+    start, or if it may catch late within its reach, once it has become slow enough."""
     gate = element.gate
     if gate is None:
         return np.nan
@@ -85,9 +84,8 @@ def _arrival_rate(curves: Curves, gap: np.ndarray, instant: float) -> float:
 
 
 def _lack(time: np.ndarray, gap: np.ndarray) -> float:
-    """What a gap (t,), below 0 at instants `time` (t,), lacked to vanish: what was still to go,
-    times the deceleration there, continued from the last tenth of the way to its largest value,
-    where it turned back or stuck."""
+    """What a gap (t,) below 0 lacked to vanish: what was still to go, times the deceleration there,
+    continued from the last tenth of the way to where it turned back or stuck."""
     i = int(gap.argmax())
     first = int(gap[: i + 1].argmin())
     nearest = min(peak(gap), 0.0)
@@ -187,10 +185,9 @@ class Quantity:
         return self.kind == "crossing" or (self.kind == "settling" and self.target is not None)
 
     def margin(self, curves: Curves) -> float:
-        """Return by how much the quantity exists in one run: above 0 if it does, below 0 if not,
-        and continuous. The unit is that of the response for a crossing or settling; events use
-        `gate_margin`, and a value uses the margin of its time. NaN if it is not known, or the
-        quantity always exists. curves: the run's recorded series."""
+        """Return by how much the quantity exists in one run, above 0 if it does, continuously, in
+        the unit of the response or of `gate_margin`; a value uses that of its time. NaN if it is
+        not known, or the quantity always exists."""
         if isinstance(self.instant, Quantity) and self.kind == "value":
             return self.instant.margin(curves)
         if not self.has_margin:
@@ -214,9 +211,8 @@ class Quantity:
         return number(self)
 
     def evaluate(self, curves: Curves) -> float:
-        """Return the quantity's value in one run; NaN if it does not exist there, as where an event
-        does not occur. curves: the run's recorded series. Raises ValueError if the run had more
-        events than are kept, and the event may be one of the others."""
+        """Return the quantity's value in one run; NaN if it does not exist there. ValueError if it
+        had more events than are kept, and the event may be one of the others."""
         column = self.peak_column
         if column is not None and column in curves.columns:
             value = float(curves.columns[column][0])
@@ -229,9 +225,8 @@ class Quantity:
 def crossing(
     time: np.ndarray, values: np.ndarray, level: float, direction: str = "either", number: int = 1
 ) -> float:
-    """Return the time (s) at which values (t,) at instants `time` (t,) s cross a level (same unit)
-    for the nth time; NaN if they do not. direction: "rising", "falling" or "either"; number: n,
-    from 1. By the cubic through the four instants around it. Values on the level are below it."""
+    """Return the time (s) at which values (t,) cross a level for the nth time (`number`), by the
+    cubic through the four instants around; NaN: they do not. Values on the level are below it."""
     is_above = values > level
     places = np.flatnonzero(is_above[1:] != is_above[:-1])
     if direction != "either":
@@ -242,10 +237,8 @@ def crossing(
 
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
-    """Return by how much (...) values (..., t) cross zero for the nth time, in their unit: above 0
-    if they do, below 0 by what is lacking. direction: "rising", "falling" or "either"; number: n,
-    from 1. A rising crossing takes values below zero and later above, the next below and above
-    again: the least is returned of the largest distances from zero on these sides in turn."""
+    """Return by how much values (..., t) cross zero for the nth time (`number`): the least of the
+    largest distances from zero on both sides in turn, which one crossing after another needs."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin: Any = np.inf
@@ -262,9 +255,8 @@ def crossing_margin(values: np.ndarray, direction: str = "either", number: int =
 def settling(
     time: np.ndarray, values: np.ndarray, tolerance: float, target: float | None = None
 ) -> float:
-    """Return the settling time (s): from which on values (t,) at instants `time` (t,) stay within
-    `tolerance` (their unit) of `target`, None: of the last value. NaN if they are outside at the
-    end; the first instant if they never are."""
+    """Return the time (s) from which on values (t,) stay within `tolerance` of `target`, None: of
+    the last value; NaN if they are outside at the end."""
     deviation = values - (values[-1] if target is None else target)
     indices = np.flatnonzero(np.abs(deviation) > tolerance)
     if not len(indices):

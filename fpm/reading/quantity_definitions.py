@@ -150,11 +150,10 @@ _FIELDS = {"at": "instant", "about": "target", "within": "tolerance", "way": "di
 def parse(
     definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Eventful]
 ) -> tuple[list[Quantity], list[SceneError]]:
-    """Return the quantities that a config defines, in its order, and one SceneError for each
-    definition that is wrong, but not for those that only refer to it. definitions: by name, each a
-    mapping with one key of `quantities.KINDS`, as "largest", and its further keys, or the text of
-    an expression of others (docs/quantities.md); responses: all of the config; elements: those of
-    the scene that have events, as latches (`fpm.files.outcome.eventful`)."""
+    """Return the quantities that a config defines, in its order, and a SceneError for each
+    definition that is wrong itself. definitions: by name, each a mapping with one key of
+    `quantities.KINDS` and its further keys, or an expression of others; responses: of the config;
+    elements: of the scene that have events."""
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}
     problems: list[SceneError] = []

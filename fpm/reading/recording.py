@@ -27,10 +27,9 @@ class Sides(NamedTuple):
 
 
 class Recording:
-    """What the time loop recorded of one run for its scene's probe (elements/particles/probe.py),
-    as forces and motions at t instants. batch: the scenes that were simulated side by side
-    (elements/batch.py); parts: arrays of their element types, one for each of batch.kinds; lane:
-    index of the run's scene among them; time: instants (t,) s; step: time step (s)."""
+    """What the time loop recorded of one run for its scene's probe, as forces and motions at t
+    instants. batch, parts: scenes side by side, and arrays of their element types; lane: index of
+    the run's scene; time (t,) s; step: s."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]

@@ -23,10 +23,9 @@ from fpm.scenes.scene import Scene
 
 
 def kind_of(key: str, definition: Any, kinds: Mapping[str, Any], addition: str = "") -> str:
-    """Return the kind that a definition is of, its one key that is among `kinds`; SceneError for
-    none or several, and for keys that are not those of the kind. key: dotted path of the
-    definition; kinds: types with `mandatory` and `optional` keys, by name; addition: what else a
-    definition may be, in words."""
+    """Return the one key of a definition that is among `kinds`; SceneError for none or several, and
+    for keys that are not its own. key: dotted path; kinds: with `mandatory` and `optional` keys, by
+    name; addition: what else it may be, in words."""
     names = [name for name in kinds if isinstance(definition, Mapping) and name in definition]
     if len(names) != 1:
         raise SceneError(key, definition, f"exactly one of {', '.join(kinds)}{addition}")
@@ -143,9 +142,8 @@ class Definition(NamedTuple):
     scene: Scene
 
     def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
-        """Check that a value of the definition is among `choices`, and return it; raises SceneError
-        with the choices if it is not. key: of the value in the definition, "": its type's (`kind`);
-        value: the one to check, None: that of the key."""
+        """Return a value of the definition that is among `choices`, else SceneError. key: its key,
+        "": `kind`; value: the one to check, None: that of the key."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
         is_point = self.kind in _OF_POINTS

@@ -38,10 +38,9 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
 
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    """Return the largest equivalent stress (...), Pa (von Mises), of axial force and moments in a
-    section: on the contour of round ones, at corners and mid-sides of rectangles, of others at the
-    corners of the rectangle of `half_sizes` (an estimate); transverse forces are left out. force,
-    moment (..., 3): N and N m, along and about its own axes: x along the bar, y, z."""
+    """Return the largest equivalent stress (...), Pa (von Mises), of force and moment (..., 3), N
+    and N m, in a section's axes: on the contour of round ones, corners and mid-sides of rectangles,
+    else corners of the rectangle of `half_sizes`; transverse forces are left out."""
     normal = np.abs(force[..., 0]) / section.A
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)

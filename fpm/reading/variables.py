@@ -39,10 +39,9 @@ MOST_PAIRS = 1 << 20
 
 
 def find_clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
-    """Return a lower bound (t,) m of the shortest distance between the surfaces of two bars of a
-    scene, `first` and `second`, at t instants: equal to it where sides or edges face each other; a
-    value that is not above 0 does not show that they overlap. place(i), axes(i): positions (t, 3) m
-    and frames (t, 3, 3), axes as columns, of particle i."""
+    """Return a lower bound (t,) m of the distance between the surfaces of two bars, equal to it
+    where sides or edges face each other; one that is not above 0 does not show that they overlap.
+    place(i), axes(i): positions (t, 3) m and frames (t, 3, 3) of particle i."""
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)
@@ -131,9 +130,8 @@ class Variable(NamedTuple):
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
-        """Return the labels of the columns that a scene has of this variable, item and component,
-        such as "tip x". Of sections of bars only those in the middle, as there is one at any
-        distance; of quasi-static travels none, for the same reason."""
+        """Return the labels of the columns that a scene has of this variable, as "tip x"; of
+        sections of bars only those in the middle, of travels none, as there is one at any place."""
         if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.response_form == "section" else ""
@@ -375,9 +373,8 @@ VARIABLES = {
 
 
 def add_probe(scene: Scene, columns: Iterable[Column]) -> Scene:
-    """Return a copy of a scene with the probe, the element that makes the time loop record
-    `columns`, pairs (variable, label); the scene itself if there are none. variable: key of
-    VARIABLES; SceneError for a label that the scene does not have of it."""
+    """Return a copy of a scene with the probe that records `columns`, (variable, label); the scene
+    itself if there are none. SceneError for a label that it does not have."""
     columns = list(columns)
     if not columns:
         return scene

@@ -93,12 +93,11 @@ class Curve:
         end: float,
         parts: Sequence[Callable[[float], float]] = (),
     ) -> "Curve":
-        """Return the curve that follows a function from time `start` to `end` (s), with errors of
-        TOL times its largest absolute value: a polynomial up to the 13th degree exactly. function:
-        returns the value at u, which goes from 0 to 1 meanwhile; parts: functions of u of which it
-        is made, inner ones first. What is narrower than a 4000th part of it may be missed where no
-        part vanishes or turns within twice its width. CurveError where it jumps, is too
-        steep, or takes too many polynomials."""
+        """Return the curve that follows function(u), u going from 0 to 1 from time `start` to `end`
+        (s), with errors of TOL times its largest value. parts: functions of u of which it is made,
+        inner ones first. What is narrower than a 4000th part may be missed where no part vanishes
+        or turns within twice its width. CurveError where it jumps, is too steep, or takes too many
+        polynomials."""
         places = (np.arange(PLACES) + 0.5) / PLACES
         sample_values = {u: function(u) for u in places}
         for u in _places_of(parts):
@@ -195,11 +194,10 @@ class Curve:
         return (self.integral(end) - self.integral(start)) / (end - start)
 
     def find_feature(self, duration: float) -> float:
-        """Return the length (s) of the finest feature from time 0 to `duration` (s); infinite:
-        there is none. It is the least time in which the curve, at the steepest of a rise or a fall,
-        makes all of it, or that between the middles of a rise and of the fall beside it. What is
-        smaller than SMALL of the whole range is no feature, nor is a rise or fall in less than JUMP
-        of the duration, nor a pulse shorter than IMPULSE of it."""
+        """Return the length (s) of the finest feature until `duration` (s), or infinity: the least
+        time in which the curve, at its steepest, makes all of a rise or fall, or that between the
+        middles of a rise and the fall beside it. Not smaller than SMALL of the range, faster than
+        JUMP, or shorter than IMPULSE of the duration."""
         if len(self.times) < 2:
             return np.inf
         parts = PARTS if self.powers.size else 1

@@ -46,9 +46,8 @@ def step_seconds(scene: Scene) -> float:
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
-    """Return an estimate of the core time (s) of one run of a scene, an eighth of what eight
-    computed side by side take, on a machine with 256-bit vector units; on this one, multiply with
-    `machine()`. steps, instants: numbers of time steps and of recorded instants."""
+    """Estimate the core time (s) of one run, an eighth of eight side by side, on a machine with
+    256-bit vector units; on this one, times `machine()`. steps, instants: numbers."""
     seconds = PER_SCENE + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + seconds
 

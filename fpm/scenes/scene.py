@@ -163,15 +163,10 @@ class Scene:
     # -- particles and beams ------------------------------------------------------------------
 
     def add_particles(self, position, mass, inertia, frame=None, velocity=0.0, spin=0.0):
-        """Add n particles; returns indices (n,). SceneError for masses <= 0, frames no rotations.
-
-        Parameters
-        ----------
-        position: positions (m), (n, 3), or (3,) for one.
-        mass: masses (kg), (n,) or one for all, above 0.
-        inertia: principal moments of inertia (kg m²), own axes, (n, 3) or one for all, above 0.
-        frame: own axes as columns, (n, 3, 3) or (3, 3) for all; None: the global axes.
-        velocity, spin: at the start (m/s, rad/s), global, (n, 3) or one for all."""
+        """Add n particles; return their indices (n,). position: (n, 3) or (3,), m; mass (kg) and
+        principal inertia (kg m², own axes), above 0, for each or all; frame: own axes as columns,
+        None: the global ones; velocity, spin: at the start, global. SceneError for masses <= 0,
+        frames no rotations."""
         position = np.atleast_2d(np.asarray(position, float))
         first, n = len(self.position), len(position)
         mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
@@ -197,14 +192,9 @@ class Scene:
         return np.arange(first, first + n)
 
     def add_beams(self, nodes, section: Section, material: Material, normal, name="beam"):
-        """Add m beam elements between existing particles, free of stress as they lie.
-
-        Parameters
-        ----------
-        nodes: indices of the particles at both ends, (m, 2).
-        section, material: of all elements (Section, Material).
-        normal: vector in the plane of the chord and the section's local z axis, (3,) or (m, 3).
-        name: prefix of the elements' names."""
+        """Add beam elements between existing particles, free of stress as they lie. nodes (m, 2):
+        particles at both ends; normal: vector in the plane of the chord and the section's z axis,
+        (3,) or (m, 3); name: prefix of the elements' names."""
         self.add(Beams.create(self, nodes, section, material, normal, name))
 
     def add_link(
@@ -218,17 +208,10 @@ class Scene:
         name: str = "link",
         inertia_scale: float = 1.0,
     ) -> Link:
-        """Add a straight bar of equal beam elements; returns the Link. The particles have the bar's
-        axes and share its mass, lumped (bars/lumping.py). SceneError if ends or normal give no bar.
-
-        Parameters
-        ----------
-        start, end: ends of the bar (3,), m, global.
-        normal: vector (3,) in the plane of the bar and its section's local z axis.
-        section, material: of the bar (Section, Material).
-        elements: number of beam elements, at least 1.
-        name: prefix of the elements' names.
-        inertia_scale: factor, at least 1, on the section's rotational inertia."""
+        """Add a straight bar of equal beam elements; its particles have the bar's axes and share
+        its mass, lumped (bars/lumping.py). start, end: (3,), m; normal: as in `add_beams`;
+        inertia_scale: factor, at least 1, on the section's rotational inertia. SceneError if they
+        give no bar."""
         start, end = np.asarray(start, float), np.asarray(end, float)
         chord = end - start
         length = size(chord)
@@ -247,145 +230,79 @@ class Scene:
     # -- hinges, springs, contact -------------------------------------------------------------
 
     def add_hinge(self, name, particles, point, axis, references=None, opening=0.0, support=""):
-        """Join two particles by a hinge; returns its index. `point` and `axis` may be (2, 3), one
-        for each particle, if `fpm.assembly` brings them together.
-
-        Parameters
-        ----------
-        name: its name, which no other joint has.
-        particles: indices of the first and the second particle.
-        point: position of the hinge (3,), m, global.
-        axis: direction of the axis (3,), global.
-        references: two directions (3,) at the start, normal to the axis, fixed to the particles;
-            the opening is the angle from the first to the second. None: the opening is `opening`.
-        opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
-        support: global axes along which the hinge point is held: "", "z", "xyz"."""
+        """Join two particles by a hinge; return its index. point (m) and axis: (3,), global, or one
+        for each particle, if `fpm.assembly` brings them together; opening: at the start (rad);
+        references: two directions normal to the axis, fixed to the particles, between which the
+        opening is measured, None: as `opening` says; support: global axes along which the point is
+        held, as "xz"."""
         values = name, particles, point, axis, references, opening, support
         return self.add(Hinge.create(self, *values))
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
-        """Join two particles by a joint that is no hinge; returns its index among the joints.
-
-        Parameters
-        ----------
-        name: its name, which no other joint has.
-        type: "spherical"; "fixed"; "universal", about `axis` of the first and `axis2` of the second
-            particle; "prismatic", where the second slides on the first along `axis`.
-        particles: indices of the first and the second particle.
-        point: position (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins them.
-        axis: direction of the axis (3,), global.
-        axis2: universal joint's axis on the second particle (3,), normal to `axis`; None: any."""
+        """Join two particles by a joint that is no hinge, "spherical", "fixed", "universal" (axis2:
+        its axis on the second particle) or "prismatic"; return its index among the joints. point,
+        axis: as in `add_hinge`."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
-        """Join particles by a slide, the second on the first; returns its index among the hinges.
-
-        Parameters
-        ----------
-        name: its name, which no other joint has.
-        particles: indices of the first and the second particle.
-        point: position (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins them.
-        axis: direction of the slide (3,), global, in which the opening grows.
-        opening: opening (m) at the start."""
+        """Join two particles by a slide, the second on the first along `axis`; return its index
+        among the hinges. point: as in `add_hinge`; opening: at the start (m)."""
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
-        """Join two particles by a universal joint with two openings; returns the index of the
-        first. The openings are the hinges `<name>_axis`, of the cross against the first particle,
-        and `<name>_other`, the next index, of the second particle against the cross.
-
-        Parameters
-        ----------
-        name: its name, which no other joint has.
-        particles: indices of the first and the second particle.
-        point: position of the joint (3,), m, global.
-        axis, axis2: axes on the first and on the second particle (3,), normal to each other.
-        openings: both openings (rad) at the start."""
+        """Join two particles by a universal joint; return the index of the first opening, the hinge
+        `<name>_axis` of the cross against the first particle; the next, `<name>_other`, is of the
+        second against the cross. axis, axis2: on both particles, normal to each other; openings: at
+        the start (rad)."""
         hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
     def add_sliding_joint(
         self, name, type, particles, point, axis, openings, x=None, lead=0.0
     ) -> int:
-        """Join two particles by a joint whose second part slides and turns; returns the index of
-        the first of its openings, the hinge `<name>_turn`; the next are `_slide`, or `_x` and `_y`.
-
-        Parameters
-        ----------
-        name: its name, which no other joint has.
-        type: "cylindrical"; "planar", normal to `axis`; "pin in slot", which is along `x`; "screw",
-            whose one opening, the turn, has the joint's name.
-        particles: indices of the first and the second particle.
-        point: position of the joint (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins
-            them.
-        axis: direction (3,), global, about which the second turns.
-        openings: at the start (rad; m), in that order.
-        x: direction (3,) of the slot, or first direction in the plane, normal to `axis`; None: any.
-        lead: of a screw (m/rad), not 0."""
+        """Join two particles by a "cylindrical", "planar", "pin in slot" or "screw" joint; return
+        the index of its first opening, the hinge `<name>_turn`; the next are `_slide`, or `_x` and
+        `_y`; a screw has its turn alone, by the joint's name. axis: about which the second turns;
+        openings: at the start (rad; m); x: direction of the slot, or first one in the plane, None:
+        any; lead: of a screw (m/rad)."""
         values = name, type, particles, point, axis, x, openings, lead
         return min(self.add(hinge) for hinge in Joint.create_openings(self, *values))
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
-        """Hold a point of a particle along global axes; returns the index among the joints. To hold
-        the particle itself, `fix` costs nothing.
-
-        Parameters
-        ----------
-        name: its name, which no other joint has.
-        particle: index of the particle.
-        point: position of the point (3,), m, at the start.
-        axes: global axes along which it is held, as "z" or "xy"."""
+        """Hold a point (m) of a particle along global axes, as "xy"; return its index among the
+        joints. To hold the particle itself, `fix` costs nothing."""
         return self.add(Joint.held_point(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
-        """Add a linear spring that turns a hinge towards an opening.
-
-        Parameters
-        ----------
-        hinge: index of the hinge or slide.
-        stiffness: N m/rad, at least 0; on a slide N/m.
-        rest: opening (rad) without moment; on a slide m."""
+        """Add a linear spring (N m/rad; N/m) that turns a hinge or slide towards `rest` (rad;
+        m)."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_cable(
         self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None, **drum
     ):
-        """Add a cable through points of particles; returns its index.
-
-        Parameters
-        ----------
-        name: its name, which no other cable has.
-        points: pairs of a particle's index and a position (3,), m, on it, None: the particle's.
-        EA: axial stiffness (N), above 0.
-        rest: unstrained length (m); this or `preload`.
-        preload: tension (N) at the start; this or `rest`.
-        reel: length (m) that a winch at the first point takes in where its curve is 1.
-        curve: index of the winch's curve of time; -1: none.
-        friction: coefficient of friction at the points between the ends; None: they turn freely.
-        drum: keys drum (index of the hinge whose opening winds it at the first point), radius (m,
-            below 0 where a growing opening unwinds it), least (unstrained length in m down to which
-            it may be wound; None: a quarter of that at the start). None of them: no drum."""
+        """Add a cable through points; return its index. points: pairs of a particle and a position
+        (m; None: the particle's); EA: stiffness (N); rest: unstrained length (m), or preload:
+        tension (N) at the start; reel: length (m) that a winch at the first point takes in where
+        its curve of time is 1; friction: coefficient at points between the ends, None: they turn
+        freely; drum: drum (hinge whose opening winds it at the first point), radius (m, below 0
+        where a growing opening unwinds it), least (m, unstrained length outside, None: a
+        quarter)."""
         fields = {"reel": float(reel), "curve": int(curve), "friction": friction, **drum}
         return self.add(Cable.create(self, name, points, EA, rest, preload, **fields))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
-        """Hold particles along and about global axes. Those in joints, with unlike moments of
-        inertia, are held about none, two or all axes.
-
-        Parameters
-        ----------
-        particles: index of one or indices of several.
-        translations, rotations: axes along and about which they are held: letters of "xyz"."""
+        """Hold particles along and about global axes, letters of "xyz". Those in joints, with
+        unlike moments of inertia, are held about none, two or all axes."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(
         self, times: Sequence[float], values: Sequence[float], smooth: bool = False
     ) -> int:
-        """Add a curve of time through points; returns its index. times: of these (s), increasing;
-        values: at them, in the unit of what refers to the curve, constant beyond both ends; smooth:
-        whether it is a smooth cubic, not straight, between them. SceneError for times that do not
+        """Add a curve of time through values at increasing times (s), constant beyond; return its
+        index. smooth: a cubic, not straight, between them. SceneError for times that do not
         increase, not as many values, or values whose differences overflow."""
         places, heights = np.asarray(times, float), np.asarray(values, float)
         if places.shape != heights.shape or places.ndim != 1 or np.any(np.diff(places) <= 0):
@@ -403,46 +320,29 @@ class Scene:
         return self.curves[index] if index >= 0 else CONSTANT
 
     def add_load(self, particle, force=(0, 0, 0), moment=(0, 0, 0), arm=(0, 0, 0), curve=-1):
-        """Add a dead load on a particle: it keeps its global direction.
-
-        Parameters
-        ----------
-        particle: index of the particle.
-        force, moment: force (3,), N, and moment (3,), N m, in global axes.
-        arm: vector (3,), m, in global axes at the start, from the particle to where the force acts;
-            it turns with the particle.
-        curve: index of the curve of time that scales both; -1: constant."""
+        """Add a load of constant global direction on a particle: force (N), moment (N m), arm (m)
+        to where the force acts, which turns with the particle; curve: index of what scales both,
+        -1: constant."""
         frame = self.frame if self.unstrained is None else self.unstrained
         beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
-        """Prescribe the motion of a particle. Its drives add up (spins: one turn after another).
-
-        Parameters
-        ----------
-        particle: index of the particle.
-        velocity, spin: velocity (3,), m/s, and angular velocity (3,), rad/s, in global axes.
-        curve: index of the curve of time that scales both; -1: constant."""
+        """Prescribe the motion of a particle, velocity (m/s) and spin (rad/s), global, times a
+        curve of time (-1: constant). Its drives add up (spins: one turn after another)."""
         velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
         self.add(Drive(int(particle), velocity, spin, int(curve)))
 
     def add_point(self, name: str, particle: int, position=None) -> None:
-        """Name a point that is fixed to a particle, for responses.
-
-        Parameters
-        ----------
-        name: not yet in use, else SceneError is raised.
-        particle: index of the particle, whose rotation the point follows.
-        position: where the point is at the start (3,), m; None: at the particle."""
+        """Name a point that is fixed to a particle, for responses. position: at the start (3,), m;
+        None: the particle's. SceneError for a name in use."""
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
         self.points[name] = self.arm_to(int(particle), position)
 
     def arm_to(self, particle: int, point=None) -> VirtualBeam:
-        """Return the rigid arm (VirtualBeam) from a particle (its index) to a point that moves with
-        it. point: position (3,) at the start, m; None: the particle's. In a scene whose parts were
-        forced together (fpm.assembly), both are positions before that."""
+        """Return the rigid arm (VirtualBeam) from a particle to a `point` (3,), m, at the start
+        (None: its own); where parts were forced together (fpm.assembly), both as before that."""
         position, frame = self.unstrained_position, self.unstrained
         if position is None or frame is None:
             position, frame = self.position, self.frame

@@ -42,9 +42,8 @@ class Parameter(Number):
         return self.describe(unit=self.unit)
 
     def check(self, key: str, value: Any, noun: str = "") -> Any:
-        """Check a value of the parameter, in its `unit`; raises SceneError if it is not allowed.
-        key: the parameter's name, for the message; value: None is allowed if the default is None;
-        noun: for "a number"."""
+        """Return a value of the parameter, in its `unit`; None is allowed if it is the default.
+        SceneError. key, noun: as in NumberLimits.check."""
         return None if value is self.default is None else super().check(key, value, noun)
 
 
@@ -115,9 +114,8 @@ class SceneType:
             raise SceneError(f"parameters of scene {self.name}", parameters, allowed) from error
 
     def build_all(self, samples: Sequence[Mapping[str, Any]]) -> list[Scene]:
-        """Return the scenes at several sets of values of parameters, as `build` does one by one,
-        to the same bits; what they have in common is built once, if the structure is a text file,
-        and its arrays must not be written to. samples: values by name, in their units."""
+        """Return the scenes at several sets of values, as `build` does, to the same bits; what they
+        have in common is built once, and must not be written to."""
         values = [self._complete(parameters) for parameters in samples]
         if self.prepare is None or len(samples) < LEAST_GROUP:
             return [self.build(**x) for x in values]

@@ -73,10 +73,9 @@ def deformation_modes(
 
 
 def scaled_modes(scene: Scene):
-    """Return three arrays for the frequencies of a scene with its hinges cut: a sparse matrix K^1/2
-    D M^-1/2 (r, dofs), whose singular values are the angular frequencies (rad/s); index (r,) of
-    each row's element; inverse masses and inertias (dofs,), 0 where held. Rows: deformations D of
-    elements, of stiffnesses K; columns: six degrees of freedom of each particle, of masses M."""
+    """Return, of a scene with its hinges cut, a sparse matrix K^1/2 D M^-1/2 (r, dofs) of
+    deformations D by freedoms, whose singular values are the angular frequencies (rad/s); index
+    (r,) of each row's element; inverse masses and inertias (dofs,), 0 where held."""
     deformations = deformation_modes(scene)[0]
     return _scale_modes(scene, deformations)
 
@@ -97,9 +96,8 @@ def _scale_modes(scene: Scene, deformations: Deformations):
 
 
 def fastest(modes) -> tuple[float, np.ndarray]:
-    """Return the square of the highest angular frequency (rad²/s²) of a scaled deformation matrix,
-    and the part of it (r,) that each row contributes, in proportion to its strain energy in that
-    mode. modes (r, dofs): sparse matrix, as `scaled_modes` returns it."""
+    """Return the square of the highest angular frequency (rad²/s²) of `scaled_modes`, and what each
+    row contributes (r,), in proportion to its strain energy in that mode."""
     if modes.shape[0] == 0 or modes.nnz == 0:
         return 0.0, np.zeros(modes.shape[0])
     matrix = modes.T @ modes
@@ -114,9 +112,8 @@ def fastest(modes) -> tuple[float, np.ndarray]:
 
 
 def find_stable_step(scene: Scene) -> StableStep:
-    """Return the largest stable time step of a scene at its start (StableStep), before any safety
-    factor: 2/ω of its highest angular frequency ω. A scene without stiffness (free bodies) has no
-    limit: infinity, frequency 0, element "none". With dampers the result is up to 1 % below it."""
+    """Return the largest stable step of a scene at its start (StableStep), 2/ω, before any safety
+    factor; infinity, element "none", without stiffness. With dampers it may be up to 1 % less."""
     limit = _limit(scene)
     if all(kind.dampings(scene) is None for kind in kinds_of([scene])):
         return limit

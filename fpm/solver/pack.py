@@ -74,20 +74,18 @@ def check_topology(scenes: Sequence[Scene]) -> None:
 def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
-    """Return a Batch of scenes to simulate side by side, which makes the arrays of the kernels.
-    scenes: must pass `check_topology`; width: number of lanes (samples in an array), at least that
-    of scenes (further lanes repeat the last scene); dtype: of the arrays; instants: number of
-    recorded instants; room: number of events of each scene that are kept, more are only counted."""
+    """Return a Batch of scenes that pass `check_topology`. width: number of lanes, of which further
+    ones repeat the last scene; dtype: of arrays; instants: recorded ones; room: events of each
+    scene that are kept."""
     return Batch(scenes, kinds_of(scenes), width, dtype, instants, room)
 
 
 def outcomes_of(
     run, times: np.ndarray, division, limits: Sequence[StableStep | None], extra=()
 ) -> list[Outcome]:
-    """Return the Outcomes of the samples of a run, in the order of lanes. run: (Batch, arrays of
-    its element types, World, Record) after the time loop; times (t,): recorded instants (s);
-    division: steps of the run (Division); limits: stable step (StableStep) of each sample, None
-    where a step was given; extra: columns (variable, label) that were recorded on request."""
+    """Return the Outcomes of the samples of a run, in the order of lanes. run: (Batch, its parts,
+    World, Record); times (t,) s; division: Division; limits: stable step of each, None: a step was
+    given; extra: columns recorded on request."""
     batch, _, world, _ = run
     motions = _final(batch, world, division.output_steps * (len(times) - 1) * division.step)
     elements = batch.scenes.map(lambda scene: eventful(scene, batch.eventful.slices))

@@ -231,9 +231,8 @@ def _integrate(scenes, width, dtype, instants, division, tolerance, room=0):
 
 
 def list_kinds_to_compile(scene: Scene, record: Sequence[Column] = ()) -> list[type | None]:
-    """Return what a run of a scene (float64) needs and is not on disk, compiled: element types, and
-    None for the time loop. record: columns (variable, label) of the run, which may take
-    a type of their own."""
+    """Return what a run of a scene needs and is not on disk, compiled: element types, and None for
+    the time loop. record: columns of the run."""
     from fpm.kernels import compiled_loop
     from fpm.kernels.lanes import width as lanes_of
 

@@ -52,10 +52,9 @@ and after the correction to 1e-4; below the second they are of conditions that o
 
 
 def consistent_scene(scene: Scene) -> Scene:
-    """Return the scene itself, or a copy with velocities and spins that its joints, motors and
-    drives allow, for the start of a run. Where none are allowed, as where motors contradict each
-    other, those with the least error are taken: joints gape then, and the run fails. Raises
-    SceneError as `check_masses`."""
+    """Return the scene, or a copy with velocities that its joints, motors and drives allow at the
+    start; where these contradict each other, those with the least error: joints gape then, and the
+    run fails."""
     return consistent_scenes([scene])[0]
 
 

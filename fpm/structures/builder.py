@@ -25,9 +25,8 @@ class Point:
 
 
 class Body:
-    """A bar or rigid body of a sample. name: full (as "bay1.AB"); points: index of the particle
-    that carries each of its named points, by full name; particles (k,): indices of all its
-    particles, set once it is built."""
+    """A bar or rigid body of a sample. name: full (as "bay1.AB"); points: particle that carries
+    each of its points, by full name; particles (k,): all of it, set once it is built."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
@@ -80,9 +79,8 @@ class Builder:
         self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> Value:
-        """Return the value of an expression in SI units. bound: the expression with its names
-        found; key: dotted path of its key in the file, for errors. Raises SkippedError if a number
-        that it refers to has no value, SceneError if it has none itself."""
+        """Return the value of an expression (SI units). key: dotted path, for errors. SkippedError
+        if a number that it refers to has no value, SceneError if it has none itself."""
         try:
             return bound.value(self.numbers)
         except KeyError:
@@ -98,9 +96,8 @@ class Builder:
         return self.find("points", name).position
 
     def store(self, group: str, name: str, value: Any) -> None:
-        """Store the object that was built for an entry (a bar, a joint, ...) of the file, for
-        `find`. group: its section in the file, such as "bars"; name: its full name; value: the
-        object."""
+        """Store what was built for an entry of the file, for `find`. group: as "bars"; name: its
+        full name."""
         self._values[group, name] = value
 
     def find(self, group: str, name: str) -> Any:

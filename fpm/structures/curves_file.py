@@ -60,9 +60,8 @@ class CurvesFile:
 
     @classmethod
     def read(cls, path: str | Path) -> CurvesFile:
-        """Read the CSV file `path` of curves, into SI units. A line of names with units, such as
-        `t [s],angle [rad]`, or one of names and one of units, stands above rows of numbers. One
-        column is the time, which increases. Raises `CurvesFileError`."""
+        """Read the CSV file `path` of curves, into SI units: names with units, or a line of each,
+        above rows of numbers. One column is the time, which increases. Raises `CurvesFileError`."""
         table = CsvTable(path, has_time=True)
         times = table.numbers(table.time)
         if len(reversals := np.flatnonzero(np.diff(times) <= 0)):

@@ -20,9 +20,8 @@ FARTHEST = 200.0
 
 
 def find_doubts(group: str, args: Any, size: float) -> Iterator[str]:
-    """Yield sentences on an entry of a structure's file that is hardly meant, of what its scene
-    does not show: boxes that are too dense, drag on too much area. group: its section, as "drags";
-    args: values of its keys; size: largest extent of the structure (m)."""
+    """Yield sentences on an entry that is hardly meant, of what its scene does not show: boxes too
+    dense, drag on too much area. args: values of its keys; size: extent of the structure (m)."""
     box = getattr(args, "box", None)
     # A line or a sheet has no density.
     if box is not None and MAX_SLENDERNESS * np.min(box) > np.max(box):

@@ -259,9 +259,8 @@ class PointKey(Key):
 
 @dataclass(frozen=True)
 class ListKey(Key):
-    """Key whose value is a list of `least` to `most` values of the Key `kind`, which must be given,
-    no two alike. units: whether {each: REPEAT, through: [...]} in the list may stand for the values
-    in all units (numbered copies) of the repeat of that name; then values may be alike."""
+    """Key of a list of `least` to `most` values of the Key `kind`, no two alike. units: whether
+    {each: REPEAT, through: [...]} may stand for the values in all units of a repeat."""
 
     kind: Key = field(default_factory=Key)
     least: int = 1

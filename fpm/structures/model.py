@@ -73,11 +73,10 @@ class Sheet(NamedTuple):
 
 
 class FileStatements:
-    """All statements (bars, joints, loads, ...) of a structure file, with a copy for each unit of a
-    repeat. table: the file's top Node; inputs: its parameters by name (text_file.GivenParameter);
-    counts: values by name of those that are whole numbers; names: Names, empty before, which are
-    filled here. What is wrong is noted in its problems, and left out. Attributes: entries: in the
-    order in which they are built; overall: Entry of gravity, damping, ...; points: full names."""
+    """All statements of a structure file, with a copy for each unit of a repeat. table: the file's
+    top Node; inputs: its parameters by name; counts: values of whole ones; names: Names, filled
+    here. What is wrong is noted in its problems, and left out. entries: in building order; overall:
+    Entry of gravity, damping, ...; points: full names."""
 
     def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, names: Names):
         self.problems, self.names = names.problems, names

@@ -154,11 +154,10 @@ class Names:
         return numbers
 
     def allows(self, name: str, key: str, line: int, group: str = "") -> bool:
-        """Return whether something may be called `name`; else a problem is noted. It is made of
-        letters, digits and _, and no word of the language (ground, next, previous, first, last). A
-        number begins with a letter and is no unit. What may stand in an expression (numbers, points
-        and repeats) is no function and no word of Python's. Whether it is taken is not looked for.
-        key, line: its dotted path and line; group: "let" for numbers, "points", "repeat", ..."""
+        """Return whether something may be called `name`; else a problem is noted: letters, digits
+        and _, no word of the language; a number begins with a letter and is no unit; what stands in
+        expressions is no function and no word of Python's. group: "let" for numbers, "points",
+        ..."""
         is_reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         plain, first = unicodedata.normalize("NFKC", name), r"[^\W\d_]" * (group == "let")
         if not re.fullmatch(rf"{first}\w*", name) or is_reserved or name[:1] == "_":
@@ -177,10 +176,9 @@ class Names:
         return False
 
     def unknown(self, line: int, key: str, name: str, options: Iterable[str], noun: str) -> None:
-        """Note the problem that a name in the file is none of those allowed, with a hint at what
-        may be meant; nothing of a name that is refused where it is given. line: where it stands;
-        key: dotted path of its key; name: as written; options: those allowed; noun: what it should
-        name, as "bar"."""
+        """Note the problem that a name is none of those allowed, with a hint at what may be meant;
+        nothing of one that is refused where it is given. key, line: where it stands; noun: what it
+        should name, as "bar"."""
         if self.bad_names & {name, name.rpartition(".")[0]}:
             return
         unit_names = [full for full in options if full.endswith(f".{name}")]
@@ -195,9 +193,8 @@ class Names:
         self.problems.say(line, f"{key}: there is no {noun} {name!r}{hint}; allowed: {options}")
 
     def find_number(self, name: str, place: "Place", line: int) -> str:
-        """Return the full name, in `numbers`, of a number or vector that is called `name` in an
-        expression: of one that has a name, of a unit vector x, y, z, of a point, of a component
-        `v.x` of a vector. place, line: where it is written. KeyError if there is none."""
+        """Return the full name of a number or vector that is called `name` in an expression: a
+        named one, unit vector, point, or component `v.x`. KeyError."""
         with suppress(KeyError):
             return place.context.find(name, self.numbers)
         if name in UNIT_VECTORS:
@@ -327,10 +324,9 @@ class Place:
         return self.names.bounds[-1]
 
     def number(self, node: Node, symbol: str | None, allowed: str, vector=False) -> Bound:
-        """Return the expression in `node` with its names found and its dimension checked; what is
-        wrong is noted, and SkippedError raised. symbol: unit of the dimension required, as "N m"
-        (None: any); an angle other than 0 needs a unit; allowed: what the value may be, in words;
-        vector: whether it is a vector instead of a number."""
+        """Return the expression in `node`, its names found and its dimension checked; else
+        SkippedError. symbol: unit of the dimension, as "N m" (None: any); an angle other than 0
+        needs a unit; allowed: in words; vector: whether it is a vector."""
         if symbol == "rad/s" and re.search(r"(?<![\w.])Hz\b", node.text):
             self.refuse(node, "a value in rad/s, deg/s or rpm (1 turn a second is 2*pi rad/s)")
         if symbol == "m" and re.search(r"/\s*(rad|deg)\b", node.text):
@@ -356,11 +352,9 @@ class Place:
         return bound
 
     def whole(self, node: Node, allowed: str) -> Bound:
-        """Return the expression written in `node` with its names found, where a whole number is
-        asked for. It has no unit, and all names in it stand for whole numbers; its value is not
-        found here, and may still be none, as of `n / 2`. What is wrong is noted, and SkippedError
-        raised. node: the value in the structure's file; allowed: what it may be, in words, for the
-        message."""
+        """Return the expression in `node` where a whole number is asked for: it has no unit, and
+        all names in it are whole numbers; its value may still be none, as of `n / 2`. Else
+        SkippedError. allowed: in words."""
         bound = self.number(node, "", allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)

@@ -57,9 +57,8 @@ USUAL |= {"density": (20, 25_000, "kg/m3"), "Young's modulus": (1e6, 2e12, "Pa")
 
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
-    """Return sentences on what a scene has that is allowed but hardly meant: odd masses or sizes,
-    no support, latches that cannot catch, releases that hold; at most 6, and one on how many more
-    there are; [] if all is usual. duration: of the run (s), to tell what comes after its end; None:
+    """Return sentences on what a scene has that is allowed but hardly meant, at most 6, and one on
+    how many more there are. duration: of the run (s), to tell what comes after its end; None:
     unknown."""
     checks = _sizes, _boxes, _thin, _support, _start, _loose, _rigid, _stuck
     sentences = scene.doubts + [sentence for check in checks for sentence in check(scene)]
@@ -399,9 +398,8 @@ SLOWER = 6.0
 
 
 def run_duration(scene: Scene) -> float:
-    """Return a time (s) in which what moves a scene has acted, to start from: 6 times the least
-    that springs need to their latches, or to their rest (of tables: their ends); a swing by weight;
-    the end of curves. 1 where there is none of these. The library's structures open within it."""
+    """Return a time (s) in which what moves a scene has acted: SLOWER times the least that springs
+    need to latches or rest; a swing by weight; the end of curves; 1 without these."""
     times = [float(curve.times[-1]) for curve in scene.curves]
     gravity = np.linalg.norm(scene.gravity)
     if gravity and scene.hinges:

@@ -84,9 +84,8 @@ class SkippedError(Exception):
 
 @dataclass(frozen=True)
 class Node:
-    """Node of a YAML file. value: its text or what YAML means by it, list of Nodes, or table (dict
-    of Nodes by key); line: where it begins, from 1 (0: unknown); lines: of a table, line of each
-    key."""
+    """Node of a YAML file. value: text or what YAML means by it, list of Nodes, or dict of Nodes;
+    line: from 1 (0: unknown); lines: of a table, line of each key."""
 
     value: "str | list[Node] | dict[str, Node] | Any"
     line: int = 0
@@ -173,10 +172,9 @@ def join_key(*parts: str) -> str:
 
 
 def read(text: str, problems: Problems, is_typed: bool = False) -> Node:
-    """Return the top table of a YAML text as a Node. problems: of the file; what is wrong is noted
-    there, and raised as StructureError, with what was noted before. is_typed: whether values are
-    what YAML means by their texts, such as numbers, and tags are allowed; else all values are
-    text."""
+    """Return the top table of a YAML text as a Node; StructureError for what is wrong, with what
+    was noted before. is_typed: whether values are what YAML means by their texts, and tags are
+    allowed; else all values are text."""
     loaders = [yaml.BaseLoader]
     if yaml.__with_libyaml__ and not {"\t", "?", "\ufeff"} & {*text}:  # which it reads otherwise
         loaders.insert(0, yaml.CBaseLoader)  # ten times faster; its words are not those below

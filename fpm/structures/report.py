@@ -62,9 +62,8 @@ def _mask_particles(scene: Scene) -> np.ndarray:
 
 
 def mass(scene: Scene) -> float:
-    """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
-    those with all six freedoms fixed that are no body with a name, and that no beam element joins
-    (clamped ends of bars count)."""
+    """Return the mass (kg) of a scene's structure: all particles but the ground, those held
+    altogether that are no named body and on no bar."""
     return float(scene.mass[_mask_particles(scene)].sum())
 
 
@@ -82,20 +81,18 @@ def centre(scene: Scene) -> np.ndarray:
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return how many moving rigid parts, scalar constraints (redundant ones included), redundant
-    ones (implied by others) and degrees of freedom a scene has at the start, by the rank of its
-    constraints, with elastic bars as rigid. In a singular position, as of a mechanism folded flat,
-    there are more freedoms than in the motion that follows."""
+    """Return the Mobility of a scene at the start, by the rank of its constraints, with bars as
+    rigid. In a singular position, as of a mechanism folded flat, there are more freedoms than in
+    the motion."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
 
 
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
-    """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
-    of its b moving rigid bodies (bars as rigid), and names (c) of joints and supports, as "joint
-    knee". Six columns a body: velocity (3) of its point at the mean of all particles, and angular
-    velocity (3) times the structure's size (largest extent); rows of angles times it, too."""
+    """Return the Jacobian (c, 6 b) of a scene's scalar constraints by the motions of its b moving
+    rigid bodies (bars as rigid), velocity of its point at the mean of all particles and angular
+    velocity times the size, and names (c), as "joint knee"; rows of angles times the size, too."""
     numbers, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(numbers, numbers[scene.fixed.all(axis=1)])
     moving = np.unique(numbers[~is_fixed])

@@ -37,9 +37,8 @@ MOTIONS = "initial_velocities"
 
 
 def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
-    """Build the scene of one sample of a structure file, at one set of parameter values; returns
-    its Builder, whose `scene` is complete if `problems` is empty. model: the file's statements;
-    values: of its parameters by name (SI units); problems: where errors are noted."""
+    """Build one sample of a structure file; its Builder's `scene` is complete if `problems` is
+    empty. values: of parameters by name (SI units)."""
     build = Builder(problems)
     with np.errstate(all="ignore"):
         find_numbers(build, model, values, model.names.order)
@@ -64,9 +63,8 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
 
 
 def find_numbers(build: Builder, model: FileStatements, values: Mapping, names: Iterable) -> None:
-    """Find values of named numbers of a sample, and note which have none. build: its Builder, of
-    which `numbers` are set; model: the file's statements; values: of parameters by name (SI units);
-    names: full names of the numbers, each after those it depends on."""
+    """Set the `numbers` of a Builder, and note which have no value. values: of parameters by name
+    (SI units); names: of numbers, each after those it depends on."""
     for name in names:
         number = model.names.numbers[name]
         if name in values:
@@ -230,9 +228,8 @@ def _note(build: Builder, line: int, key: str, error: SceneError) -> None:
 
 
 class SampleGroup:
-    """Builds samples of a structure file whose values differ from those of a first in some
-    parameters only, to the bits of one by one. model: the file's statements; values: those of the
-    first (SI units); parameters: their names."""
+    """Builds samples whose values differ from those of a first in some `parameters` only, to the
+    bits of one by one. values: of the first (SI units)."""
 
     def __init__(
         self, model: FileStatements, values: Mapping[str, float], parameters: Collection[str]
@@ -249,9 +246,8 @@ class SampleGroup:
                 array.flags.writeable = False
 
     def build(self, values: Mapping[str, float]) -> Scene | None:
-        """Return the scene at values of the file's parameters by name (SI units), of which those
-        that are not varied are the first sample's; its arrays are those of all samples. None where
-        it is to be built on its own, as one that is refused, or has other elements."""
+        """Return the scene at values of parameters by name (SI units), with arrays shared by all
+        samples; None: build it on its own, as one that is refused, or has other elements."""
         if (entries := self._entries) is None:
             return None
         build, problems, first_scene = copy(self._first), Problems(""), self._first.scene

@@ -40,12 +40,10 @@ GROUPS: dict[str, dict[str, "Statement"]] = {group: {} for group in ORDER}
 
 @dataclass(frozen=True)
 class Statement:
-    """A kind of thing that a group of a structure file may hold, as "revolute" in `joints`. group:
-    the file's key; type: the entry's `type`, "" in groups of one kind; keys: Keys that it takes, by
-    name; build(builder, args): adds one to the Builder's scene and returns what entries that refer
-    to it get; args: its full `name` and the values of all keys in SI units (None: left out; of a
-    joint the index of its first hinge, of other entries what was built); SceneError for what cannot
-    be; text: what it is, as docs/structures.md says."""
+    """A kind of thing in a `group` of a structure file, as "revolute" in `joints`. type: the
+    entry's `type`, "" in groups of one kind; build(builder, args): adds one to the scene and
+    returns what entries that refer to it get; args: its full `name` and the values of all keys in
+    SI units (None: left out; of entries what was built); SceneError; text: what it is."""
 
     group: str
     type: str
@@ -68,9 +66,8 @@ class Statement:
 
 
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
-    """Return a decorator that makes a Statement of a function build(builder, args) and registers it
-    in GROUPS. group, type: of the file's entries that it reads; text: what it is, "": the first
-    line of the function's docstring; keys: Keys of an entry by name."""
+    """Return a decorator that makes a Statement of a function build(builder, args), in GROUPS.
+    text: what it is, "": the first line of the function's docstring; keys: of an entry."""
 
     def register(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
         words = text or (build.__doc__ or "").split("\n")[0]
@@ -109,9 +106,8 @@ def key_of(kind: type[Any], name: str, **changes: Any) -> Key:
 
 
 def element(kind: type[Any], args: SimpleNamespace, **extra: Any) -> ElementType:
-    """Return an element of type `kind` made from an entry. args: values of its keys as attributes
-    (SI units), `joint` standing for the field `hinge`; extra: fields that override them. Fields
-    that are None or missing take their defaults."""
+    """Return an element of type `kind` from an entry's `args`, `joint` standing for `hinge`. extra:
+    fields that override; None or missing: defaults."""
     values = {**vars(args), "hinge": getattr(args, "joint", None), **extra}
     arguments = {f.name: values.get(f.name) for f in fields(kind)}
     arguments = {name: tuple(x) if isinstance(x, list) else x for name, x in arguments.items()}
@@ -119,10 +115,9 @@ def element(kind: type[Any], args: SimpleNamespace, **extra: Any) -> ElementType
 
 
 def connector(kind: type[ElementType], text: str = "", /, **extra: Key) -> Callable:
-    """Return a decorator that makes a Statement of `actions` for the element type `kind` and
-    registers it: its keys are the fields that have a `text`, required ones first. text: what it is,
-    "": the first line of the function's docstring; extra: Keys to add, or to replace those of
-    fields."""
+    """Return a decorator that makes a Statement of `actions` for an element type: keys are the
+    fields that have a `text`, required ones first. text: what it is, "": as in `statement`; extra:
+    Keys to add or replace."""
     keys_by_field = specs(kind)
     table = {name: key_of(kind, name) for name, key in keys_by_field.items() if key.text}
     keys: dict[str, Key] = {"joint": key_of(kind, "hinge")} if "hinge" in keys_by_field else {}
@@ -143,11 +138,10 @@ def whole(kind: type[ElementType]) -> Statement:
 
 @dataclass(frozen=True)
 class Entry:
-    """One entry of a structure file. statement: its kind; name: full name; key: dotted path; line:
-    where it stands; node: as written, table of its keys; read: by name of each key that is given
-    (as in `args`), a function of the Builder that returns its value (SI units); key_names: of keys
-    as a file writes them (`force` on a slide), by their names in `args`; uses: full names of the
-    numbers that it refers to, and of other entries as "bars:AB"."""
+    """One entry of a structure file. key: dotted path; node: as written; read: for each key that is
+    given (as in `args`), a function of the Builder that returns its value (SI units); key_names: as
+    written (`force` on a slide), by names in `args`; uses: full names of numbers referred to, and
+    of entries as "bars:AB"."""
 
     statement: Statement
     name: str
@@ -159,9 +153,8 @@ class Entry:
     uses: frozenset[str] = frozenset()
 
     def refuse(self, error: SceneError, problems: Problems) -> None:
-        """Note in the file's `problems` that the entry cannot be built, in the file's own words: a
-        key that is left out as missing, a number with its unit as it is written. error: what its
-        statement raised, whose `key` is one of `args`."""
+        """Note that the entry cannot be built, in the file's own words: a key left out as missing,
+        a number with its unit as written. error: of its statement."""
         element_key = re.match(r"(\w+) of ", error.key)  # that of an element's field
         key = element_key[1] if element_key else error.key.removeprefix(f"{self.key}.")
         first, _, rest = key.partition(".")
@@ -193,9 +186,8 @@ class Entry:
 def read_entry(
     kinds: dict[str, Statement], name: str, node: Node, line: int, place: Place
 ) -> Entry | None:
-    """Return one entry of a group as read from the file; None if it is left out: wrong, which is
-    noted, or with a neighbour that does not exist. kinds: the group's Statements by type; name:
-    full name; node: the entry; line: of its key; place: where it stands (Place)."""
+    """Return one entry of a group; None if it is left out: wrong, which is noted, or with a
+    neighbour that does not exist. kinds: the group's Statements by type."""
     try:
         if not node.is_table:
             value = node.value if isinstance(node.value, str) else "a list"

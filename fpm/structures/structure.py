@@ -133,9 +133,8 @@ class Structure(StatementTable):
         return yaml.dump(self.table, Dumper=_TextDumper, width=100, **options)
 
     def write(self, path: str | Path) -> None:
-        """Write the structure as a YAML file, which loads to the same scenes, at `path`. Raises
-        StructureError for a wrong structure, and where curves are not those of the same names in
-        the folder of `path`."""
+        """Write the structure as a YAML file that loads to the same scenes. StructureError for a
+        wrong one, and where curves are not those of the same names in the folder of `path`."""
         if loads(text := self.text(), str(path)).digest != self.scene_type.digest:
             reason = "other files of curves are there; allowed: the folder of the structure"
             raise StructureError(str(path), [Problem(0, reason)])

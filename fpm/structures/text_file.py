@@ -54,10 +54,9 @@ def find_turns(
     evaluate: Callable[[float], np.ndarray], count: int, lower: float, upper: float
 ) -> list[float]:
     """Return the values of a parameter between `lower` and `upper` at which any of m expressions
-    has an extreme, then those at which the slope of one jumps (a knot of a table), each in order.
-    evaluate: function of the parameter's value that returns those of the expressions (m,), NaN
-    where there is none; count: m. A feature narrower than a thousandth of the interval is not seen,
-    of more than 200 expressions one of up to a 65th."""
+    has an extreme, then those at which a slope jumps. evaluate(value): expressions (m,), NaN: none.
+    A feature below a thousandth of the interval is not seen, of more than 200 expressions a
+    65th."""
     from scipy.optimize import minimize_scalar
 
     if not count:

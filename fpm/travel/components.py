@@ -28,9 +28,8 @@ DRAGS = ("FR", "HY")
 
 
 def component_classes(scene) -> dict[str, str]:
-    """Return the components of a scene's virtual work (springs, friction, loads, ...) by name, each
-    with its class, a key of CLASSES in `fpm.reading.standards`, as "S" for springs: the one that
-    the structure's file states, else that of the element's type."""
+    """Return the components of a scene's virtual work by name, each with its class
+    (`fpm.reading.standards`), as "S": the one that the file states, else its type's."""
     classes = {part.name: part.resists_as for part in components_of(scene)}
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings} | classes
     return classes | ({STRAIN: "S"} if scene.beams else {})
@@ -43,9 +42,8 @@ def springs_of(scene) -> list[str]:
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
-    """Return the class (a key of CLASSES in `fpm.reading.standards`, such as "FR" for friction) of
-    each component of a scene's virtual work, by name. The class is that of the element type,
-    whatever the file states, except that a tabulated spring is of class "S" if the file says so."""
+    """Return the class of each component of a scene's virtual work, by name: its type's, whatever
+    the file states, but "S" for a tabulated spring that is so there."""
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
         classes[part.name] = "FR" if part.baseline else type(part.element).resists_as
@@ -105,11 +103,9 @@ class VirtualWork:
                 source.forces(poses)
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
-        """Return the virtual work (N m, on slides N) of the component at `poses`, per unit of the
-        opening (rad, on slides m), above 0 where it drives. tangent (6n,): motion by that unit, of
-        each particle its shift (m), then its rotation vector (rad), global. Of several elements it
-        is the least; with a baseline (the element without friction, say), what is left when its
-        work is taken off. The forces are kept for `friction_forces`."""
+        """Return the virtual work (N m, on slides N) at `poses` per unit of the opening, above 0
+        where it drives; of several elements the least, with a baseline the difference. tangent
+        (6n,): motion by that unit. The forces are kept for `friction_forces`."""
         self._forces = np.array([source.forces(poses) for source in self.sources])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())

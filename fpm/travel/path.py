@@ -46,11 +46,10 @@ def balance_of(scene) -> BalanceForces:
 def forces_with_friction(
     base: Sequence[np.ndarray], slopes: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, bool]:
-    """Return forces F (b,) N in b bearings whose own friction loads them further, and whether there
-    is a solution (False: a bearing locks itself): F_i = |base_i + slopes_i F|. base: by bearing i,
-    the force (r,) N in its joint without bearing friction; slopes: by bearing, its derivatives (r,
-    b) by all F. The solution is followed by Newton's method from no friction on; where its
-    equations become singular, a bearing locks itself."""
+    """Return forces F (b,) N in bearings whose own friction loads them further, F_i = |base_i +
+    slopes_i F|, and whether there is a solution. base, slopes: by bearing (r,) N and (r, b). It is
+    followed by Newton's method from no friction on; where the equations become singular, a bearing
+    locks itself."""
     forces = np.array([np.linalg.norm(x) for x in base])
     for factor in np.linspace(0.0, 1.0, 1 + FRICTION_STEPS)[1:]:
         for _ in range(MAX_ITERATIONS):
@@ -120,10 +119,9 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """Moves a joint coordinate (opening) of a scene slowly, through static equilibria, and holds
-    the state reached: `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion
-    (6n,), m, rad, of all particles per unit of it. openings: names of hinges or slides that move
-    together, the first by the `opening`; locked: names of hinges that are held as at the start."""
+    """Moves an opening of a scene slowly, through static equilibria: `poses` of n particles, the
+    `opening` (rad, m), and `tangent`, the motion (6n,) of all particles per unit of it. openings:
+    hinges or slides that move together; locked: hinges held as at the start."""
 
     def __init__(self, scene, openings: Sequence[str], locked: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
@@ -272,10 +270,9 @@ class Path:
         return rates.ravel()
 
     def compute_bearing_work(self, friction: np.ndarray) -> list[float]:
-        """Return virtual work (N m, on slides N) of friction in each bearing, per unit of the
-        opening moved, at most 0; by the force in its joint (on a slide, across it), in balance with
-        all friction. friction: forces and moments (6n,), N and N m, of other components that only
-        resist. SceneError for self-locking: friction presses its joint harder than it is pushed."""
+        """Return the virtual work (N m, N) of friction in each bearing per unit of the opening, by
+        the force in its joint, in balance with all friction. friction (6n,): of other components.
+        SceneError for self-locking."""
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
             return []

@@ -88,9 +88,8 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure the values (k,) at a position (0 to 1, fraction of the travel), without storing
-        them. Returns them and the new state, as `measure` returns it: an object of the caller's.
-        Starts from the state of the nearest sampled position not above, None if there is none."""
+        """Measure the values (k,) at a position, without storing them, from the state of the
+        nearest sampled position not above. Returns them and the new state."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
@@ -111,12 +110,10 @@ class SampledTravel:
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
         """Sample further positions, half-way between others, until interpolated values are
-        accurate; returns False where more than 1500 in all would be needed. Two positions within
-        1e-7 between which values still are not accurate are marked as a kink or jump.
-        measure_error(interpolated, measured, distance): returns the error of interpolated values
-        (k,) against measured ones, over the allowed error, half-way between positions that are so
-        far apart (fraction of the travel). Accurate is an error up to 1, or up to ROUNDING_LIMIT
-        (20) if above 0.7 of that before the last halving."""
+        accurate; False where more than 1500 would be needed. Two positions within 1e-7 between
+        which they still are not are marked as a kink or jump. measure_error(interpolated, measured,
+        distance): error over the allowed one. Accurate: up to 1, or up to ROUNDING_LIMIT if halving
+        does not help."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

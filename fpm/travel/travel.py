@@ -57,15 +57,12 @@ def sweep(
     locked: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
-    """Move a joint coordinate (opening) of a scene slowly from one value to another, with the rest
-    in static balance. Returns openings, virtual works and inertia at all positions (Travel).
+    """Move an opening of a scene slowly from one value to another (Travel).
 
-    scene: at its start; openings: name of a hinge, or of several, of which the others move as far
-    from their start as the first; first, last: values of the opening (rad, on slides m) at both
-    ends; locked: names of hinges that keep their opening at the start; positions: number of evenly
-    spaced positions, at least 2; None: as many as needed, including those at which a moment has a
-    kink. Raises SceneError if the opening does not determine the whole motion, MisfitError if it
-    cannot reach a value in balance."""
+    openings: name of a hinge, or of several, the others as far from their start as the first;
+    first, last: at both ends (rad, m); locked: hinges that keep their opening; positions: evenly
+    spaced, None: as many as needed, with those of kinks. SceneError if the opening does not
+    determine the motion, MisfitError if it cannot reach a value."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
     sweep = _Sweep(scene, Path(scene, names, locked), first, last, (last - first) / (count - 1))

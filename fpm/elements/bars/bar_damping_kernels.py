@@ -27,9 +27,8 @@ class DampedElements(NamedTuple):
 
 @kernel
 def follow(part, timing, e, k, value, damping):
-    """Note deformation k of element e. Returns its rate, extrapolated from the last two steps, and
-    what damping took of it in the step that ends now (J, by the trapezium rule). part: arrays of
-    damped elements; timing: step times (s); value: deformation (m, rad); damping: of its rate."""
+    """Note deformation k of element e, `value` (m, rad). Return its rate, extrapolated from the
+    last two steps, and what `damping` took of it in the step (J, by the trapezium rule)."""
     history = part.history
     rate = load(history, e, RATE + k)
     loss = 0.0 * rate
@@ -46,9 +45,7 @@ def follow(part, timing, e, k, value, damping):
 
 @hook(DampedElements)
 def forces(part, world, timing):
-    """Add the damping forces (N) and moments (N m) of beam elements to those on their particles,
-    and what they take in the step that ends now (J) to World.accounts. part: arrays of damped
-    elements (DampedElements); world: solver state, changed; timing: step times (s)."""
+    """Add the damping forces (N) and moments (N m) of beam elements, and what they take (J)."""
     state, bars = world.state, part.bars
     total = load(world.accounts, 0, part.account)
     for e in range(bars.nodes.shape[0]):

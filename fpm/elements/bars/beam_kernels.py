@@ -43,11 +43,9 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements (lanes: samples) whose local axes are not their particles'. nodes
-    (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): undeformed length l0 (m),
-    EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2, lanes): largest bend (sine)
-    and strain so far; rows (m, 1, lanes): energy of each (J); axes (m, 12, lanes): local axes 2 and
-    3 (three components each) at end a, then at end b, in the axes of the particle there."""
+    """Arrays of m beam elements whose local axes are not their particles': those of
+    StraightElements, and axes (m, 12, lanes): local axes 2 and 3 (three components each) at end a,
+    then at end b, in the axes of the particle there."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -119,9 +117,8 @@ def chord_of(part, state, e):
 
 @kernel
 def forces(part, world, timing):
-    """Add forces (N) and moments (N m) of all beam elements to their end particles. part: Straight-
-    or FramedElements; world (World): solver state, changed; timing: not used. The chord of the next
-    element is found beside the forces of each: its root and quotient take long."""
+    """Add forces (N) and moments (N m) of all beam elements to their end particles. The chord of
+    the next element is found beside the forces of each: its root and quotient take long."""
     state, beams = world.state, part.beams
     last = part.nodes.shape[0] - 1
     next_chord = chord_of(part, state, 0)
@@ -136,9 +133,8 @@ def forces(part, world, timing):
 
 @kernel
 def bends_of(n, axes):
-    """Return two tuples of four, for the axes 2, 3 at end a and 2, 3 at end b of an element: six
-    times the angles (rad) by which they are off the normal to its chord n (unit vector), and twice
-    the derivatives of these angles by their sines. axes: the four, as `end_axes` returns them."""
+    """Return, for the axes 2, 3 at end a and 2, 3 at end b (`end_axes`), six times the angles (rad)
+    off the normal to the chord n, and twice the derivatives of these by their sines."""
     ta2, da2 = angle(dot(n, axes[0]))
     ta3, da3 = angle(dot(n, axes[1]))
     tb2, db2 = angle(dot(n, axes[2]))
@@ -148,10 +144,9 @@ def bends_of(n, axes):
 
 @kernel
 def push_ends(part, state, e, n, inverse, axes, slopes, loads):
-    """Add forces (N) and moments (N m) of element e to its end particles. part: Straight- or
-    FramedElements; state: World.state, changed; n, inverse: unit vector of its chord, and inverse
-    of its length (1/m); axes, slopes: as `end_axes` and `bends_of` return them; loads: axial force
-    (N), moment of its twist (N m), and six times the angles (rad) that its bending moments have."""
+    """Add forces (N) and moments (N m) of element e to its end particles. n, inverse: its chord,
+    and inverse of its length (1/m); axes, slopes: of `end_axes` and `bends_of`; loads: axial force
+    (N), moment of its twist (N m), and six times the angles (rad) of its bending moments."""
     axial, twist, (ta2, ta3, tb2, tb3) = loads
     a, b = part.nodes[e, 0], part.nodes[e, 1]
     a2, a3, b2, b3 = axes
@@ -174,9 +169,8 @@ def push_ends(part, state, e, n, inverse, axes, slopes, loads):
 
 @kernel
 def shape_of(part, state, e):
-    """Return the deformation of element e, a tuple: axial force (N); sines of the angles by which
-    the axes 2, 3 at end a and 2, 3 at end b are off the normal to the chord, a tuple of four; twice
-    the sine of its twist. part: StraightElements or FramedElements; state: World.state."""
+    """Return the deformation of element e: axial force (N); sines of the angles by which the axes
+    2, 3 at end a and at end b are off the normal to the chord; twice the sine of its twist."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
@@ -184,8 +178,7 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Return the strain energy (J, lanes) of element e. part: StraightElements or FramedElements;
-    shape: its deformation, as `shape_of` returns it."""
+    """Return the strain energy (J, lanes) of element e. shape: of `shape_of`."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -199,9 +192,8 @@ def strain_energy(part, e, shape):
 
 @kernel
 def larger_strains(part, e, shape, bend, strain):
-    """Return two maxima, `bend` and `strain`, raised to the values of element e. bend: squared sine
-    of the largest bend or twist; strain: the largest at the surface of the rectangle with the
-    section's radii of gyration. part: Straight- or FramedElements; shape: of e, from `shape_of`."""
+    """Return the maxima `bend` (squared sine of bend or twist) and `strain` (at the surface of the
+    rectangle with the section's radii of gyration), raised to those of a `shape_of` element e."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -218,8 +210,7 @@ def larger_strains(part, e, shape, bend, strain):
 
 @kernel
 def sum_energies(part, world):
-    """Return the strain energy (J, lanes) of all beam elements together, and raise part.peaks to
-    their largest bend (sine) and strain. part: Straight- or FramedElements; world: solver state."""
+    """Return the strain energy (J, lanes) of all elements; raise part.peaks to bend and strain."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.peaks, 0, BEND), load(part.peaks, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
@@ -233,8 +224,7 @@ def sum_energies(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store the strain energy (J) of each beam element in part.rows, once a run has failed, to name
-    the worst one. part: StraightElements or FramedElements; world (World): solver state."""
+    """Store the strain energy (J) of each beam element in part.rows."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

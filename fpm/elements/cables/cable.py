@@ -240,10 +240,9 @@ class Cable(ElementType):
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) at least as stiff as the cables of a scene can become, for
-        the stable time step; None without cables, or if all their points are held. Arms bear the
-        tension at the start: one that grows to where arms are shorter than it is strained does not
-        count."""
+        """Return springs (Deformations) at least as stiff as a scene's cables can become, for the
+        stable step. Arms bear the tension at the start; a larger one strains the cable to beyond
+        its shortest arm."""
         bounds = bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
         cables = enumerate(cls.find(scene))
         return with_arms(bounds, ((i, *pull) for i, c in cables for pull in c.pulls(scene)))
@@ -275,12 +274,9 @@ class Cable(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return tension (N) and strained length (m) of all cables of one sample after a run,
-        Series (t, cables) named "cable_tension", "cable_length"; where cables run over points
-        between their ends, tensions of the stretches before and after these ("stretch_tension"),
-        and the unstrained length (m) that has run over each ("cable_slip"), > 0 towards the end.
-        part: kernel arrays (Cables); scene: the sample's; lane: index of the sample among those
-        simulated side by side."""
+        """Return the series of one sample's cables: "cable_tension" (N), "cable_length" (m,
+        strained), and of those that run over points "stretch_tension" and "cable_slip" (m,
+        unstrained, that has run over each point, > 0 towards the end)."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {

@@ -66,8 +66,7 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends
-    (index among all cables' points). part: arrays of all (RubbingCables), after `measure_path`."""
+    """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends."""
     first = get3(part.stretches, j - 1, cable.DIRECTION)
     second = get3(part.stretches, j, cable.DIRECTION)
     normal = cross(first, second)
@@ -76,18 +75,16 @@ def turn_angle(part, j):
 
 @kernel
 def length_at(part, j, soft, fraction):
-    """Return the length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if
-    it changed evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
+    """Return the length (m) of stretch j at a `fraction` of the step. soft: 1/EA (1/N)."""
     length = load(part.slip, j, slips.MATERIAL) * (1.0 + soft * load(part.slip, j, slips.TENSION))
     return length + fraction * (load(part.stretches, j, cable.LENGTH) - length)
 
 
 @kernel
 def slip(part, c, rest, excess, turn):
-    """Let cable c slip over its points by the law of friction: stores in part.slip FREE_STRAIN of
-    every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
-    cables (RubbingCables); rest: unstrained length now (m); excess: length less unstrained length a
-    step ago (m); turn: fraction of the step after which the cable turns tight, if it was slack."""
+    """Let cable c slip over its points by the law of friction: store FREE_STRAIN of every stretch.
+    rest: unstrained length now (m); excess: length less unstrained length a step ago (m); turn:
+    fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, cable.EA), 0.0 * rest
     for j in range(first + 1, last):
@@ -104,9 +101,8 @@ def slip(part, c, rest, excess, turn):
 
 @kernel
 def pull_on(part, c, excess, turn, slack):
-    """Store in part.slip and part.stretches tension (N), slipped length (m), unstrained length
-    (m) and pull on its points (N) of every stretch of cable c. part: all cables (RubbingCables);
-    excess: length less unstrained length now (m); turn: fraction of the step after which the cable
+    """Store tension (N), slipped and unstrained length (m) and pull (N) of every stretch of cable
+    c. excess: length less unstrained length now (m); turn: fraction of the step after which it
     turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, cable.EA)
@@ -130,9 +126,7 @@ def pull_on(part, c, excess, turn, slack):
 
 @kernel
 def find_tensions(part, world, timing, c):
-    """Find and store in part.slip the tension (N) of every stretch of cable c, which has
-    friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
-    world (World): solver state; timing (StepTime): times of the step (s)."""
+    """Measure cable c, which has friction, let it slip, and store its tensions (N) in part.slip."""
     length = cable.measure_path(part, world.state, c)
     rest = cable.find_unstrained_length(part, world, timing, c)
     last, excess = load(part.state, c, cable.LONGER), length - rest
@@ -152,8 +146,7 @@ def find_tensions(part, world, timing, c):
 
 @hook(RubbingCables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part: all
-    cables (RubbingCables); world (World): solver state, changed; timing (StepTime): times (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over."""
     for c in range(part.curve.shape[0]):
         if part.has_friction[c]:
             find_tensions(part, world, timing, c)
@@ -168,18 +161,14 @@ def forces(part, world, timing):
 
 @kernel
 def gain(part, j, soft):
-    """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
-    mean over both ends of the step that ends now. part: RubbingCables; soft: 1/EA (1/N)."""
+    """Return the energy (J/m) that unstrained cable brings into stretch j, a mean over the step."""
     tension, last = load(part.slip, j, slips.TENSION), load(part.slip, j, slips.TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
 @hook(RubbingCables)
 def work_before(part, world, timing):
-    """Add the winches' work (J) over the step that ends now to world.accounts, in column
-    part.account, and the energy (J) that friction took in it, in column part.loss. Called at the
-    end of every step, not at the start. part: arrays of all cables (RubbingCables); world: solver
-    state (World); timing: unused."""
+    """Add the winches' work (J) in the step, and the energy (J) that friction took."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.has_friction[c]:
@@ -213,9 +202,8 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
-    those without friction raise part.peaks (`record_cable`). part: arrays of all cables
-    (RubbingCables); world: not used; row: index of the recorded instant."""
+    """Store tension (N), of the first stretch, and strained length (m) of each cable in
+    part.track."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.has_friction[c]:
@@ -231,9 +219,7 @@ def record(part, world, row):
 
 @hook(RubbingCables, "note_events")
 def note_slips(part, world, timing):
-    """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
-    and over which points they stick (0) or slip (1) from it on. part: arrays of all cables
-    (RubbingCables); world: not used; timing (StepTime): times of the step (s)."""
+    """Note which cables turned tight (0) or slack (1), and where they stick (0) or slip (1)."""
     cable.note_events(part, world, timing)
     number = part.curve.shape[0]
     for c in range(part.curve.shape[0]):

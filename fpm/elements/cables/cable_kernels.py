@@ -97,9 +97,8 @@ def measure_path(part, state, c):
 
 @kernel
 def find_unstrained_length(part, world, timing, c):
-    """Return the unstrained length (m, lanes) of cable c (index) now, less the length on its drum,
-    or less the mean length that its winch takes in over the kick. Store its excess at timing.time.
-    part: Cables or RubbingCables; world: with curves."""
+    """Return the unstrained length (m, lanes) of cable c outside drum and winch, of which it is a
+    mean over the kick; store by how much it is more at timing.time."""
     mean, reel = kick_mean(world, part.curve[c], timing), load(part.cables, c, REEL)
     store(part.state, c, SURPLUS_BEFORE, load(part.state, c, SURPLUS))
     store(part.state, c, SURPLUS, (mean - curve_value(world, part.curve[c], timing.time)) * reel)
@@ -108,9 +107,8 @@ def find_unstrained_length(part, world, timing, c):
 
 @kernel
 def find_length_outside(openings, part, c, rest):
-    """Return the unstrained length (m, lanes) of cable c outside its drum. openings: joint
-    coordinates, None where the scene has no drums; rest: length (m) at the drum's opening at the
-    start."""
+    """Return the unstrained length (m, lanes) of cable c outside its drum. openings: None without
+    drums; rest: length (m) at the drum's opening at the start."""
     if openings is not None and part.drum[c] >= 0:
         turns = load(openings.angles, part.drum[c], NEW) - load(part.cables, c, OPENING)
         rest = rest - load(part.cables, c, RADIUS) * turns
@@ -119,9 +117,8 @@ def find_length_outside(openings, part, c, rest):
 
 @kernel
 def turn_drum(openings, part, state, c, pull):
-    """Turn the joint of the drum of cable c by -r F, r being its radius. openings: joint
-    coordinates, None where the scene has no drums; part: Cables or RubbingCables; state:
-    World.state, changed; pull: F (N), the tension T (1 + e/2) where the cable is strained by e."""
+    """Turn the joint of the drum of cable c by -r F. r: its radius; pull: F (N), the tension T (1 +
+    e/2) where the cable is strained by e; openings: None without drums."""
     if openings is not None and part.drum[c] >= 0:
         turn(openings, state, part.drum[c], -1.0 * load(part.cables, c, RADIUS) * pull)
 
@@ -147,8 +144,7 @@ def find_pull(part, world, timing, c):
 
 @kernel
 def pull_points(part, state, c):
-    """Add the tensions of cable c as forces (N) and moments (N m) to its particles, at each point
-    towards the points beside it. part: Cables or RubbingCables; state: World.state, changed."""
+    """Add the tensions of cable c (N) to its particles, at each point towards those beside it."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -163,8 +159,7 @@ def pull_points(part, state, c):
 
 @hook(Cables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
-    arrays of all cables (Cables); world (World): solver state, changed; timing: StepTime (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over."""
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
@@ -173,8 +168,7 @@ def forces(part, world, timing):
 
 @hook(Cables)
 def note_events(part, world, timing):
-    """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
-    and when. part: arrays of all cables (Cables); world: not used; timing (StepTime): times (s)."""
+    """Note which cables turned tight (event 0) or slack (1) in the step, and when."""
     for c in range(part.curve.shape[0]):
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
@@ -184,17 +178,14 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Return the work (J, lanes: a value per sample) of the winch of a cable over the step that
-    ends now, above 0 where it takes tight cable in. part: arrays of all cables (Cables or
-    RubbingCables); c: index of the cable."""
+    """Return the work (J, lanes) of cable c's winch in the step, above 0 where it takes it in."""
     reel_length = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reel_length * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)
 def work_before(part, world, timing):
-    """Add the winches' work (J) over the step that ends now to part.account in world.accounts.
-    part: arrays of all cables (Cables); world (World): solver state; timing: not used."""
+    """Add the winches' work (J) in the step that ends now to world.accounts."""
     work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
@@ -242,16 +233,14 @@ def drum_ratio(part, c):
 
 @kernel
 def record_drum(openings, part, c):
-    """Raise part.peaks to the drum ratio of cable c. openings: joint coordinates, None where the
-    scene has no drums; part: arrays of all cables (Cables or RubbingCables)."""
+    """Raise part.peaks to the drum ratio of cable c. openings: None without drums."""
     if openings is not None:
         store(part.peaks, 0, 1, larger(load(part.peaks, 0, 1), drum_ratio(part, c)))
 
 
 @kernel
 def record_stretch(part, j, row, tension):
-    """Store `tension` (N) and length (m) of stretch j in part.stretch_track. part: Cables or
-    RubbingCables; row: index of the recorded instant."""
+    """Store `tension` (N) and length (m) of stretch j in part.stretch_track at an instant."""
     index = row * part.particle.shape[0] + j
     store(part.stretch_track, index, 0, tension)
     store(part.stretch_track, index, 1, load(part.stretches, j, LENGTH))
@@ -259,9 +248,8 @@ def record_stretch(part, j, row, tension):
 
 @kernel
 def record_cable(part, c, row):
-    """Store tension (N) and strained length (m) of cable c in part.track, of its stretches in
-    part.stretch_track, and raise part.peaks to its crowding and drum ratio. part: Cables or
-    RubbingCables; row: index of the recorded instant."""
+    """Store tension (N) and strained length (m) of cable c and of its stretches at an instant, and
+    raise part.peaks to its crowding and drum ratio."""
     surplus, index = load(part.state, c, SURPLUS), row * part.curve.shape[0] + c
     strain = (load(part.state, c, LONGER) - surplus) / (load(part.state, c, UNSTRAINED) + surplus)
     tension = load(part.cables, c, EA) * where_negative(strain, 0.0, strain)
@@ -275,18 +263,14 @@ def record_cable(part, c, row):
 
 @hook(Cables)
 def record(part, world, row):
-    """Store tension (N) and strained length (m) of each cable and stretch in part.track and
-    part.stretch_track, and raise part.peaks (one for all cables) to the largest crowding,
-    elongation over the length of the shortest stretch, and drum ratio. part: all cables (Cables);
-    world: not used; row: index of the recorded instant."""
+    """Store tensions (N) and lengths (m) of cables and stretches; raise part.peaks to their largest
+    crowding and drum ratio."""
     for c in range(part.curve.shape[0]):
         record_cable(part, c, row)
 
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store each cable's crowding, elongation over the length of its shortest stretch, or its
-    drum ratio, if that is larger, in part.rows, to name the worst when a run failed. part: all
-    cables (Cables); world: not used."""
+    """Store each cable's crowding, or its drum ratio if that is larger, in part.rows."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, larger(crowding_of(part, c), drum_ratio(part, c)))

@@ -62,11 +62,10 @@ def find_flow(part, first, j, strain):
 
 @kernel
 def find_free_strain(part, first, j, tight, slope, close):
-    """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
-    slack, and the derivative of `find_flow` (m) there. At this strain `find_flow` is 0: found by
-    Newton's method between bounds, from the solution to first order. part: RubbingCables; first:
-    the cable's first point; tight: length less unstrained length (m) of the stretches up to j;
-    slope: derivative (m) for the stretches before j; close: flow (m) that is near enough to 0."""
+    """Return the strain of stretch j > first if nothing could slip over the point at its end (0:
+    slack), at which `find_flow` is 0, and the derivative of that (m): by Newton's method between
+    bounds. tight: length less unstrained length (m) of the stretches up to j; slope: derivative (m)
+    for those before j; close: flow (m) near enough to 0."""
     start, length = load(part.slip, j, START), load(part.stretches, j, LENGTH)
     free_strain = load(part.slip, j - 1, FREE_STRAIN)
     stick_strain = positive((length - start) / start)
@@ -95,8 +94,7 @@ def find_free_strain(part, first, j, tight, slope, close):
 
 @kernel
 def strain_before(part, j, strain):
-    """Return the strain of the stretch before point j by the law of friction, if that after it has
-    `strain`. part: arrays of all cables (RubbingCables), in which FREE_STRAIN is known."""
+    """Return the strain of the stretch before point j by the law of friction, after it `strain`."""
     least, most = load(part.slip, j, INVERSE) * strain, load(part.slip, j, RATIO) * strain
     free_strain = load(part.slip, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))
@@ -104,10 +102,9 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_free_strains(part, first, last, close):
-    """Store in part.slip (FREE_STRAIN) the strain that each stretch of a cable would have if it
-    slipped over the points before, but nothing over that at the stretch's end, for `strain_before`.
-    part: all cables (RubbingCables); first, last: indices of the cable's first and last point;
-    close: error of unstrained length (m) at which the iteration for each strain ends."""
+    """Store in FREE_STRAIN the strain of each stretch if it slipped over the points before, but
+    nothing over that at its end. first, last: the cable's first and last point; close: error of
+    unstrained length (m) at which the iteration ends."""
     start, length = load(part.slip, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

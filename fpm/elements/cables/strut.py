@@ -153,9 +153,8 @@ class Strut(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return force (N, above 0 where it pushes, damper included) and length (m) of all struts
-        of one sample after a run, Series (t, struts) named "strut_force", "strut_length". part:
-        kernel arrays (Struts); scene: the sample's; lane: index of the sample."""
+        """Return "strut_force" (N, above 0 where it pushes, damper included) and "strut_length" (m)
+        of all struts of one sample, Series (t, struts)."""
         names = tuple(strut.name for strut in cls.find(scene))
         force, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         text = "force of the struts, above 0 where they push"

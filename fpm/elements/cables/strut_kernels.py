@@ -44,10 +44,8 @@ class Struts(NamedTuple):
 
 @hook(Struts)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all struts to those on particles, and what their
-    dampers lose in the step that ends now (J) to World.accounts; where a length passes a point of a
-    table, `edge` corrects the work of the step. part: arrays of all struts (Struts), whose state
-    changes; world: solver state (World), changed; timing: step times (s)."""
+    """Add the forces (N) and moments (N m) of struts, and what their dampers lose in the step (J);
+    where a length passes a point of a table, `edge` corrects the work."""
     loss = load(world.accounts, 0, part.account)
     for n in range(part.particle.shape[0]):
         i, j = part.particle[n, 0], part.particle[n, 1]
@@ -82,8 +80,7 @@ def forces(part, world, timing):
 
 @hook(Struts)
 def energy_of(part, world, n):
-    """Return the energy (J, lanes) stored in strut n, counted from its least value. part: arrays of
-    all struts (Struts); world: not used; n: index of the strut."""
+    """Return the energy (J, lanes) stored in strut n, counted from its least value."""
     length = load(part.state, n, LENGTH)
     reach = length - load(part.points, part.start[n], PLACE)
     half = 0.5 * load(part.numbers, n, SLOPE) * reach
@@ -97,8 +94,7 @@ def energy_of(part, world, n):
 
 @hook(Struts)
 def record(part, world, row):
-    """Record force (N) and length (m) of each strut in part.track. part: arrays of all struts
-    (Struts); world: not used; row: index of the recorded instant."""
+    """Record force (N) and length (m) of each strut in part.track."""
     count = part.particle.shape[0]
     for n in range(count):
         store(part.track, row * count + n, 0, load(part.state, n, FORCE))

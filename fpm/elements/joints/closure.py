@@ -22,8 +22,7 @@ def mean_force(world, timing):
 
 @kernel
 def clear(sums):
-    """Set impulses (N s, N m s), which are summed over a step, to 0 at its start. sums (rows,
-    fields, lanes): those of hinges or joints; None, where nothing reads them: nothing is done."""
+    """Set impulses (rows, fields, lanes), summed over a step, to 0; None: nothing is done."""
     if sums is not None:
         for r in range(sums.shape[0]):
             for k in range(sums.shape[1]):
@@ -32,9 +31,8 @@ def clear(sums):
 
 @kernel
 def count_hinge(sums, part, h, condition):
-    """Add the impulses (N s, N m s) last found for hinge h, an index, on both bodies to row h of
-    `sums` (Hinges.sums; None: nothing is done), in samples where `condition` (lanes) is below 0,
-    for recorded forces. part: arrays of all hinges (Hinges)."""
+    """Add the impulses last found for hinge h, on both bodies, to its row of `sums` (None: not
+    counted), in samples where `condition` (lanes) is below 0."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
@@ -60,9 +58,8 @@ def count_joints(part, condition):
 
 @kernel
 def count_conditions(sums, part, condition):
-    """Add the impulses (N s, N m s) last found for all constraint equations to `sums` (Joints.sums,
-    over a step; None: nothing is done), in samples where `condition` (lanes) is below 0: slack of
-    the gaps, below 0 where bodies are pushed again, or ALL (-1). part: all joints (Joints)."""
+    """Add the impulses last found to `sums` (Joints.sums; None: not counted), in samples where
+    `condition` (lanes) is below 0: slack of the gaps, or ALL (-1)."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -72,9 +69,7 @@ def count_conditions(sums, part, condition):
 
 @kernel
 def save_pose(b, r, state, i, axes):
-    """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
-    of bodies (body_scratch), at the start of a step, for `restore_pose`. state: of the particles
-    (World.state); axes: the particle's three unit vectors, global."""
+    """Save position (m) and axes 2 and 3 of particle i in row r of `b` (body_scratch)."""
     put3(b, r, hinge.OLD_X, get3(state, i, X))
     put3(b, r, hinge.OLD_D2, axes[1])
     put3(b, r, hinge.OLD_D3, axes[2])
@@ -82,8 +77,7 @@ def save_pose(b, r, state, i, axes):
 
 @kernel
 def restore_pose(b, r, state, i):
-    """Set particle i back to the position and axes that `save_pose` saved in row r of `b`, bodies'
-    working memory. state: World.state, changed."""
+    """Set particle i back to what `save_pose` saved in row r of `b`."""
     put3(state, i, X, get3(b, r, hinge.OLD_X))
     put3(state, i, D2, get3(b, r, hinge.OLD_D2))
     put3(state, i, D3, get3(b, r, hinge.OLD_D3))
@@ -91,8 +85,7 @@ def restore_pose(b, r, state, i):
 
 @kernel
 def turn_little(state, i, turn):
-    """Rotate the axes of a particle by a rotation vector `turn` (rad, 3, global) so small that its
-    square does not show, to close small tilts. state: World.state, changed; i: the particle's."""
+    """Rotate the axes of particle i by a vector `turn` (rad, global) whose square does not show."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))
@@ -108,9 +101,8 @@ def coarse(time, size):
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
-    (squared sine of the axes' angle), both lanes (a number for each sample); returns these roots
-    (m, sine). part: arrays of elements (Hinges or Joints)."""
+    """Raise part.peaks to the roots of gap2 (m²) and tilt2 (squared sine), and return these (m,
+    sine)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, hinge.GAP, larger(load(part.peaks, 0, hinge.GAP), gap))
     store(part.peaks, 0, hinge.TILT, larger(load(part.peaks, 0, hinge.TILT), tilt))
@@ -118,15 +110,13 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks `record` (of the largest gap and tilt) and `list_excess` (of how far each
-    gapes) for a type `arrays` of kernel arrays (Hinges or Joints). find(part, state,
-    i): kernel that returns two squares for element i: of the distance of its points (m²), and of
-    the sine of the angle between its axes."""
+    """Register the hooks `record` and `list_excess` for a type `arrays` (Hinges or Joints).
+    find(part, state, i): kernel that returns the squares of the distance of element i's points
+    (m²), and of the sine of the angle between its axes."""
 
     @hook(arrays)
     def record(part, world, row):
-        """Store the largest gap (m) and tilt (sine) of all hinges or joints in part.gaps, at index
-        `row`, that of the recorded instant. part: their arrays; world: state of the solver."""
+        """Store the largest gap (m) and tilt (sine) of all hinges or joints in part.gaps."""
         gap2 = 0.0 * load(world.state, 0, X)
         tilt2 = gap2
         for i in range(part.names.shape[0]):
@@ -138,8 +128,7 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """After a failure, store in part.excess how far each hinge or joint gapes: squared gap and
-        tilt over the allowed, summed, to name the worst. part: their arrays; world: state."""
+        """Store in part.excess squared gap and tilt of each over the allowed ones, summed."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = hinge.MOST_GAP * load(world.size, 0, 0)

@@ -38,10 +38,9 @@ _MOST_TURN = 0.25
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str, dead_end=None) -> tuple[Watch, Watch]:
-    """Return two failure criteria (Watch): for the gaps (m, as a share of the scene's size) and for
-    the tilts (rad) of hinges or joints, above which a run fails. noun: "hinge" or "joint"; gap,
-    tilt: keys of the two; remedy: the sentence that tells the user what to do; dead_end: that
-    of both (Watch)."""
+    """Return the failure criteria (Watch) for the gaps (m, as a share of the scene's size) and
+    tilts (rad) of joints. noun: "hinge" or "joint"; gap, tilt: keys of both; remedy: what the user
+    may do; dead_end: as of Watch."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
         cause = f"a {noun} is open by {values[gap]:.2g} m and {values[tilt]:.2g} rad"
@@ -110,9 +109,8 @@ class JointBase(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the largest gap (m) and tilt (rad; its sine if small) over all elements at every
-        recorded instant of one sample, two Series (t,) by variable name. part: kernel arrays after
-        the run; scene: not used; lane: index of the sample among those run side by side."""
+        """Return the largest gap (m) and tilt (rad; its sine if small) of one sample over all
+        elements, two Series (t,) by variable name."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -156,9 +154,8 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
-        """Return a revolute hinge between two particles of a scene, as placed now;
-        `Scene.add_hinge` adds it, and says what the arguments are. SceneError if they do not
-        fit."""
+        """Return a revolute hinge between two particles of a scene, as placed now
+        (`Scene.add_hinge`)."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -282,11 +279,10 @@ def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
 
 
 def are_alone(scene) -> list[bool]:
-    """Return for each hinge of a scene, in order, whether it can be solved by itself, cheaper than
-    as a coupled joint. It can if it is revolute; nothing holds its angle exactly (turn.py); its
-    particles, unless held altogether, are in no other hinge or joint and have no Drive; and its own
-    matrix is regular, whatever arms and axis become: no axis is held for both particles, nor for a
-    particle and the hinge point, one may turn, and about all axes or none."""
+    """Return for each hinge of a scene whether it can be solved by itself, cheaper than as a
+    coupled joint: it is revolute; nothing holds its angle exactly; its particles, unless held
+    altogether, are in no other joint and have no Drive; and its own matrix is regular, whatever
+    arms and axis become."""
     joints = [e for kind in scene.kinds if kind.joins for e in scene.kinds[kind]]
     uses = Counter(p for element in joints for p in element.particles)
     shared_particles = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}

@@ -39,10 +39,8 @@ from fpm.kernels.vectors import (
 
 @hook(Hinges)
 def prepare(part, world, timing):
-    """Update the momenta of the particles of all hinges by the forces, summed before, over the time
-    timing.kick; then apply impulses at the hinges that would keep them closed if the rates of their
-    gaps stayed as they are over the step. part: arrays of all hinges (Hinges), whose working memory
-    is filled; world (World): solver state, changed; timing (StepTime): times of the step (s)."""
+    """Kick the particles of all hinges, and apply impulses that would keep the hinges closed if the
+    rates of their gaps stayed as they are over the step."""
     closure.clear(part.sums)
     hinge_matrix.prepare_bodies(world, part, timing.kick)
     hinge_matrix.prepare_matrices(part)
@@ -78,27 +76,23 @@ def aim(part, state):
 
 @kernel
 def push(state, i, r, b):
-    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, the
-    bodies' working memory (body_scratch), to particle i in `state`."""
+    """Add DV (m/s) and DP (N m s) in row r of `b` (body_scratch) to the momenta of particle i."""
     add3(state, i, V, get3(b, r, hinge.DV))
     add3(state, i, P, get3(b, r, hinge.DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, bodies'
-    working memory (body_scratch), to particle i in `state`, where `condition` (lanes) < 0."""
+    """Do as `push` in samples where `condition` (lanes) is below 0."""
     for k, change in ((V, hinge.DV), (P, hinge.DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
 
 @kernel
 def gaps(part, state, h):
-    """Return how far hinge h (index) is from closed, as four values: its point on body 1 (3, m);
-    the gap (3, m), this point minus that on body 2; and the sines of the tilts of body 2's axis
-    from body 1's about p and q, right-handed: the reference direction of body 1, and the direction
-    normal to it and the axis. Point and gap are in global components. part: arrays of all hinges
-    (Hinges); state: of the particles (World.state)."""
+    """Return, global, the point of hinge h on body 1 (m); the gap (m), this point minus that on
+    body 2; and the sines of the tilts of body 2's axis from body 1's about p and q, right-handed:
+    the reference direction of body 1, and the direction normal to it and the axis."""
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
@@ -112,8 +106,7 @@ def gaps(part, state, h):
 
 @kernel
 def move_bodies(part, world, repeat, step):
-    """Move the bodies of open hinges by a `step` (s) at their momenta. part: all hinges (Hinges);
-    world: solver state, changed; repeat: whether to begin at the step's start again."""
+    """Move the bodies of open hinges by a `step` (s); repeat: from the step's start again."""
     state = world.state
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
@@ -128,9 +121,8 @@ def move_bodies(part, world, repeat, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Change velocity and angular momentum of particle i in `state` (World.state) by row r of `b`,
-    the bodies' working memory: DV (m/s) and DP (N m s) (`push`). Shift and rotate it by their
-    effect over a step (s), to close small gaps."""
+    """Do as `push`, and shift and rotate particle i by the effect over a step (s), to close small
+    gaps."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
     closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
@@ -138,9 +130,8 @@ def nudge(state, i, r, b, step):
 
 @kernel
 def set_goal(part, state, h, rate):
-    """Store in GOAL of hinge h, in part.hinge_scratch, the rates that its impulses must produce to
-    close it in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the
-    distance of its point from where it is held (m). part: Hinges; state: World.state."""
+    """Store in GOAL of hinge h the rates that its impulses must produce to close it in the time
+    1/rate (s): of the gap, both tilts, and the distance from where its point is held."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, hinge.GOAL, -rate * gap)
@@ -152,9 +143,8 @@ def set_goal(part, state, h, rate):
 
 @hook(Hinges)
 def move(part, world, timing):
-    """Move the particles of all hinges by a step and close the hinges at its end by impulses, in up
-    to ROUNDS (4) rounds. part: all hinges (Hinges); world (World): solver state, changed; timing
-    (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
+    """Move the particles of all hinges and close the hinges at the end of the step, in up to ROUNDS
+    (4) rounds. Gaps that the last round leaves raise part.peaks."""
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
@@ -192,9 +182,8 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """In the first step, close the hinges also one step before the start. This changes the momenta
-    half a step before the start, in world.start_state (why: joint_kernels.look_back). part: arrays
-    of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
+    """Close the hinges also one step before the start, by the momenta in world.start_state (why:
+    joint_kernels.look_back)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for r in range(ends.shape[0]):
@@ -216,9 +205,8 @@ def look_back(part, world, timing):
 
 @kernel
 def gap_squares(part, state, h):
-    """Return the squared gap of hinge h (m²), the distance between its points on both bodies, or of
-    its point from where it is held if larger, and the squared sine of the angle between its axes on
-    both. part: arrays of all hinges (Hinges); state: of the particles (World.state)."""
+    """Return the squared gap of hinge h (m²), or distance from where it is held if larger, and the
+    squared sine of the angle between its axes on both bodies."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.has_supports:
@@ -230,10 +218,8 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Return how far (lanes) hinge h is from needing another round of closing, by its GOAL (rates
-    that impulses must produce): 1 where it is closed, above 0 where a last small correction
-    (`nudge`) suffices, below 0 in samples that need one. w: working memory of the hinges
-    (hinge_scratch); step: time step (s); size: characteristic length of the scene (m)."""
+    """Return how far (lanes) hinge h is from needing another round, by its GOAL: 1 where it is
+    closed, above 0 where a `nudge` suffices. step: time step (s); size: of the scene (m)."""
     most = closure.coarse(step, size)
     gap, gap2 = get3(w, h, hinge.GOAL), get3(w, h, hinge.GOAL + 5)
     ep, eq = load(w, h, hinge.GOAL + 3), load(w, h, hinge.GOAL + 4)
@@ -247,18 +233,14 @@ closure.report_gaps(Hinges, gap_squares)
 
 @hook(Hinges)
 def record_step(part, world, row, timing):
-    """Record the forces (N) and moments (N m) that hold each hinge together in this step, if
-    impulses are summed. part: arrays of all hinges (Hinges); world: with its resistance; row: index
-    of the recorded instant; timing (StepTime): times of the step (s)."""
+    """Record the forces (N) and moments (N m) that hold each hinge together."""
     record_sums(part.sums, part.forces, row, timing, world)
 
 
 @kernel
 def record_sums(sums, forces, row, timing, world):
-    """Store the mean forces (N) of a step's impulses, and moments (N m), in rows row * h to (row +
-    1) * h - 1 of `forces` ((instants + 1) h, 12, lanes). sums (h, 12, lanes): the impulses (N s, N
-    m s) of h hinges (Hinges.sums; None: nothing is done); row: index of the recorded instant;
-    timing (StepTime): times of the step (s); world: with its resistance."""
+    """Store the mean forces (N) and moments (N m) of a step's impulses `sums` (h, 12, lanes; None:
+    nothing is done) at an instant in `forces` ((instants + 1) h, 12, lanes)."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

@@ -33,9 +33,8 @@ from fpm.kernels.vectors import (
 
 @kernel
 def solve(w, h, g, ep, eq):
-    """Return an impulse (3, N s) and two moment impulses about p and q (N m s; the directions
-    normal to the axis) that change the gap rate of hinge h by g (3, m/s) and its tilt rates by ep,
-    eq (rad/s). w: working memory of the hinges (hinge_scratch), with the factorised matrices."""
+    """Return an impulse (3, N s) and two moment impulses about p and q (N m s) that change the gap
+    rate of hinge h by g (3, m/s) and its tilt rates by ep, eq (rad/s). w: part.hinge_scratch."""
     cpp, cqq, cpq = load(w, h, hinge.C), load(w, h, hinge.C + 1), load(w, h, hinge.C + 2)
     rp, rq = get3(w, h, hinge.E), get3(w, h, hinge.E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq
@@ -68,11 +67,9 @@ def response(b, h, axis):
 
 @kernel
 def speed_of(part, h, axis, force, mp, mq):
-    """Return the velocity (m/s), along a global axis, of the point of hinge h on body 1 that
-    impulses at the hinge cause. axis: 0, 1, 2 for x, y, z; force (3): impulse (N s) on body 1; mp,
-    mq: moment impulses (N m s) on body 2, against body 1, about p and q, both normal to the hinge's
-    axis; part: all hinges (Hinges). By symmetry, the result for a unit of mp or mq is also the rate
-    of the tilt about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
+    """Return the velocity (m/s) along a global `axis` of the point of hinge h on body 1 by an
+    impulse `force` (N s) on body 1 and moment impulses mp, mq (N m s) on body 2 about p and q. By
+    symmetry a unit of mp or mq gives also the rate of that tilt by a unit support impulse there."""
     w = part.hinge_scratch
     p, q = load(w, h, hinge.TILTS + 2 * axis), load(w, h, hinge.TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -80,8 +77,7 @@ def speed_of(part, h, axis, force, mp, mq):
 
 @kernel
 def prepare_supports(part):
-    """Build and invert, for the step, the matrix of the impulses that hold hinge points along
-    global axes (a Schur complement), stored in part.hinge_scratch. part: all hinges (Hinges)."""
+    """Build and invert the matrix (a Schur complement) of the impulses that hold hinge points."""
     axes, b, w = part.fixed_axes, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         if not is_held(part, h):
@@ -108,8 +104,7 @@ def prepare_supports(part):
 
 @kernel
 def hold_point(part, h):
-    """Add the impulses that hold the point of hinge h along global axes, and correct those that
-    close it: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: all hinges (Hinges)."""
+    """Add the impulses that hold the point of hinge h, and correct those that close it."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, hinge.FORCE1), load(w, h, hinge.MP), load(w, h, hinge.MP + 1)
     for axis in range(3):
@@ -175,10 +170,9 @@ def point_response(inverse_mass, spins, r):
 
 @kernel
 def prepare_bodies(world, part, kick):
-    """Change the momenta of all hinges' bodies by their forces over the time `kick` (s), then set
-    these to 0. Stored in part.body_scratch: positions and axes before, inverse inertia, velocity of
-    the hinge's point by unit impulse there (3 by 3, 1/kg); in part.hinge_scratch: two directions
-    normal to the first body's axis. world (World): solver state; part: all hinges (Hinges)."""
+    """Kick all hinges' bodies, and store in part.body_scratch positions and axes before, inverse
+    inertia, velocity of the hinge's point by unit impulse there (3 by 3, 1/kg), in
+    part.hinge_scratch two directions normal to the first body's axis. kick: time (s)."""
     state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
@@ -212,9 +206,8 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Return the sum over both bodies of a hinge of a symmetric matrix, as a tuple of six lanes
-    (xx, yy, zz, xy, xz, yz). b: working memory of bodies (body_scratch), rows 2 h and 2 h + 1; h:
-    index of the hinge; field: that of the matrix's first number in these rows, as INVERSE."""
+    """Return the sum over both bodies of hinge h of a symmetric matrix (xx, yy, zz, xy, xz, yz). b:
+    body_scratch; field: that of the matrix's first number, as INVERSE."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],
@@ -228,9 +221,8 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise the matrix (5 by 5) of each hinge, by which impulses there change the
-    rates of its gap and tilts; stored in part.hinge_scratch at the start of each step. part: arrays
-    of all hinges (Hinges), after `prepare_bodies`."""
+    """Build and factorise the matrix (5 by 5) of each hinge, by which impulses change the rates of
+    its gap and tilts."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1
@@ -265,9 +257,8 @@ def prepare_matrices(part):
 
 @kernel
 def find_impulses(part):
-    """Find impulses that change the gap rates of every open hinge (part.open) by its GOAL; stored
-    in FORCE1, FORCE2, MP of part.hinge_scratch, and as changes DV (m/s) and DP (N m s) of its
-    bodies in part.body_scratch. part: arrays of all hinges (Hinges)."""
+    """Find the impulses FORCE1, FORCE2, MP that change the gap rates of every open hinge by its
+    GOAL, and store their changes DV (m/s) and DP (N m s) of its bodies."""
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:

@@ -114,9 +114,7 @@ class Joint(JointBase):
 
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
-        """Return a joint between two particles of a scene as placed now; `Scene.add_joint` adds it,
-        and says what the arguments are; it may be "revolute" as well. SceneError if they do not
-        fit."""
+        """Return a joint between two particles of a scene as placed now (`Scene.add_joint`)."""
         allowed = "revolute", "spherical", "fixed", "universal", "prismatic"
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
@@ -211,9 +209,8 @@ class Joint(JointBase):
 
     @staticmethod
     def held_point(scene, name, particle: int, point, axes: str, leader=None) -> "Joint":
-        """A "held" joint, not added to the scene: it keeps a point of a particle in its present
-        place along some global axes. Arguments: as of `Scene.hold_point`; leader: index of a driven
-        particle that does not turn, at the point, with which it moves, None: it stays."""
+        """Return a "held" joint, which keeps a point of a particle in place along some global axes
+        (`Scene.hold_point`). leader: driven particle with which it moves, None: it stays."""
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
         zeros = np.zeros((2, 3))

@@ -36,9 +36,8 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Update the momenta of the bodies of all joints by the forces, summed before, over the time
-    timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
-    all joints (Joints); world (World): solver state, changed; timing: StepTime (s)."""
+    """Kick the bodies of all joints, and set world.undecided: `solve` finds the joints'
+    impulses."""
     closure.clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -49,8 +48,7 @@ def prepare(part, world, timing):
 @hook(Joints)
 def solve(part, world, timing):
     """Find the impulses of all joints, with the joint coordinates that are held now, and store the
-    rates they would give (`store_rates`); called again where `decide` of an element then holds or
-    frees one. part: all joints (Joints); world: World; timing: StepTime (s)."""
+    rates they would give (`store_rates`)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -69,9 +67,8 @@ def solve(part, world, timing):
 
 @kernel
 def store_rates(part, state):
-    """Store in part.turns.state the rates (rad/s, m/s) that joint coordinates will have after the
-    impulses (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of
-    all joints (Joints); state: of the particles (World.state)."""
+    """Store in part.turns.state the rates (rad/s, m/s) of joint coordinates after the impulses
+    (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE)."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         if not part.is_driven[s]:
@@ -94,8 +91,7 @@ def store_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Return the velocity (m/s, 3) of a `point` (m, 3, global) fixed to body s after the impulses,
-    which are not applied yet. part: all joints (Joints); state: World.state."""
+    """Return the velocity (m/s, 3) of a `point` (m, 3) of body s after the impulses found."""
     b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -105,9 +101,8 @@ def velocity(part, state, s, point):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save positions and axes of all bodies at the start of a step, update the momenta of those
-    that no drive moves by their forces over the time `kick` (s), and store their inverse inertias
-    in part.body_scratch. part: all joints (Joints); state: World.state, changed."""
+    """Save the poses of all bodies at the start of a step, kick those that no drive moves over the
+    time `kick` (s), and store their inverse inertias."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
@@ -157,8 +152,7 @@ def find_rates(part, state):
 
 @kernel
 def push_all(part, state):
-    """Apply the impulses of `find_impulses` to all bodies' momenta, and add them to the step's
-    sums. part: arrays of all joints (Joints); state: of the particles (World.state), changed."""
+    """Apply the impulses of `find_impulses` to all bodies' momenta, and count them."""
     for s in range(part.particle.shape[0]):
         push(part, state, s)
     closure.count_joints(part, closure.ALL)
@@ -166,9 +160,8 @@ def push_all(part, state):
 
 @kernel
 def find_impulses(part, factor):
-    """Find impulses that change the rate of every gap by `factor` times RESIDUAL. They are stored
-    in IMPULSE of part.rows, and summed by body in FORCE (N s) and MOMENT (N m s) of
-    part.body_scratch. part: all joints (Joints); factor: a number, as -1 or -1/step (1/s)."""
+    """Find the IMPULSE of every row that changes the rate of its gap by `factor` times RESIDUAL,
+    and their sums by body, FORCE (N s) and MOMENT (N m s)."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for r in range(rows.shape[0]):
         store(rows, r, joint.IMPULSE, factor * load(rows, r, joint.RESIDUAL))
@@ -195,8 +188,7 @@ def find_impulses(part, factor):
 
 @kernel
 def push(part, state, s):
-    """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless a
-    drive moves it, and to its sums of the step. part: all joints (Joints); state: World.state."""
+    """Add the impulses FORCE and MOMENT of body s to its momenta, unless a drive moves it."""
     b, i = part.body_scratch, part.particle[s]
     force, moment = get3(b, s, joint.FORCE), get3(b, s, joint.MOMENT)
     if not part.is_driven[s]:
@@ -208,8 +200,7 @@ def push(part, state, s):
 
 @kernel
 def push_where_far(part, state, s, condition):
-    """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in samples
-    where `condition` (lanes) is below 0. part: all joints (Joints); state: World.state."""
+    """Do as `push` in samples where `condition` (lanes) is below 0."""
     b, i = part.body_scratch, part.particle[s]
     inverse_mass = get3(part.bodies, s, joint.AXIS_IM)
     force, moment = get3(b, s, joint.FORCE), get3(b, s, joint.MOMENT)
@@ -222,8 +213,7 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move all bodies that no drive moves by a `step` (s) at their momenta. part: all joints
-    (Joints); state: World.state, changed; repeat: whether to begin at the step's start again."""
+    """Move all bodies but driven ones by a `step` (s); repeat: from the step's start again."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
@@ -239,8 +229,7 @@ def move_bodies(part, state, repeat, step):
 
 @kernel
 def nudge(part, state, s, step):
-    """Add the impulses of body s to its momenta (`push`), and move it by what they change over a
-    `step` (s), to close small gaps. part: all joints (Joints); state: World.state, changed."""
+    """Do as `push`, and move body s by what that changes over a `step` (s), to close small gaps."""
     b, i = part.body_scratch, part.particle[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -252,10 +241,8 @@ def nudge(part, state, s, step):
 
 @hook(Joints)
 def move(part, world, timing):
-    """Apply the impulses found to the bodies of all joints, move these by a step, and close the
-    joints at its end by impulses, in up to ROUNDS (4) rounds. part: all joints (Joints); world
-    (World): solver state, changed; timing (StepTime): times of the step (s). Gaps that the last
-    round leaves raise part.peaks."""
+    """Apply the impulses found, move the bodies, and close the joints at the end of the step, in up
+    to ROUNDS (4) rounds. Gaps that the last round leaves raise part.peaks."""
     state, rows = world.state, part.rows
     push_all(part, state)
     inverse_step = 1.0 / timing.step
@@ -289,8 +276,7 @@ def move(part, world, timing):
 @hook(Joints)
 def look_back(part, world, timing):
     """Close the joints also one step before the start, in the first step only, by the momenta in
-    world.start_state; there, held coordinates are where their motion, at its rate at the start,
-    began. part: all joints (Joints); world (World): solver state; timing: StepTime (s).
+    world.start_state; there, held coordinates are where their motion began.
 
     The impulses of the first kick also close gaps of the third order in the step. As those of other
     steps do so before and after an instant alike, momenta change over an instant by what acts there
@@ -321,10 +307,8 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move positions and axes of all bodies from the start of the run to one `step` (s) before it;
-    velocities and momenta stay. `look_back` finds the joints' gaps there, and then restores the
-    positions (`close_before`). part: arrays of all joints (Joints); start: state of the particles
-    (World.start_state), changed."""
+    """Move all bodies from the start of the run to one `step` (s) before it, where `look_back`
+    finds the joints' gaps; momenta stay. start: World.start_state."""
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
@@ -340,10 +324,7 @@ def move_back(part, start, step):
 @kernel
 def close_before(part, start, step):
     """Change the momenta before the start so that the joints are closed one `step` (s) before it,
-    too; then restore the bodies' positions at the start: the end of `look_back`. The gaps there (m,
-    sines of angles, rad of held joint coordinates) stand in column RESIDUAL of part.rows, as left
-    by `move_back` and `find_gaps`. part: arrays of all joints (Joints); start: state of the
-    particles before the start (World.start_state), changed."""
+    too, by the gaps in RESIDUAL; then restore the positions at the start."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.particle.shape[0]):
@@ -359,9 +340,8 @@ def close_before(part, start, step):
 
 @hook(Joints)
 def work_after(part, world, timing):
-    """Add the work (J) that drives do against the joints' impulses on driven bodies, over this
-    step, to the energy account part.account in world.accounts. part: arrays of all joints (Joints);
-    world (World): solver state; timing (StepTime): times of the step (s)."""
+    """Add the work (J) that drives do against the joints' impulses on driven bodies in this
+    step."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.particle.shape[0]):
@@ -387,9 +367,7 @@ def work_after(part, world, timing):
 
 @hook(Joints)
 def work_due(part, world, energies, row, timing):
-    """Add the work (J) of drives that `work_after` counted after the instant was recorded, but that
-    is due before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
-    Record.energies. part: all joints (Joints); row: index of the instant; world, timing: unused."""
+    """Add the work (J) of drives that `work_after` counted after the instant was recorded."""
     account = ACCOUNTS + part.account
     for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
@@ -402,18 +380,15 @@ closure.report_gaps(Joints, find_gaps)
 
 @hook(Joints)
 def record_step(part, world, row, timing):
-    """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    impulses are summed. part: arrays of all joints (Joints); world: with its resistance; row: index
-    of the recorded instant; timing (StepTime): times of the step (s)."""
+    """Record the forces (N) and moments (N m) that hold each joint together."""
     record_sums(part.sums, part, row, timing, world)
 
 
 @kernel
 def record_sums(sums, part, row, timing, world):
-    """Store the mean forces (N) of a step's impulses, and moments (N m), on both bodies of each
-    joint in part.forces, in the scene's order of joints. sums: part.sums, None where nothing reads
-    them; part: arrays of all joints (Joints); row: index of the recorded instant; timing: StepTime
-    (s); world: with its resistance. Left out: moments about axes about which a body cannot turn."""
+    """Store the mean forces (N) and moments (N m) on both bodies of each joint at an instant, in
+    the scene's order of joints. sums: part.sums, None if not counted. Left out: moments about axes
+    about which a body cannot turn."""
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):

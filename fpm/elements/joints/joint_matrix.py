@@ -16,8 +16,7 @@ from fpm.kernels.vectors import dot, get3, kernel, larger, times
 @kernel
 def build(part):
     """Build the matrix A of all joints (rates of gaps by unit impulses; lower blocks, diagonal
-    raised by the share part.ease) in part.matrix, and store its own diagonal in PIVOT of part.rows.
-    part: arrays of all joints (Joints), after `find_rows`."""
+    raised by the share part.ease), and store its own diagonal in PIVOT of part.rows."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for e in range(matrix.shape[0]):
         store(matrix, e, 0, 0.0)

@@ -53,10 +53,9 @@ def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
 
 
 def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern, int]:
-    """Return the layout of the blocks of the joints' matrix (Pattern), and its number of entries.
-    counts (j,): scalar constraint equations of each joint; slots (j, 2): bodies at its sides, -1
-    for none; both in order of elimination; movable (b,): whether each body can move; followers: for
-    each joint the later ones it is coupled to, second result of `elimination`."""
+    """Return the layout of the joints' matrix (Pattern), and its number of entries. counts (j,):
+    constraints of each joint; slots (j, 2): bodies at its sides, -1: none; both in order of
+    elimination; movable (b,): of bodies; followers: second result of `elimination`."""
     count = np.asarray(counts, np.int64)
     offsets: dict[tuple[int, int], int] = {}
     entries = 0

@@ -14,9 +14,8 @@ PLANES = joint.ACROSS_X, joint.ACROSS_Y, joint.ACROSS_AXIS
 
 @kernel
 def put_row(part, state, j, r, linear, turn1, turn2):
-    """Store constraint equation r of joint j in part.rows: the unit direction `linear` (0 if none)
-    and the moments turn1, turn2 (3 each, global) that its unit impulse puts on the joint's first
-    and second body. part: arrays of all joints (Joints); state: of the particles (World.state)."""
+    """Store constraint equation r of joint j: the unit direction `linear` (0 if none) and the
+    moments turn1, turn2 (3, global) of its unit impulse on the joint's bodies."""
     put3(part.rows, r, joint.DIRECTION, linear)
     put_turn(part, state, part.slots[2 * j], r, 0, turn1)
     if part.slots[2 * j + 1] >= 0:
@@ -25,10 +24,9 @@ def put_row(part, state, j, r, linear, turn1, turn2):
 
 @kernel
 def put_turn(part, state, slot, r, k, turn):
-    """Store in row r of part.rows the moment `turn` (m, 3, global) that a unit impulse puts on body
-    `slot` (index), and its product with the root of the body's inverse inertia, in the body's own
-    axes, so that the matrix of these is never negative. part: arrays of all joints (Joints); state:
-    of the particles (World.state); k: 0 for the joint's first side, 3 for its second."""
+    """Store in row r the moment `turn` (m, 3, global) of a unit impulse on body `slot`, and its
+    product with the root of the body's inverse inertia, in the body's own axes, so that the matrix
+    of these is never negative. k: 0 for the joint's first side, 3 for its second."""
     turn = times(get3(part.bodies, slot, joint.TURNS), turn)
     local_turn = to_local(frame(state, part.particle[slot]), turn)
     put3(part.rows, r, joint.TURN1 + k, turn)
@@ -37,9 +35,8 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Return where joint j stands on one `side` (0: first, 1: second): position of the particle (m,
-    3), its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays
-    of all joints (Joints); state: of the particles (World.state)."""
+    """Return where joint j stands on one `side` (0, 1): position of the particle (m, 3), its axes,
+    and the joint's point on it (m, 3), all global."""
     i = part.particle[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
@@ -57,8 +54,7 @@ def directions(part, j, first):
 
 @kernel
 def unit_vectors(number):
-    """Return the unit vectors along global x, y, z, each with the same value in all samples
-    (lanes). number: lanes, whose number type the components get; its value is not used."""
+    """Return the unit vectors along global x, y, z, of the type of `number` (lanes)."""
     zero = 0.0 * number
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
@@ -66,8 +62,7 @@ def unit_vectors(number):
 
 @kernel
 def find_rows(part, state):
-    """Store all joints' constraint equations in part.rows: how velocities and spins of bodies, as
-    placed now, change the gaps (Jacobian). part: all joints (Joints); state: World.state."""
+    """Store all joints' constraint equations: how motions of bodies change the gaps (Jacobian)."""
     for j in range(part.types.shape[0]):
         if part.turn_of[j] >= 0:
             put_held_row(part, state, j)
@@ -118,9 +113,8 @@ def find_rows(part, state):
 
 @kernel
 def find_gaps(part, state, j):
-    """Store the gaps of joint j in RESIDUAL of its rows: between its points (m), and sines of how
-    far its directions are off; returns the sum of squares of the former (m²) and of the latter.
-    part: arrays of all joints (Joints); state: of the particles (World.state)."""
+    """Store the gaps of joint j in RESIDUAL of its rows, between points (m) and directions (sines);
+    return the sums of squares of the former (m²) and of the latter."""
     if part.turn_of[j] >= 0:
         gap = find_lock_gap(part, state, j)
         store(part.rows, part.pattern.first[j], joint.RESIDUAL, gap)
@@ -203,10 +197,8 @@ def put_held_row(part, state, j):
 
 @kernel
 def find_lock_gap(part, state, j):
-    """Return by how much the joint coordinate that joint j holds misses its target (lanes): the
-    coordinate now (m of slides; rad, difference within ±pi) less the one that what holds it (motor,
-    latch, friction, ...) wants at the end of the step (TARGET); 0 in lanes where it is free. part:
-    arrays of all joints (Joints); state: World.state."""
+    """Return by how much (m; rad, within ±pi; lanes) the joint coordinate that joint j holds misses
+    its TARGET at the end of the step; 0 in lanes where it is free."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

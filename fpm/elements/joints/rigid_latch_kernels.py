@@ -35,9 +35,8 @@ register_losses(Latches, WORKS)
 
 @hook(Latches)
 def prepare(part, world, timing):
-    """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' joint coordinates
-    in the step that ended, after the last catch in it, before the next is solved; nothing at the
-    start of a run. part: all rigid latches; world: not used; timing (StepTime): step times (s)."""
+    """Store in part.rates the mean rates of the latches' joint coordinates in the step that ended,
+    after the last catch in it, before the next is solved."""
     if timing.time > 0.0:
         for i in range(part.hinge.shape[0]):
             if part.turn[i] < 0:
@@ -50,19 +49,17 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Return the joint coordinate (rad; m on slides) of latch i at the end of this step, by its
-    rate as the joints were last solved. part: all latches (Latches); timing: StepTime (s)."""
+    """Return the joint coordinate (rad; m) of latch i at the end of this step, as last solved."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
 
 
 @hook(Latches)
 def decide(part, world, timing):
-    """Catch the joint coordinates that would enter their capture range in this step; where any
-    does, sets world.undecided, and the joints are solved again. part: Latches; world (World):
-    solver state; timing: StepTime (s). The search begins at the coordinate predicted in the step
-    before, since the real one, which differs in its last digits, might slip through; or, where
-    another latch caught in this step, at that of its time: the path bends there."""
+    """Catch the joint coordinates that would enter their capture range in this step. The search
+    begins at the coordinate predicted in the step before, since the real one, which differs in its
+    last digits, might slip through; or, where another latch caught in this step, at that of its
+    time: the path bends there."""
     is_any_caught = False
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
@@ -110,18 +107,15 @@ def find_catch_impulse(part, world, timing, i):
 
 @kernel
 def solved_impulse(part, world, i, s):
-    """Return the impulse (N m s) of latch i as the joints were last solved, of one sample. part:
-    Latches; world: World; s: index of the sample (its lane)."""
+    """Return the impulse (N m s) of latch i of sample s as the joints were last solved."""
     return world.resistance[0, 0, s] * part.turns.state[part.turn[i], SOLVED_IMPULSE, s]
 
 
 @kernel
 def hold_first(part, world, timing, s):
-    """Hold the joint coordinate of the latch of one sample that catches first in this step, or of
-    several at that time, and forget what latches would do later: the impact changes the rates, by
-    which they are looked at again, from that time on. What those that caught just before bear of
-    this impact is none of theirs. part: Latches; world: solver state (World); timing: StepTime
-    (s); s: index of the sample (its lane)."""
+    """Hold the coordinate of the latch of sample s that catches first in this step, or of several
+    at that time, and forget what latches would do later: the impact changes the rates, by which
+    they are looked at again. What those that caught just before bear of it is none of theirs."""
     first = math.inf
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
@@ -162,11 +156,9 @@ def hold_first(part, world, timing, s):
 
 @hook(Latches)
 def work_after(part, world, timing):
-    """Add half of the losses (J) of the moments found in this step, over the step that ends now, to
-    part.account, and sum the impulses (N m s). The impulse of catching is that of three steps: two
-    share it, and dampers extrapolate their rate into the third; less what the moment of the fourth
-    gives in the time since. part: all rigid latches (Latches); world (World): solver state;
-    timing (StepTime): times (s)."""
+    """Add half of the losses (J) of the moments found in this step, and sum the impulses (N m s).
+    The impulse of catching is that of three steps: two share it, and dampers extrapolate their rate
+    into the third; less what the moment of the fourth gives in the time since."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
@@ -190,9 +182,8 @@ def work_after(part, world, timing):
 
 @hook(Latches)
 def record_step(part, world, row, timing):
-    """Record of each latch its moment (N m), its impulse from the start to this instant (N m s),
-    rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches
-    (Latches); world: not used; row: index of the recorded instant; timing: StepTime (s)."""
+    """Record moment (N m), impulse so far (N m s), rate (rad/s) and impulse of each latch's
+    catch."""
     count = part.hinge.shape[0]
     for i in range(count):
         if part.turn[i] < 0:

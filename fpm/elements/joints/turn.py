@@ -40,9 +40,7 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in all scenes simulated side by side with `scene`: a tuple of
-        pairs (type, index of the hinge), one for each element that holds a joint coordinate exactly
-        (`find`)."""
+        """Return what scenes side by side must share: type and hinge of each element that holds."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod
@@ -106,10 +104,8 @@ class ExactConnector(Connector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
-        state of all conditions that hold joint coordinates (Turns); "turn": index of each element's
-        condition among them, -1: it has a spring; others as Connector.array. batch: scenes
-        simulated together."""
+        """Return the array for a field `name` of the kernels' tuple: "turns": Turns; "turn": index
+        of each element's condition among them, -1: it has a spring; others as Connector.array."""
         match name:
             case "turns":
                 return batch.part(Turn)

@@ -20,8 +20,7 @@ HOLD_FIELDS = 2
 
 @kernel
 def work_on(openings, h, moment):
-    """Return the work (J) of half of a `moment` (N m) on the opening of hinge h over the step that
-    ends now. openings: arrays of all joint coordinates (Openings), now and a step ago."""
+    """Return the work (J) of half of a `moment` (N m) on the opening of hinge h over the step."""
     return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
@@ -34,16 +33,14 @@ def add_to_account(world, account, work):
 @kernel
 def moment_of(turns, t, timing, world):
     """Return the moment (N m, lanes), on the hinge's second particle, that held joint coordinate t
-    in this step: its impulse over timing.kick (s). turns: joint coordinates held exactly (Turns);
-    t: index among these; timing (StepTime): times of the step (s); world: with its resistance."""
+    (index in `turns`) in this step: its impulse over timing.kick (s)."""
     return mean_force(world, timing) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def add_late_moment(moments, openings, h, moment):
     """Add a `moment` (N m) that is known only after its step, and its work (J), to what is recorded
-    of joint coordinate h (index) as the part of one element type. moments: Openings.moments;
-    openings: arrays of all joint coordinates, as the type takes them."""
+    of joint coordinate h. moments: Openings.moments."""
     if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, OPENING_MOMENT, load(moments, row, OPENING_MOMENT) + moment)
@@ -51,14 +48,12 @@ def add_late_moment(moments, openings, h, moment):
 
 
 def register_losses(arrays, first):
-    """Register the hooks `work_before` and `work_due` of an element type that loses what its exact
-    holds take, and nothing else in `work_before`; called once, where its kernels are defined.
-    arrays: its named tuple; first: index of the field HOLD_MOMENT in part.state."""
+    """Register the hooks `work_before` and `work_due` of an element type whose losses are those of
+    its exact holds. arrays: its named tuple; first: field HOLD_MOMENT in part.state."""
 
     @hook(arrays)
     def work_before(part, world, timing):
-        """Add half of the loss (J) of the moments of the last step, over the step that ends now, to
-        part.account. part: arrays of the elements; world: solver state; timing: not used."""
+        """Add half of the loss (J) of the moments of the last step."""
         for i in range(part.hinge.shape[0]):
             work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HOLD_MOMENT))
             add_to_account(world, part.account, -1.0 * work)
@@ -67,16 +62,13 @@ def register_losses(arrays, first):
 
 
 def register_work_due(arrays, first):
-    """Register the hook `work_due` of an element type that holds joint coordinates exactly; called
-    once, where its kernels are defined. arrays: its named tuple; first: index of the field
-    HOLD_MOMENT in part.state. Its hook `work_before` counts half of the work of the last step, and
-    `work_after` calls `end_work`."""
+    """Register the hook `work_due` of an element type that holds joint coordinates exactly; its
+    `work_before` counts half of the work of the last step, and `work_after` calls `end_work`.
+    arrays: its named tuple; first: field HOLD_MOMENT in part.state."""
 
     @hook(arrays)
     def work_due(part, world, energies, row, timing):
-        """Add the work (J) that `end_work` counted after the instant was recorded but is due before
-        it, to recorded energies. part: arrays; world, timing: not used; energies (instants,
-        columns, lanes): changed in row `row` (the instant's), column ACCOUNTS + part.account."""
+        """Add the work (J) that `end_work` counted after the instant was recorded."""
         for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -85,9 +77,8 @@ def register_work_due(arrays, first):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add half of the work (J) of the moments found in this step, over the step that ends now, of
-    all elements to account part.account of World. part: arrays of elements; world: World; timing:
-    StepTime (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for losses."""
+    """Add half of the work (J) of the moments found in this step. first: field HOLD_MOMENT in
+    part.state; sign: 1 for work, -1 for losses."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
             moment = moment_of(part.turns, part.turn[i], timing, world)
@@ -97,10 +88,8 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add half of the work (J) of the `moment` (N m; on a slide a force, N; lanes) of element i
-    over the step that ends now to account part.account of World, and store moment and work in
-    part.state. The other half follows in the next step (`work_before`). part: arrays of elements;
-    first: index of HOLD_MOMENT in part.state; sign: 1: work given, -1: loss."""
+    """Add half of the work (J) of the `moment` (N m; lanes) of element i to part.account; store
+    both in part.state. The other half follows in the next step. first, sign: as in `end_work`."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)

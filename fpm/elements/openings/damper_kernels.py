@@ -27,9 +27,7 @@ class Dampers(NamedTuple):
 
 @hook(Dampers)
 def forces(part, world, timing):
-    """Add the moments (N m) of dampers, -damping times the rate of the joint coordinate, to the
-    forces on particles, and the energy lost in the step (J) to World.accounts. part: all dampers
-    (Dampers); world (World): solver state, changed; timing (StepTime): times of the step (s)."""
+    """Add the moments (N m) of dampers, and the energy lost in the step (J)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         rate = follow_rate(part.openings, part.rates, i, h, timing)

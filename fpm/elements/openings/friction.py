@@ -119,9 +119,8 @@ class Friction(ExactConnector):
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of the scene's friction elements for moving a joint coordinate slowly
-        through static equilibria (fpm/travel), whose bristles slip at once. One with a `load`,
-        whose moment goes with the joint's force, gets moment 0: Scene.bearings gives it."""
+        """Return copies of the scene's friction for slow motions (fpm/travel), whose bristles slip
+        at once. One with a `load` gets moment 0: Scene.bearings gives it."""
         frictions = [
             replace(friction, bristle_deflection=SWEEP_DEFLECTION, damping=0.0)
             for friction in cls.find(scene)
@@ -129,9 +128,8 @@ class Friction(ExactConnector):
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """Check the element and add it to a scene. If its moment depends on the joint's force
-        (`load`), also add moment / load (m; on slides without unit) to scene.bearings[hinge], for
-        slow motions (fpm/travel). Raises SceneError if it does not fit."""
+        """Add the element to a scene; one with a `load` also adds moment / load (m; on slides
+        without unit) to scene.bearings[hinge], for slow motions."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -141,9 +139,8 @@ class Friction(ExactConnector):
         return any(friction.load is not None for friction in cls.find(scene))
 
     def check(self, scene):
-        """Check the element's fields, its table (angles, shares; no share below 0), its `load`
-        (above 0, and no table beside it), and that what sticks exactly is on an angle and has
-        neither, before it is added to a scene; else raises SceneError."""
+        """Check fields, table (no share below 0), `load` (above 0, without a table), and that what
+        sticks exactly is on an angle and has neither; else SceneError."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if self.is_exact and (hinge.slides or self.load is not None or self.angles):
@@ -169,9 +166,8 @@ class Friction(ExactConnector):
         return self.bristle_deflection and self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """Return the damping of the bristle while it sticks (N m s/rad, on slides N s/m): that of
-        the field `damping`, else 0.3 of critical for the inertias of the hinge's two particles; 0
-        without a bristle."""
+        """Return the damping of the bristle while it sticks (N m s/rad): the field `damping`, else
+        0.3 of critical for the inertias of the hinge's two particles."""
         if self.damping is not None or self.stiffness is None:
             return self.damping or 0.0
         inverse = mobility(scene, self.hinge)
@@ -190,9 +186,8 @@ class Friction(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for the field `name` of the kernels' tuple Frictions (see there); None
-        for tables ("start", "points") or joint forces ("bearing") that no element has. batch: the
-        scenes that are simulated side by side."""
+        """Return the array for a field `name` of Frictions; None for tables or joint forces that no
+        element has."""
 
         def bristle(f, scene):
             if f.is_exact:

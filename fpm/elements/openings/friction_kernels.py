@@ -92,10 +92,9 @@ class Frictions(NamedTuple):
 
 @kernel
 def bend_at(points, start, i, most, psi):
-    """Return the bristle deflection (rad, lanes) at which friction element i slips at joint
-    coordinate psi (rad, lanes), linear between the points of its table. points (p, 2, lanes):
-    coordinate (rad) and change of slope there, of all tables; start: index of each element's first
-    point; both None: no tables; most: deflection (rad, lanes) below the table's first point."""
+    """Return the deflection (rad, lanes) at which element i slips at joint coordinate psi (rad).
+    points, start: of Frictions, None: no tables; most: deflection (rad) below the table's first
+    point."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -105,11 +104,9 @@ def bend_at(points, start, i, most, psi):
 
 @kernel
 def bend_by_force(bearing, state, i, timing, resistance):
-    """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
-    and a step ago. bearing: forces of joints (JointForce); state (f, 8, lanes): Frictions.state, in
-    which MOST, OLD_MOST and FORCE_BEND are updated; timing (StepTime): times of the step (s);
-    resistance: World.resistance. Where friction relieves its own joint by more than itself (beyond
-    the angle of self-locking), taking the force of the step before would grow from step to step;
+    """Return two deflections (rad) at which element i slips by the force of its joint: now and a
+    step ago. state: Frictions.state, changed. Where friction relieves its own joint by more than
+    itself (beyond self-locking), taking the force of the step before would grow from step to step;
     the secant of the last two steps finds the force that agrees with its own friction."""
     last = load(state, i, MOST)
     most = last
@@ -129,11 +126,9 @@ def bend_by_force(bearing, state, i, timing, resistance):
 
 @kernel
 def slip_deflections(bearing, part, i, psi, psi_before, timing, resistance):
-    """Return two bristle deflections (rad, lanes) at which friction element i slips: now and a step
-    ago. Each is the element's own, plus what its table adds at that joint coordinate, psi now and
-    psi_before a step ago (rad), plus what the joint's force adds. bearing: forces of joints
-    (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s);
-    resistance: World.resistance."""
+    """Return two deflections (rad, lanes) at which element i slips, now and a step ago, by its own,
+    its table at that coordinate (psi, psi_before, rad), and the joint's force. bearing: JointForce,
+    None: none counts."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)
@@ -145,11 +140,9 @@ def slip_deflections(bearing, part, i, psi, psi_before, timing, resistance):
 
 @kernel
 def watch_lock(part, i, bend, most, slips):
-    """Measure self-locking of friction element i: by how much its bristle's deflection `bend` (rad)
-    grew without slip while the deflection `most` (rad), at which it slips, grew as fast. The
-    growth, over the deflection at slip, raises LOCK_RATIO in part.state and part.peaks if larger.
-    part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It counts
-    from the least `bend` since the last slip, once the bristle was bent by one deflection more."""
+    """Measure self-locking of element i: how much its deflection `bend` grew without slip (slips:
+    below 0 where it slips) while that at which it slips, `most` (rad), grew as fast, over that; it
+    counts from the least `bend` since the last slip, once it was bent by one deflection more."""
     state, per_bend = part.state, load(part.numbers, i, INVERSE_BEND)
     size, least = absolute(bend), load(state, i, LEAST)
     least = where_negative(slips, size, where_negative(size - least, size, least))
@@ -165,9 +158,7 @@ def watch_lock(part, i, bend, most, slips):
 
 @kernel
 def slow_down(part, world, i, timing):
-    """Add the friction moment (N m) of element i, which sticks exactly, to the particles of its
-    hinge if it slips. part: arrays of all friction elements (Frictions); world (World): solver
-    state, changed; timing: StepTime (s)."""
+    """Add the moment (N m) of element i, which sticks exactly, where it slips."""
     h = part.hinge[i]
     if timing.time > 0.0:
         store(part.rates, i, PREVIOUS_RATE, load(part.rates, i, LAST))
@@ -183,10 +174,7 @@ def slow_down(part, world, i, timing):
 
 @hook(Frictions)
 def forces(part, world, timing):
-    """Add the moments (N m) of friction, bristles and dampers to the particles, and the losses (J)
-    of slip and dampers in the step to World.accounts; update part.state. part: arrays of all
-    friction elements (Frictions); world (World): solver state, changed; timing (StepTime): times of
-    the step (s).
+    """Add the moments (N m) of bristles and dampers, and the losses (J) of slip and dampers.
 
     Where slip begins within a step, the mean of the moments at both ends differs from the mean over
     the way between. `edge` corrects it as for a spring that begins at the point of slip. From now
@@ -234,17 +222,14 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of the bristle of friction element i. part: arrays of all
-    friction elements (Frictions); world (World): solver state, not used."""
+    """Return the strain energy (J, lanes) of the bristle of element i."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 
 
 @hook(Frictions)
 def list_excess(part, world):
-    """Once a run has failed, store in part.rows how far each friction element has locked itself
-    (the growth of its bristle's deflection without slip, over the deflection at slip), to name the
-    worst. part: arrays of all friction elements (Frictions); world: not used."""
+    """Store in part.rows how far each element has locked itself (`watch_lock`)."""
     for i in range(part.hinge.shape[0]):
         store(part.rows, i, 0, load(part.state, i, LOCK_RATIO))
 
@@ -254,11 +239,9 @@ register_losses(Frictions, WORKS)
 
 @kernel
 def stop_of(part, i, timing):
-    """Find when the rate of element i reverses within this kick. Return for each lane the fraction
-    of the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then. A
-    rate that fell before is extrapolated by the parabola of its motion; otherwise braking is
-    assumed to start in the middle of the kick. part: all friction elements (Frictions); timing
-    (StepTime): times of the step (s)."""
+    """Find when the rate of element i reverses within this kick: return the fraction of the kick
+    until it rests, and the angle (rad, at least 0) until then. A rate that fell before is
+    extrapolated by the parabola of its motion; else braking starts in the middle of the kick."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -275,12 +258,10 @@ def stop_of(part, i, timing):
 
 @hook(Frictions)
 def decide(part, world, timing):
-    """Let elements slip that would need more than their friction moment to stick, and reverse or
-    stick those that come to rest; where any changes, sets world.undecided, and the joints are
-    solved again. part: arrays of all friction elements (Frictions); world (World): solver state;
-    timing (StepTime): times (s). One that would reverse is braked until it rests and pushed the
-    other way from then on; if it would not move back, it sticks. Each changes at most CHANGES times
-    in a step, the last time to slip: no impulse that it holds is above its friction."""
+    """Let elements slip that would need more than their moment to stick, and reverse or stick those
+    that come to rest. One that would reverse is braked until it rests and pushed the other way from
+    then on; if it would not move back, it sticks. Each changes at most CHANGES times in a step, the
+    last time to slip: no impulse that it holds is above its friction."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
@@ -300,18 +281,15 @@ def decide(part, world, timing):
 
 @kernel
 def find_holding_moment(part, world, i, timing):
-    """Return the moment (N m) that holds element i in this step, as the joints were last solved; 0
-    where it slips. part: all friction elements (Frictions); world: solver state; timing:
-    StepTime."""
+    """Return the moment (N m) that holds element i, as last solved; 0 where it slips."""
     return mean_force(world, timing) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
 def slip_moment(part, i, full, timing):
     """Return the moment (N m) of element i in the step in which it starts to slip: a mean of what
-    held it and of the `full` friction moment (N m, with its sign), which agree to first order for a
-    load that grows; after an impact it makes up for what the kicks before and after lack. part: all
-    friction elements (Frictions); timing (StepTime): times of the step (s)."""
+    held it and of the `full` moment (N m), which agree to first order for a load that grows; after
+    an impact it makes up for what the kicks before and after lack."""
     if timing.time == 0.0:
         return full
     delay = load(part.turns.impact, 0, 0)
@@ -322,9 +300,8 @@ def slip_moment(part, i, full, timing):
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
-    """Let element i slip, reverse or stick in the lanes (samples) where `slips`, `turns` or
-    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part: all
-    friction elements (Frictions); world (World): solver state; timing (StepTime): times (s)."""
+    """Let element i slip, reverse or stick in lanes where `slips`, `turns` or `sticks` is below 0,
+    and have the joints solved again."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, FRICTION)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(find_holding_moment(part, world, i, timing), -1.0, 1.0)
@@ -348,9 +325,7 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(Frictions)
 def work_after(part, world, timing):
-    """Add half of the friction loss (J) over the step that ends now, by the moments found in this
-    step, to part.account in world.accounts (`work_before` adds the rest). part: all friction
-    elements (Frictions); world (World): solver state; timing: StepTime (s)."""
+    """Add half of the friction loss (J) in the step; `work_before` adds the rest."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue

@@ -100,10 +100,8 @@ class Journal(Connector):
         return self.hinge, self.hinge + 1, self.hinge + 2
 
     def check(self, scene):
-        """Check the fields, and how the pin starts; raises SceneError if one is wrong. The joint
-        must have no other pin, the restitution be at most 1, the radius be above 0 with friction,
-        and the pin's place at the start be at most `clearance` + `depth` (m) off the axis, as far
-        as `load` presses it. scene: has the joint."""
+        """Check the fields, and how the pin starts, at most `clearance` + `depth` (m) off the axis;
+        else SceneError."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -143,9 +141,8 @@ class Journal(Connector):
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) FINER² times as stiff as the pins of a scene at their
-        loads, for the stable time step: on x and y, and of bristles, whose slip is a sum, on the
-        turn."""
+        """Return springs FINER² times as stiff as a scene's pins at their loads, for the stable
+        step: on x and y, and of bristles, whose slip is a sum, on the turn."""
         values = [(FINER**2 * pin.stiffness, pin.bristle(scene)[0]) for pin in cls.find(scene)]
         return cls._springs(scene, values)
 
@@ -186,9 +183,8 @@ class Journal(Connector):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return force (N) and eccentricity (m) of all pins of one sample after a run, Series (t,
-        pins) named "pin_force", "pin_eccentricity". part: kernel arrays (Journals); scene: the
-        sample's; lane: index of the sample."""
+        """Return "pin_force" (N) and "pin_eccentricity" (m) of one sample's pins, Series (t,
+        pins)."""
         names = tuple(pin.label(scene) for pin in cls.find(scene))
         force, distance = part.track[:, :, lane].T.reshape(2, -1, len(names))
         text = "distance of the pins from the axes of their bearings"

@@ -50,8 +50,7 @@ class Journals(NamedTuple):
 
 @kernel
 def eccentricity(part, i, field):
-    """Return the distance (m, lanes) of pin i from the axis of its bearing. part: arrays of all
-    pins (Journals); field: of angles: NEW (0: now) or OLD (1: a step ago)."""
+    """Return the distance (m, lanes) of pin i from its bearing's axis. field: NEW or OLD."""
     h, angles = part.hinge[i], part.openings.angles
     x, y = load(angles, h + 1, field), load(angles, h + 2, field)
     return sqrt(x * x + y * y)
@@ -69,9 +68,8 @@ def depth_of(part, i):
 
 @kernel
 def extrapolate(part, i, field, change, timing):
-    """Return a rate (m/s) of pin i now, from its mean rates in the last two steps, and store the
-    last. part: arrays of all pins (Journals); field: of the state, RATE or SLIP_RATE; change: in
-    the step that ends now (m); timing: step times (s)."""
+    """Return a rate (m/s) of pin i now, from its mean rates in the last two steps. field: of the
+    state, RATE or SLIP_RATE; change: in the step (m)."""
     rate = load(part.state, i, field)
     if timing.time > 0.0:
         half = (1.0 / timing.step) * change
@@ -82,10 +80,9 @@ def extrapolate(part, i, field, change, timing):
 
 @kernel
 def press(part, i, change, timing):
-    """Return two forces (N) that push pin i to its bearing's axis. The first is corrected by `edge`
-    in the step in which a linear pin leaves the bearing, and is at least 0 otherwise; the second
-    has no correction. part: arrays of all pins (Journals), whose state changes; change: of the
-    eccentricity in the step that ends now (m); timing: step times (s)."""
+    """Return two forces (N) that push pin i to its bearing's axis, at least 0; the first is
+    corrected by `edge` in the step in which a linear pin leaves. change: of the eccentricity in the
+    step (m)."""
     rate = extrapolate(part, i, RATE, change, timing)
     ratio, root = depth_of(part, i)
     spring, size = load(part.numbers, i, LOAD) * ratio * root, absolute(rate)
@@ -102,9 +99,8 @@ def press(part, i, change, timing):
 
 @kernel
 def rub(part, i, slip, normal, timing):
-    """Return the force (N) of friction on pin i against its slip, limited to the friction of the
-    force `normal` (N). slip: in the step that ends now (m); part: arrays of all pins (Journals),
-    whose state changes; timing: step times (s)."""
+    """Return the force (N) of friction on pin i by its `slip` in the step (m), limited to that of
+    `normal` (N)."""
     rate = extrapolate(part, i, SLIP_RATE, slip, timing)
     most = load(part.numbers, i, SOFTNESS) * normal
     bend = load(part.state, i, BEND) + slip
@@ -119,10 +115,8 @@ def rub(part, i, slip, normal, timing):
 
 @hook(Journals)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) between pins and their bearings to the particles, and
-    the losses (J) of their dampers and friction in the step that ends now to World.accounts. part:
-    arrays of all pins (Journals), whose state changes; world: solver state, changed; timing: times
-    (s)."""
+    """Add the forces (N) and moments (N m) between pins and their bearings, and their losses
+    (J)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         h, angles, state = part.hinge[i], part.openings.angles, part.state
@@ -153,8 +147,7 @@ def forces(part, world, timing):
 
 @hook(Journals)
 def note_events(part, world, timing):
-    """Note in part.log which pins touched (event 1) or left (0) their bearings in the step that
-    ends now. part: arrays of all pins (Journals); world: not used; timing: times of it (s)."""
+    """Note which pins touched (event 1) or left (0) their bearings in the step."""
     for i in range(part.hinge.shape[0]):
         start = load(part.numbers, i, CLEARANCE) + TOUCH / load(part.numbers, i, PER_DEPTH)
         old, new = eccentricity(part, i, OLD), eccentricity(part, i, NEW)
@@ -163,8 +156,7 @@ def note_events(part, world, timing):
 
 @hook(Journals)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of pin i, and of its bristle. part: arrays of all pins
-    (Journals); world: solver state, not used; i: index of the pin."""
+    """Return the strain energy (J, lanes) of pin i, and of its bristle."""
     ratio, root = depth_of(part, i)
     bend, hertz = load(part.state, i, BEND), load(part.numbers, i, HERTZ)
     energy = load(part.numbers, i, LOAD) / load(part.numbers, i, PER_DEPTH) * ratio * ratio * root
@@ -174,8 +166,7 @@ def energy_of(part, world, i):
 
 @hook(Journals)
 def record(part, world, row):
-    """Record force (N) and eccentricity (m) of each of the p pins in part.track, rows row * p + i.
-    part: arrays of all pins (Journals); world: not used; row: index of the recorded instant."""
+    """Record force (N) and eccentricity (m) of each pin in part.track."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, FORCE))

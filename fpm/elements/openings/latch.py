@@ -121,9 +121,8 @@ class Latch(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Latches, as
-        ExactConnector.array; in "state", the field SEARCH_END, joint coordinate up to which a latch
-        has looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
+        """Return the array for a field `name` of Latches; in "state", SEARCH_END, up to which a
+        latch has looked, is the joint coordinate at the start (rad; m)."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCH_END] = start_angles(batch, cls)
@@ -131,10 +130,8 @@ class Latch(ExactConnector):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
-        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of those that
-        hold exactly its impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its
-        index."""
+        """Return the recorded Series (t, latches) of one sample's latches: moment (N m), impulse so
+        far (N m s), rate at the catch (rad/s), and, of exact ones, its impulse (N m s)."""
         latches, result = cls.find(scene), {}
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         for (name, text), values in zip(SERIES.items(), columns, strict=True):

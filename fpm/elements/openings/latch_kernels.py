@@ -76,12 +76,9 @@ class Latches(NamedTuple):
 
 @kernel
 def watch(part, i, h, timing):
-    """Find out whether latch i on hinge h (indices) catches or misses in the step that ends now, in
-    samples where it has not caught yet. It catches where it is within its capture range and no
-    faster than its largest rate, and misses where it leaves that range faster. Written to
-    part.state: that it caught, joint coordinate, rate and time then, or the time of the miss. part:
-    arrays of all latches (Latches), with joint coordinates at both ends of the step; timing
-    (StepTime): time now (`time`) and length of the step (s)."""
+    """Find out whether latch i on hinge h catches or misses in the step that ends now, where it has
+    not caught yet. It catches within its capture range if no faster than its largest rate, and
+    misses where it leaves that range faster."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -93,23 +90,20 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Return by how far (rad, lanes) the joint coordinates from `start` to `end` (rad) stay clear
-    of the range in which latch i catches; below 0: they may enter it. part: Latches."""
+    """Return by how far (rad) coordinates from `start` to `end` stay clear of latch i's range."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether latch i of one sample catches or misses in a step. For a catch write its joint
-    coordinate (rad), rate (rad/s) and time (s) to part.state, otherwise that it missed.
+    """Decide whether latch i of sample s catches or misses in a step; write coordinate (rad), rate
+    (rad/s) and time (s) of a catch to part.state, or that it missed.
 
-    part: all latches (Latches); s: index of the sample (its lane); psi_start, psi_end: coordinate
-    at the start and end of the step (rad), linear between; last_rate: rate in the step before
-    (rad/s); end: time of the step's end (s); step: its length (s). At the start of a run `end` is
-    0, both coordinates are the same, and the rate is `last_rate`. `first` and `last` in the code
-    (rad) are the coordinates at start and end, measured from the edge of the capture range that is
-    met first."""
+    psi_start, psi_end: coordinate at both ends of the step (rad), linear between; last_rate: in the
+    step before (rad/s); end: time of the step's end (s), 0 at the start of a run, where both
+    coordinates are the same and the rate is `last_rate`; step: its length (s). `first` and `last`
+    (rad) are measured from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     approach, half = part.numbers[i, APPROACH, s], (psi_end - psi_start) / step
     if end == 0.0:
@@ -143,17 +137,15 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Return how far (rad, lanes) the joint coordinate is beyond that of the catch of latch i, in
-    its direction. part: all latches (Latches); field: NEW (0: now) or OLD (1: a step ago)."""
+    """Return how far (rad) latch i is beyond its catch, in its direction. field: NEW or OLD."""
     angle = load(part.openings.angles, part.hinge[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
 
 @kernel
 def hold(part, i, rate):
-    """Return two moments (N m), of the spring and of the damper of latch i, positive in the
-    direction of its catch; 0 in lanes where it has not caught. part: arrays of all latches
-    (Latches); rate: of the joint coordinate (rad/s), in that direction."""
+    """Return the moments (N m) of spring and damper of latch i, positive in the direction of its
+    catch; 0 in lanes where it has not caught. rate: in that direction (rad/s)."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     # < 0 in the step in which it caught, but for one that holds from the start on
     fresh = where_negative(-load(part.state, i, CATCH_TIME), 0.5 - load(part.state, i, NEWS), 0.5)
@@ -171,11 +163,8 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Add the moments (N m) of latches' springs to the forces on both particles of their hinges,
-    and what their dampers take out in the step that ends now (J) to World.accounts, once it is
-    found which latches caught in it; these act at once. part: arrays of all latches (Latches), in
-    whose state moment and impulse are stored; world (World): solver state, changed; timing:
-    StepTime (s)."""
+    """Find out which latches catch in the step, and add the moments (N m) of their springs, which
+    act at once, and the losses of their dampers (J)."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
             continue
@@ -194,8 +183,7 @@ def forces(part, world, timing):
 
 @hook(Latches)
 def note_events(part, world, timing):
-    """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now, and
-    when, and clear it in part.state. part: all latches (Latches); world, timing: unused."""
+    """Note which latches caught (event 0) or missed (1) in the step, and when."""
     for i in range(part.hinge.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
@@ -207,8 +195,7 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of latch i; 0 until it catches. part: arrays of all
-    latches (Latches); world (World): solver state, not used; i: index of the latch."""
+    """Return the strain energy (J, lanes) of latch i; 0 until it catches."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)
@@ -218,8 +205,7 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Record moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch in
-    part.track. part: Latches; world: not used; row: index of the recorded instant."""
+    """Record moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch."""
     count = part.hinge.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, CATCH_RATE)):

@@ -37,19 +37,17 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Return the mean rate (rad/s, on slides m/s) of the joint coordinate of hinge h over the step
-    that ends now. openings: all joint coordinates (Openings); timing: StepTime (s)."""
+    """Return the mean rate (rad/s, on slides m/s) of hinge h's coordinate in the step."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Return the rate (rad/s, on slides m/s) of the joint coordinate of hinge h now, extrapolated
-    to second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
-    step: it stores the mean rate. openings: arrays of all joint coordinates (Openings); history
-    (elements, 2, lanes): `rates` of the element's type, whose field RATE is written; i: index of
-    the element; h: of its hinge; timing (StepTime): times of the step (s)."""
+    """Return the rate (rad/s, on slides m/s) of hinge h's joint coordinate now, extrapolated to
+    second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
+    step: it stores the mean rate in history (elements, 2, lanes), the type's `rates`, of element
+    i."""
     last = load(history, i, RATE)
     rate = last
     if timing.time > 0.0:
@@ -61,12 +59,9 @@ def follow_rate(openings, history, i, h, timing):
 
 @kernel
 def add_loss(world, account, openings, history, i, h, moment):
-    """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
-    step that ends now, and store the moment for the next step. world (World): solver state;
-    account: index in World.accounts; openings: all joint coordinates (Openings); history (elements,
-    2, lanes): `rates` of the element's type, with the moment a step ago, changed; moment: on the
-    second particle, now (N m). The energy is the mean of both moments times the change of the
-    coordinate, just what kinetic energy of the half steps changes by (record.py)."""
+    """Add the energy (J) that a `moment` (N m, now) of element i on hinge h takes out in the step,
+    the mean of this and the last one times the change of the coordinate, just what kinetic energy
+    of the half steps changes by (record.py); store the moment in history (elements, 2, lanes)."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -77,8 +72,7 @@ def add_loss(world, account, openings, history, i, h, moment):
 @kernel
 def force_of(bearing, i, timing, resistance):
     """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s);
-    resistance (1, 1, lanes): World.resistance."""
+    the last step. resistance: World.resistance."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -102,10 +96,9 @@ def onset(new, old):
 
 @kernel
 def dead_band(backlash, i, value, old):
-    """Return for element i how far `value` is outside the dead band (lanes), negative below it, and
-    the same plus the correction by `edge` in a step that enters or leaves the band. value, old: now
-    and a step ago (rad or m, as the results); backlash (elements, 1, lanes): width of each band.
-    With a width of 0, or if backlash is None, both results are `value`."""
+    """Return how far `value` is outside the dead band of element i, negative below it, and the same
+    corrected by `edge`. value, old: now and a step ago (rad or m); backlash (elements, 1, lanes):
+    widths, None: 0."""
     excess, force_excess = value, value
     if backlash is not None:
         half = 0.5 * load(backlash, i, 0)
@@ -119,10 +112,8 @@ def dead_band(backlash, i, value, old):
 
 @kernel
 def press(new, old, rate, stiffness, damping):
-    """Return two forces of a one-sided stop, of its spring and of its damper (N m, on slides N), in
-    sum at least 0: it never pulls; that of the damper is 0 where the overlap `new` is not above 0.
-    new, old: overlap (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness
-    (N m/rad), damping (N m s/rad), on slides N/m, N s/m."""
+    """Return the forces of spring and damper of a one-sided stop (N m, on slides N), in sum at
+    least 0: it never pulls. new, old: overlap (rad, m) now and a step ago; rate: of it now."""
     overlap = where_negative(new, 0.0, new)
     spring = stiffness * overlap
     damper = damping * rate * onset(new, old)

@@ -65,9 +65,8 @@ class Motors(NamedTuple):
 @kernel
 def grip(backlash, i, viscous, spring, error, old):
     """Return what of the moment `viscous` (N m) of a drive train's damper acts: 0 within its
-    backlash, and no more against its spring than that has, so that teeth never pull. backlash
-    (motors, 1, lanes): rad, None or 0: all of it; i: index of the motor; spring: moment (N m);
-    error, old: target less opening now and a step ago (rad)."""
+    backlash, and no more against its `spring` (N m) than that has, so that teeth never pull.
+    backlash: Motors.backlash; error, old: target less opening now and a step ago (rad)."""
     if backlash is not None:
         half = 0.5 * load(backlash, i, 0)
         sign = where_negative(error, -1.0, 1.0)
@@ -81,9 +80,7 @@ def grip(backlash, i, viscous, spring, error, old):
 
 @hook(Motors)
 def forces(part, world, timing):
-    """Add the moments (N m) of the motors' drive trains, towards the prescribed joint coordinates,
-    to the forces on particles; keep moments and targets in part.state. part: arrays of all motors
-    (Motors); world (World): solver state, whose forces change; timing (StepTime): times (s)."""
+    """Add the moments (N m) of the motors' drive trains; keep moments and targets in part.state."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
             continue
@@ -123,10 +120,8 @@ def forces(part, world, timing):
 
 @hook(Motors)
 def work_before(part, world, timing):
-    """Add to World.accounts the work (J) of the motors, and the losses (J) of their drive trains,
-    in the step that ends at timing.time: means of the moments at both ends times the way, which is
-    what the moments do on the hinges, so that the balance has no error of it. part: arrays of all
-    motors (Motors); world (World): solver state; timing (StepTime): times of the step (s)."""
+    """Add the work (J) of the motors, and the losses of their drive trains: means of the moments at
+    both ends times the way, as they do on the hinges, so that the balance has no error."""
     work = load(world.accounts, 0, part.account)
     loss = load(world.accounts, 0, part.loss_account)
     for i in range(part.hinge.shape[0]):
@@ -145,10 +140,9 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def prepare(part, world, timing):
-    """Store the joint coordinate (rad; m on slides) that a motor prescribes exactly for the end of
-    the step, as TARGET of its condition in part.turns.state; where its curve (not by rate) bends
-    within the step, the bend's time is stored in part.turns.impact as a share of the step: the rate
-    jumps there. part: Motors; world: solver state, with the curves; timing: StepTime (s)."""
+    """Store the joint coordinate (rad; m) that a motor prescribes exactly for the end of the step,
+    as TARGET of its condition; where its curve (not by rate) bends within the step, the rate jumps:
+    the bend's time, as a share of the step, is part.turns.impact."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] < 0:
             continue
@@ -163,9 +157,7 @@ def prepare(part, world, timing):
 
 @hook(Motors)
 def work_after(part, world, timing):
-    """Add half of the work (J) of the moments of this step by which motors prescribe exactly, over
-    the step that ends now, to part.account (`work_before` adds the rest). part: all motors
-    (Motors); world (World): solver state; timing: StepTime (s)."""
+    """Add half of the work (J) of moments that prescribe exactly; `work_before` adds the rest."""
     end_work(part, world, timing, WORKS, 1.0)
 
 
@@ -174,16 +166,14 @@ register_work_due(Motors, WORKS)
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of the drive train of motor i when forces were last
-    computed. part: arrays of all motors (Motors); world: not used."""
+    """Return the strain energy (J, lanes) of the drive train of motor i."""
     excess = load(part.state, i, EXCESS)
     return 0.5 * load(part.numbers, i, STIFFNESS) * excess * excess
 
 
 @hook(Motors)
 def record(part, world, row):
-    """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
-    (Motors); world: not used; row: index of the recorded instant."""
+    """Record the moment (N m) of each motor on its hinge."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))
@@ -191,8 +181,7 @@ def record(part, world, row):
 
 @hook(Motors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor that prescribes exactly in part.track. part: arrays of
-    all motors (Motors); world, timing: not used; row: index of the recorded instant."""
+    """Record the moment (N m) of each motor that prescribes exactly."""
     count = part.hinge.shape[0]
     for i in range(count):
         if part.turn[i] >= 0:

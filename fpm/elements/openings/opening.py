@@ -81,16 +81,14 @@ class Opening(ElementType):
 
     @classmethod
     def get_arrays(cls, kind: type[ElementType], batch):
-        """Return the arrays of all joint coordinates (Openings) for the kernels of an element type
-        `kind` that acts on them: with the field `part` set to the index, in PARTS ("spring", ...),
-        under which its moments are recorded. batch: the scenes simulated side by side."""
+        """Return Openings for the kernels of an element type `kind`, whose moments are recorded
+        under the index `part` in PARTS."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded joint coordinates (t, hinges) of one sample after a run, by variable
-        name: `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all joint
-        coordinates (Openings); scene: the sample's; lane: index of the sample."""
+        """Return the recorded joint coordinates (t, hinges) of one sample: `opening` (rad) and, of
+        slides, `slide_opening` (m)."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -102,9 +100,8 @@ class ConnectorElement(ElementType):
     reads: ClassVar[tuple[type, ...]] = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that a hinge index in one of the element's fields exists in the scene, and that the
-        hinge is one that is allowed; raises SceneError if not. field: spec of the field, with what
-        is allowed (`types`, `only_angles`); value: the index."""
+        """Check that a hinge index exists in the scene, and that the hinge is one that the field
+        allows (`types`, `only_angles`); else SceneError."""
         super().check_index(scene, field, value)
         if not (field.types or field.only_angles):
             return
@@ -122,9 +119,8 @@ class ConnectorElement(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field of the named tuple that the type's kernels take. name: the
-        field: "openings": all joint coordinates (Openings); others as in ElementType.array
-        ("numbers", "state", ...). batch: the scenes that are simulated side by side."""
+        """Return the array for a field `name` of the kernels' tuple: "openings": Openings; others
+        as ElementType.array."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -196,26 +192,23 @@ class Connector(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "rates": rates of joint coordinates at the start (pack_past); others as in
-        ConnectorElement.array. batch: the scenes that are simulated side by side."""
+        """Return the array for a field `name` of the kernels' tuple: "rates": `pack_past`; others
+        as ConnectorElement.array."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)
 
 
 def on_hinge(words: str = "hinge of {noun}", types: tuple[str, ...] = (), **keys) -> Any:
-    """Declare an element's dataclass field for its hinge's index. words: its name in messages,
-    {noun} being the type's word; types: allowed types of the hinge ("revolute", ...), (): all;
-    keys: further ones of its spec `Index`."""
+    """Declare a dataclass field for an element's hinge. words: its name in messages; types: allowed
+    types of the hinge, (): all; keys: further ones of `Index`."""
     return index("hinges", words=words, types=types, **keys)
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
-    """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
-    on slides. series: by variable name, in units of hinges; hinges, labels: Hinge and name of each
-    element. Returns all that have elements, by name; for those on slides, names begin with
-    "slide_", names and words have force for moment, and units are those of slides."""
+    """Split recorded series (t, k) of k elements into those on hinges and on slides; names of these
+    begin with "slide_", with force for moment, and their units. series: by variable; hinges,
+    labels: Hinge and name of each element."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -245,19 +238,17 @@ def _sides(scene) -> np.ndarray:
 
 
 def backlashes(batch, kind: type[ElementType]) -> np.ndarray | None:
-    """Return the width of the dead bands (field `backlash`, rad or m; 0 where it is None) of the
-    elements of a type `kind`, an array (elements, 1, lanes); None: no element has one. batch: the
-    scenes simulated side by side."""
+    """Return the widths (elements, 1, lanes) of dead bands (field `backlash`, rad or m) of a type's
+    elements; None: no element has one."""
     if all(element.backlash is None for element in kind.find(batch.scene)):
         return None
     return batch.table(kind, 1, lambda element: [element.backlash or 0.0])
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Return how small motions of the particles strain springs on joint coordinates, for the stable
-    time step (Deformations). hinges: index in `scene` of each spring's hinge; stiffness: of each
-    spring (N m/rad, on slides N/m). A spring has one row, on the angle of a universal joint up to
-    three."""
+    """Return how small motions of particles strain springs on joint coordinates (Deformations), one
+    row each, up to three on the angle of a universal joint. hinges: index of each one's hinge;
+    stiffness: N m/rad, on slides N/m."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -273,12 +264,11 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
 
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
-    """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
-    axes, with factors on the stiffness. The particles of a slide turn together, but for
-    the normal of a plane in which they turn apart: their turn may be taken as that of either or
-    both, as bounds the frequency best. In the second particle the axis of a universal joint's angle
-    lies anywhere in a plane; so does a spring's stiffest direction. Springs from both sides to the
-    ground, on the second about all its axes, bound it (Cauchy)."""
+    """Derivatives (12,) of an opening by the motions of both particles, with factors on the
+    stiffness. Particles of a slide turn together, but for the normal of their plane: the turn may
+    be that of either or both, as bounds the frequency best. In the second particle the axis of a
+    universal joint's angle lies anywhere in a plane; springs to the ground from both bound it
+    (Cauchy)."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if not hinge.slides and hinge.type != "universal":
@@ -312,9 +302,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def struck_stiffness(element) -> float:
-    """Return the stiffness (N m/rad, on slides N/m) with which an element that is struck, a stop or
-    its like, limits the stable time step: FINER² times its own. element: has `stiffness`, and
-    `damping` if it has a damper."""
+    """Return the stiffness (N m/rad) with which what is struck, a stop or its like, limits the
+    stable step: FINER² times its own."""
     return FINER[bool(getattr(element, "damping", 0.0))] ** 2 * element.stiffness
 
 
@@ -333,9 +322,8 @@ def mobility(scene, hinge: int) -> float:
 
 
 def moving_at_start(scene) -> SimpleNamespace:
-    """Return the motion of all n particles of a scene at t = 0: a namespace with velocity (n, 3)
-    m/s, spin (n, 3) rad/s, position (n, 3) m and frame (n, 3, 3). Driven particles move as
-    prescribed; along and about held axes the motion is 0."""
+    """Return the motion of all n particles at t = 0: a namespace of velocity, spin, position (n, 3)
+    and frame (n, 3, 3). Driven particles move as prescribed, held ones not."""
     spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
     motion = SimpleNamespace(velocity=np.where(scene.fixed[:, :3], 0.0, scene.velocity), spin=spin)
     motion.position, motion.frame = scene.position.copy(), scene.frame.copy()
@@ -351,9 +339,8 @@ def turning_at_start(scene, hinges) -> list[float]:
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Return the rate of the joint coordinate of a hinge (rad/s, of a slide m/s). places: object
-    with position (n, 3) m and frame (n, 3, 3) of all particles, as a scene; hinge: the Hinge;
-    motion: object with velocity (n, 3) m/s and spin (n, 3) rad/s of all particles."""
+    """Return the rate of a hinge's joint coordinate (rad/s, m/s). places: object with position and
+    frame of all particles, as a scene; motion: with velocity (m/s) and spin (rad/s)."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
@@ -366,9 +353,8 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """Return the array (elements, 2, lanes) that kernels of a type which loses energy keep from
-    step to step, at its start: rate of each element's joint coordinate at t = 0 (rad/s, m/s), and 0
-    for its moment. batch: the scenes that are simulated side by side; kind: the element type."""
+    """Return the array (elements, 2, lanes) that kernels of what loses energy keep from step to
+    step: rate of each joint coordinate at t = 0 (rad/s, m/s), and 0 for its moment."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     hinges = [element.hinge for element in kind.find(batch.scene)]

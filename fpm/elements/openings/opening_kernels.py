@@ -59,25 +59,21 @@ class Openings(NamedTuple):
 
 @kernel
 def is_slide(slides, h):
-    """Return whether the joint coordinate of hinge h is a length (m), as of a slide, not an angle
-    (rad). slides (h,): 1 for each slide."""
+    """Return whether the joint coordinate of hinge h is a length (m), as of a slide."""
     return slides[h] != 0
 
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Compute all openings (joint coordinates), into part.angles, and axes; in every step, as full
-    turns are counted; where moments are recorded by component (springs, dampers, ...), make each
-    that of a step ago and set it to 0. part: arrays of all openings (Openings); world (World):
-    solver state, whose positions and axes are read; timing: not used."""
+    """Compute all joint coordinates and axes, in every step, as full turns are counted, and begin
+    the recorded moments by component anew."""
     update(part, world, timing)
     begin_parts(part.moments)
 
 
 @kernel
 def begin_parts(moments):
-    """Make the moment of each component (springs, dampers, ...) that of a step ago, and set the new
-    one to 0, at the start of a step. moments: Openings.moments."""
+    """Make the moment of each component that of a step ago, and set the new one to 0."""
     for r in range(moments.shape[0]):
         store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
         store(moments, r, MOMENT, 0.0)
@@ -85,11 +81,9 @@ def begin_parts(moments):
 
 @kernel
 def update(part, world, timing):
-    """Compute from positions and axes of particles the openings (joint coordinates: rad, of slides
-    m) of all hinges, into part.angles, and their axes (global), into part.axes. part: arrays of all
-    openings (Openings); world: solver state, of which particles are read; timing: StepTime (s). Of
-    angles that differ by full turns, the one is taken that is closest to the last and the way by
-    the rate at which the particles turned in the step: there may be several turns in a step."""
+    """Compute the joint coordinates (rad, m) and axes (global) of all hinges. Of angles that differ
+    by full turns, the one closest to the last and the way by the rate in the step is taken: there
+    may be several turns in a step."""
     sides, angles, state = part.sides, part.angles, world.state
     step = timing.step if timing.time > 0.0 else 0.0
     for h in range(angles.shape[0]):
@@ -118,8 +112,7 @@ def update(part, world, timing):
 
 @kernel
 def spin_of(world, i, axes):
-    """Return the angular velocity (rad/s, 3, global) of particle i in the last step, by its angular
-    momentum and its `axes`, three vectors; 0 if it is held. world: solver state (World)."""
+    """Return the angular velocity (rad/s) of particle i in the last step, by its `axes`."""
     momentum = get3(world.state, i, P)
     spin = to_global(axes, times(get3(world.particles, i, IJ), to_local(axes, momentum)))
     return load(world.particles, i, BY_SPIN) * momentum + spin
@@ -127,11 +120,9 @@ def spin_of(world, i, axes):
 
 @kernel
 def turn(openings, state, h, moment):
-    """Apply a moment (N m, lanes) about the axis of hinge h (index) to its second particle, and its
-    opposite to the first: it is added to the forces in `state` and, where moments are recorded by
-    component (springs, dampers, ...), to that of the acting type, openings.part. On a slide it is a
-    force (N) along the axis, on both particles at the second's point, so that they are in balance.
-    openings: of that type's arrays (Openings); state: of all particles (World.state), changed."""
+    """Apply a moment (N m, lanes) about the axis of hinge h to its second particle, its opposite to
+    the first, and record it as of openings.part. On a slide it is a force (N) along the axis, on
+    both at the second's point, so that they are in balance."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
     if is_slide(openings.slides, h):
@@ -151,9 +142,8 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """Apply an impulse (N m s, lanes) about the axis of hinge h (index; no slide) to its second
-    particle, and the opposite to the first: to the angular momenta in `state` (World.state). Call
-    it once the step's forces are in the momenta. openings: arrays of all openings (Openings)."""
+    """Apply an impulse (N m s, lanes) about the axis of hinge h (no slide) to its second particle,
+    and the opposite to the first, once the step's forces are in the momenta."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     kick = impulse * get3(openings.axes, h, 0)
     put3(state, second, P, get3(state, second, P) + kick)
@@ -162,9 +152,8 @@ def push(openings, state, h, impulse):
 
 @kernel
 def add_moment(moments, openings, h, moment):
-    """Add a moment (N m, lanes) on hinge h (index; on a slide a force, N) to the recorded component
-    (springs, dampers, ...) of the acting element type, openings.part. moments: Openings.moments;
-    openings: the field `openings` of that type's arrays (Openings)."""
+    """Add a moment (N m, lanes) on hinge h (on a slide a force, N) to the component
+    openings.part."""
     if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -172,9 +161,8 @@ def add_moment(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add the work (J) of the last step to that of each component (springs, dampers, ...), field
-    WORK of part.moments, now that the moments at its end are known: their mean at both ends times
-    the change of the opening. part: arrays of all openings; world, timing: not used."""
+    """Add the work (J) of the last step to that of each component: the mean of its moments at both
+    ends times the change of the opening."""
     moments = part.moments
     for r in range(moments.shape[0]):
         h = r // part.parts
@@ -185,10 +173,8 @@ def work_before(part, world, timing):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the openings (joint coordinates: rad, of slides m) of all h hinges in part.track from
-    row `row` h on, and, if kept, moment (N m, of slides N) and work (J) of all h * part.parts
-    components (springs, dampers, ...) of hinges likewise in part.part_track. part: arrays of all
-    openings (Openings); world: solver state; row: index of the instant."""
+    """Record the joint coordinates of all hinges, and moment (N m) and work (J) of all
+    components."""
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NEW))
@@ -197,16 +183,13 @@ def record(part, world, row):
 
 @hook(Openings)
 def record_step(part, world, row, timing):
-    """Record moment (N m) and work (J) of every component (springs, dampers, ...) again, now that
-    the step has found the moments of constraints. part: arrays of all openings (Openings); row:
-    index of the recorded instant; world, timing: not used."""
+    """Record moments and works again, now that the step has found those of constraints."""
     record_parts(part, row)
 
 
 @kernel
 def record_parts(part, row):
-    """Record the moment (N m) and work (J) of every component (springs, dampers, ...) in
-    part.part_track. part: arrays of all openings; row: index of the recorded instant."""
+    """Record the moment (N m) and work (J) of every component in part.part_track."""
     count = part.moments.shape[0]
     for r in range(count):
         store(part.part_track, row * count + r, 0, load(part.moments, r, MOMENT))

@@ -71,10 +71,8 @@ class Release(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "latch_row": index of the latch watched by each, -1: none; "latches": states of
-        the latches, None where none is watched; others as ExactConnector.array. batch: the scenes
-        simulated side by side."""
+        """Return the array for a field `name` of Releases: "latch_row": index of the latch watched,
+        -1: none; "latches": their states, None: none is watched; others as ExactConnector.array."""
         if name not in ("latch_row", "latches"):
             return super().array(name, batch)
         numbers = {latch.label(batch.scene): i for i, latch in enumerate(Latch.find(batch.scene))}

@@ -70,9 +70,8 @@ class Releases(NamedTuple):
 
 @kernel
 def steps_since_catch(states, row, timing, steps):
-    """Return how many steps ago (lanes) a latch caught, if that is more than `steps`, else `steps`.
-    states (l, n, lanes): of latches (Latches.state), or None; row: index of the latch, -1: none;
-    timing: times of this step (s)."""
+    """Return how many steps ago (lanes) latch `row` (-1: none) caught, if that is more than
+    `steps`, else `steps`. states: Latches.state, or None."""
     if states is None:
         return steps
     if row >= 0:
@@ -84,9 +83,8 @@ def steps_since_catch(states, row, timing, steps):
 
 @kernel
 def let_go(part, timing, i):
-    """Return how many steps ago (lanes, with fractions) release i was due to let go: by its time,
-    by the catch of a latch, or as the watched opening passed its level in this step; below 0: it is
-    not due. part: arrays of all releases (Releases); timing: times of this step (s); i: index."""
+    """Return how many steps ago (lanes, with fractions) release i was due to let go: by its time, a
+    latch's catch, or the watched opening; below 0: it is not due."""
     delay = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(delay, -1.0, delay / timing.step)
     if part.watch[i] >= 0:
@@ -100,9 +98,7 @@ def let_go(part, timing, i):
 
 @hook(Releases)
 def forces(part, world, timing):
-    """Add the moments (N m) of releases that hold to the particles, and the rest of the moment of
-    one that lets go in this step; update part.state. part: arrays of all releases (Releases);
-    world: solver state (World), whose forces change; timing: times of this step (s)."""
+    """Add the moments (N m) of releases that hold, and the rest of that of one that lets go."""
     for i in range(part.hinge.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -135,8 +131,7 @@ def forces(part, world, timing):
 
 @hook(Releases)
 def note_events(part, world, timing):
-    """Note in part.log which releases let go (event 0) in the step that ends now, and when. part:
-    arrays of all releases (Releases); world: solver state, not used; timing: step times (s)."""
+    """Note which releases let go (event 0) in the step, and when."""
     for i in range(part.hinge.shape[0]):
         steps = load(part.state, i, STEPS)
         if any_negative(where_negative(steps, 1.0, -1.0)):
@@ -147,9 +142,8 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """Add to World.accounts the energy (J) lost in dampers, and in springs let go, in the step that
-    ends at timing.time: the drop of the stored energy less the work on the hinge. part: arrays of
-    all releases (Releases); world: solver state (World); timing: step times (s)."""
+    """Add the energy (J) lost in dampers, and in springs let go: the drop of the stored energy less
+    the work on the hinge."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         angles, h = part.openings.angles, part.hinge[i]
@@ -164,9 +158,7 @@ def work_before(part, world, timing):
 
 @hook(Releases)
 def work_after(part, world, timing):
-    """Add half of the loss (J) of the moments found in this step by which releases hold exactly,
-    over the step that ends now, to account part.account of World; `work_before` adds the rest.
-    part: all releases (Releases); world (World): solver state; timing: StepTime (s)."""
+    """Add half of the loss (J) of releases that hold exactly; `work_before` adds the rest."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
@@ -179,6 +171,5 @@ register_work_due(Releases, WORKS)
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of release i; 0 once it let go. part: arrays of all
-    releases (Releases); world: solver state, not used; i: index of the release."""
+    """Return the strain energy (J, lanes) of release i; 0 once it let go."""
     return load(part.state, i, ENERGY)

@@ -37,17 +37,14 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Return by how much (rad, m; lanes) the opening is beyond stop i, below 0 where it is free.
-    part: arrays of all stops (Stops); field: of angles: NEW (0: now) or OLD (1: a step ago)."""
+    """Return by how much (rad, m) the opening is beyond stop i. field: NEW or OLD."""
     angle = load(part.openings.angles, part.hinge[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
 
 @hook(Stops)
 def forces(part, world, timing):
-    """Add the moments (N m; on slides forces, N) of stops, against openings beyond them, to the
-    forces on particles, and what their dampers lose in the step that ends now (J) to
-    World.accounts. part: arrays of all stops (Stops); world: solver state, changed."""
+    """Add the moments (N m; on slides N) of stops, and what their dampers lose (J)."""
     for i in range(part.hinge.shape[0]):
         h, side = part.hinge[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.rates, i, h, timing)
@@ -64,8 +61,7 @@ def forces(part, world, timing):
 
 @hook(Stops)
 def note_events(part, world, timing):
-    """Note in part.log which stops were hit (event 1) or left (0) in the step that ends now. part:
-    arrays of all stops (Stops); world: solver state, not used; timing: times of this step (s)."""
+    """Note which stops were hit (event 1) or left (0) in the step."""
     for i in range(part.hinge.shape[0]):
         old, new = overlap(part, i, OLD), overlap(part, i, NEW)
         note_crossings(part.log, i, TOUCH - old, TOUCH - new, timing)
@@ -73,8 +69,7 @@ def note_events(part, world, timing):
 
 @hook(Stops)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of stop i, 0 where it is free. part: arrays of all stops
-    (Stops); world: solver state, not used; i: index of the stop."""
+    """Return the strain energy (J, lanes) of stop i, 0 where it is free."""
     depth = overlap(part, i, NEW)
     depth = where_negative(depth, 0.0, depth)
     return 0.5 * load(part.numbers, i, STIFFNESS) * depth * depth

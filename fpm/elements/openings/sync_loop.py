@@ -112,9 +112,8 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Loops: "hinge": (loops, 2),
-        indices of both hinges of each loop; "backlash": (loops, 1, lanes), m, None where no loop
-        has one; others as ConnectorElement.array. batch: the scenes simulated side by side."""
+        """Return the array for a field `name` of Loops: "hinge": (loops, 2); "backlash": (loops, 1,
+        lanes), m, None: none; others as ConnectorElement.array."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         if name == "backlash":

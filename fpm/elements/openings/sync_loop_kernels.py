@@ -49,16 +49,14 @@ class Loops(NamedTuple):
 
 @kernel
 def excess(part, i):
-    """Return by how much (m, lanes, at least 0) the size of the slip of loop i exceeds that at
-    which one strand turns slack. part: arrays of all loops (Loops)."""
+    """Return by how much (m, at least 0) loop i slips beyond where a strand turns slack."""
     slip = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
     return where_negative(slip, 0.0, slip)
 
 
 @kernel
 def pull(part, i):
-    """Return the difference of the tensions (N, lanes) of the two strands of loop i, with the sign
-    of the slip that `forces` last stored. part: arrays of all loops (Loops)."""
+    """Return the difference (N, lanes) of the tensions of loop i's strands, signed as the slip."""
     slip = load(part.state, i, PULL_SLIP)
     extra = excess(part, i)
     return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
@@ -66,9 +64,8 @@ def pull(part, i):
 
 @hook(Loops)
 def forces(part, world, timing):
-    """Add the moments (N m) of loops on both their hinges, against the slip, to the forces on
-    particles; store slip, and what is left of it until a strand is slack, in part.state. part:
-    arrays of all loops (Loops); world: solver state, whose forces change; timing: times (s)."""
+    """Add the moments (N m) of loops on both hinges; store slip, and what is left until a strand is
+    slack."""
     for i in range(part.hinge.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.hinge[i, 0], part.hinge[i, 1]
@@ -90,8 +87,7 @@ def forces(part, world, timing):
 
 @hook(Loops)
 def note_events(part, world, timing):
-    """Write to part.log in which loops one strand turned slack (event 1) or both are tight again
-    (0), and when. part: arrays of all loops; world: not used; timing: step times (s)."""
+    """Note in which loops one strand turned slack (event 1) or both are tight again (0)."""
     for i in range(part.hinge.shape[0]):
         old, new = load(part.state, i, SLACK_BEFORE), load(part.state, i, SLACK)
         note_crossings(part.log, i, old, new, timing)
@@ -106,10 +102,8 @@ def energy_of(part, world, i):
 
 @hook(Loops)
 def record(part, world, row):
-    """Record the difference of the strands' tensions (N) of each of the l loops in part.track, rows
-    row * l + i; above 0 where the first hinge's pulley has turned farther than the second's (slip
-    above 0). part: arrays of all loops (Loops); world: solver state, not used; row: index of the
-    recorded instant."""
+    """Record the difference of the strands' tensions (N) of each loop, above 0 where the first
+    hinge's pulley has turned farther than the second's."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

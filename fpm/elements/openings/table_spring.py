@@ -41,9 +41,8 @@ class TableSpring(Connector):
 
     @property
     def slopes(self) -> np.ndarray:
-        """Slopes (n - 1,) of the moment over the opening between neighbouring points of the table,
-        N m/rad (N/m on a slide). Moments above 0 open the hinge, so a spring that resists has
-        slopes below 0."""
+        """Slopes (n - 1,) of the moment between the table's points, N m/rad (N/m on a slide), below
+        0 where the spring resists."""
         return np.diff(self.moments) / np.diff(self.angles)
 
     @property
@@ -77,9 +76,8 @@ class TableSpring(Connector):
 
 
 def check_table(angles, values, noun: str, owner: str) -> None:
-    """Check that a table has a finite value for each of two or more increasing angles; raises
-    SceneError if not. angles, values: its columns; noun: what messages call the values ("moments");
-    owner: what they call the element."""
+    """Check that a table has a finite value for each of two or more increasing angles; else
+    SceneError. noun, owner: what messages call values and element."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
         counts = f"{len(angles)} angles, {len(values)} {noun}"
@@ -96,11 +94,9 @@ def bends(angles, values) -> np.ndarray:
 
 
 def table_array(name: str, batch, kind, bends_of, places: str = "angles") -> np.ndarray:
-    """Return an array, for kernels, of the tables of all elements of a type, one after the other.
-    name: which: "points": (p, 2, lanes), angle and change of slope of each of the p points;
-    "start": (elements + 1,), index of each element's first point, then p. batch: scenes simulated
-    side by side; kind: the element type; bends_of(element): changes of slope; places: the type's
-    field with the angles, or the like."""
+    """Return an array of the tables of a type's elements, one after the other: "points" (p, 2,
+    lanes), place and change of slope of each point; or "start" (elements + 1,), first point of
+    each. bends_of(element): changes of slope; places: the field with the places."""
     ends = np.cumsum([0, *(len(getattr(e, places)) for e in kind.find(batch.scene))])
     if name == "start":
         return batch.integers(ends)

@@ -31,9 +31,8 @@ class TableSprings(NamedTuple):
 
 @hook(TableSprings)
 def forces(part, world, timing):
-    """Add the moments (N m) of springs by tables to the forces on particles; where an opening
-    passes a point of a table, `edge` corrects the work of the step. part: arrays of these springs
-    (TableSprings); world: solver state (World), whose forces change; timing: step times (s)."""
+    """Add the moments (N m) of springs by tables; where an opening passes a point, `edge` corrects
+    the work."""
     angles = part.openings.angles
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
@@ -48,8 +47,7 @@ def forces(part, world, timing):
 
 @hook(TableSprings)
 def energy_of(part, world, i):
-    """Return the energy (J, lanes) stored in spring i, counted from its least value within its
-    table. part: arrays of all springs by tables (TableSprings); world: not used; i: its index."""
+    """Return the energy (J, lanes) stored in spring i, counted from its least within the table."""
     psi = load(part.openings.angles, part.hinge[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first

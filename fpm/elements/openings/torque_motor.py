@@ -39,7 +39,6 @@ class TorqueMotor(AnyMotor):
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum of the absolute torques at rest (N m; on slides N) of a scene's motors,
-        not scaled by their curves of time: what exactly held hinges may have to bear at rest. The
-        tolerance of the energy balance follows from it."""
+        """Return the sum of the absolute torques (N m; on slides N) of a scene's motors at rest,
+        not scaled by curves."""
         return float(sum(abs(motor.torque) for motor in cls.find(scene)))

@@ -51,9 +51,7 @@ def reduced_torque(torque, speed, no_load):
 
 @hook(TorqueMotors)
 def forces(part, world, timing):
-    """Add the moments (N m) of torque motors, which fall with the speed of the hinge in their
-    direction, to the forces on particles. part: arrays of all torque motors (TorqueMotors); world:
-    solver state (World), whose forces change; timing: times of this step (s)."""
+    """Add the moments (N m) of torque motors, which fall with the speed in their direction."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         speed = follow_rate(part.openings, part.rates, i, h, timing)
@@ -68,8 +66,7 @@ def forces(part, world, timing):
 
 @hook(TorqueMotors)
 def work_before(part, world, timing):
-    """Add to World.accounts the work (J) of the torque motors in the step that ends at timing.time.
-    part: all torque motors (TorqueMotors); world: solver state (World); timing: step times (s)."""
+    """Add the work (J) of the torque motors in the step."""
     work = load(world.accounts, 0, part.work_account)
     for i in range(part.hinge.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.hinge[i]
@@ -80,8 +77,7 @@ def work_before(part, world, timing):
 
 @hook(TorqueMotors)
 def record(part, world, row):
-    """Record the moment (N m) of each motor at an instant in part.track. part: arrays of all torque
-    motors (TorqueMotors); world: not used; row: index of the recorded instant."""
+    """Record the moment (N m) of each motor at an instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))

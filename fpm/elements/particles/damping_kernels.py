@@ -29,28 +29,24 @@ class DampingState(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on the momenta before it, and
-    1/(1 + c) on the impulses of forces, with c = rate kick/2. part: arrays of damping
-    (DampingState); kick: time (s) over which the forces act."""
+    """Return the factors (lanes) (1 - c)/(1 + c) on the momenta before a damped step, and 1/(1 + c)
+    on the impulses of forces, with c = rate kick/2."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 
 
 @kernel
 def take(part, world, path):
-    """Add the energy (J) that damping takes out, rate times `path`, to its account in
-    World.accounts. part: arrays of damping; world: solver state; path (lanes): sum over damped
-    particles of momentum times distance moved in the step, angular ones included (J s)."""
+    """Add the energy (J) that damping takes, rate times `path` (lanes): sum over particles of
+    momentum times distance moved, angular ones included (J s)."""
     loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
     store(world.accounts, 0, part.account, loss)
 
 
 @hook(DampingState)
 def restrain(part, world, timing):
-    """Multiply momenta and forces of part.joint_particles, particles that joints or supports move
-    (not those held in all ways or moved by drives), so that their step damps them; impulses of
-    joints, which come later, are not multiplied: world.resistance is 1 + c. part: arrays of
-    damping (DampingState); world: solver state, changed; timing: times of this step (s)."""
+    """Multiply momenta and forces of part.joint_particles so that their step damps them; impulses
+    of joints, which come later, are not multiplied: world.resistance is 1 + c."""
     state = world.state
     factor, force = factors(part, timing.kick)
     store(world.resistance, 0, 0, 1.0 / force)
@@ -64,9 +60,7 @@ def restrain(part, world, timing):
 
 @hook(DampingState)
 def move(part, world, timing):
-    """Make one damped step of part.free, the particles that no other element type moves: add
-    forces' impulses to momenta, move and turn them, and add the energy lost (J) to World.accounts.
-    part: arrays of damping (DampingState); world: solver state, changed; timing: step times (s)."""
+    """Make one damped step of part.free, the particles that no other element type moves."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -86,9 +80,8 @@ def move(part, world, timing):
 
 @hook(DampingState)
 def work_after(part, world, timing):
-    """Add to World.accounts the energy (J) that damping takes, in this step, out of
-    part.joint_particles: particles that joints or supports move (not those held in all ways or
-    driven), by their momenta after joints acted. part: DampingState; world: solver state."""
+    """Add the energy (J) that damping takes out of part.joint_particles in this step, by their
+    momenta after joints acted."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.joint_particles.shape[0]):

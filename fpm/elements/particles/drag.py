@@ -90,10 +90,9 @@ def _velocities_at_start(scene) -> np.ndarray:
 def stations(
     scene, particles: Sequence[int], start: np.ndarray, stop: np.ndarray
 ) -> Iterator[tuple[int, np.ndarray, float]]:
-    """Yield the points on a straight line of a part at which its drag acts, three for each
-    particle: index of the particle nearest along the line, position (3,) m, and share of the line.
-    scene: at its start; particles: indices of the part's particles; start, stop (3,) m: ends of the
-    line."""
+    """Yield the points on a line of a part at which its drag acts, three for each particle: index
+    of the particle, position (3,) m, and share of the line. particles: of the part; start, stop:
+    ends of the line (m)."""
     span = stop - start
     position = scene.position if scene.unstrained_position is None else scene.unstrained_position
     places = (position[particles] - start) @ span / (span @ span)

@@ -33,10 +33,8 @@ class Drags(NamedTuple):
 
 @hook(Drags)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all drags to those on particles, and what they lose
-    in the step that ends now (J) to World.accounts. part: their arrays (Drags); world: solver
-    state, changed; timing: step times (s). Velocities are extrapolated from the last two steps;
-    losses are by the trapezium rule along the paths of the points."""
+    """Add the forces (N) and moments (N m) of all drags, and what they lose (J). Velocities are
+    extrapolated from the last two steps; losses are by the trapezium rule along the paths."""
     state, numbers, history = world.state, part.numbers, part.state
     loss = load(world.accounts, 0, part.account)
     for n in range(part.particle.shape[0]):

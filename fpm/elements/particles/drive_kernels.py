@@ -32,10 +32,8 @@ class Drives(NamedTuple):
 
 @kernel
 def add_work(part, world, timing, start):
-    """Add to World.accounts the work (J) of drives over half a step: they move particles against
-    the forces that act on these now, so that it is minus the power of the forces times step/2.
-    part: arrays of all drives (Drives); world: solver state; timing: times of this step (s); start:
-    of the step (s) over which the velocities are means."""
+    """Add the work (J) of drives over half a step, against the forces that act on their particles
+    now. start: of the step (s) over which the velocities are means."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -49,9 +47,8 @@ def add_work(part, world, timing, start):
 
 @hook(Drives)
 def forces(part, world, timing):
-    """Add what the kinetic energy (J) of driven particles has changed by since the last step to the
-    work of their drives, which give it. part: arrays of all drives (Drives), whose `kinetic`
-    changes; world: solver state (World); timing: times of this step (s)."""
+    """Add the change of driven particles' kinetic energy (J) since the last step to their drives'
+    work."""
     total = 0.0 * load(world.state, 0, X)
     for n in range(part.particle.shape[0]):
         i, is_first, zero = part.particle[n], True, 0.0 * get3(world.state, part.particle[n], X)
@@ -73,24 +70,19 @@ def forces(part, world, timing):
 
 @hook(Drives)
 def work_before(part, world, timing):
-    """Add to World.accounts the work (J) of drives in the half step that ends now, at timing.time.
-    part: arrays of all drives (Drives); world: solver state; timing: times of this step (s)."""
+    """Add the work (J) of drives in the half step that ends now."""
     add_work(part, world, timing, timing.time - timing.step)
 
 
 @hook(Drives)
 def restrain(part, world, timing):
-    """Add to World.accounts the work (J) of drives in the half step that begins now, at
-    timing.time, against the forces at its start. part: arrays of all drives (Drives); world: solver
-    state; timing: times of this step (s)."""
+    """Add the work (J) of drives in the half step that begins now."""
     add_work(part, world, timing, timing.time)
 
 
 @hook(Drives)
 def move(part, world, timing):
-    """Move driven particles by one step as prescribed, and set the forces on them to 0; their spins
-    stand for angular momenta. part: arrays of all drives (Drives); world: solver state (World),
-    changed; timing: times (s)."""
+    """Move driven particles as prescribed; their spins stand for angular momenta."""
     state = world.state
     for n in range(part.particle.shape[0]):
         for k in (V, P):
@@ -111,9 +103,7 @@ def move(part, world, timing):
 
 @hook(Drives)
 def look_back(part, world, timing):
-    """In the first step only, extrapolate linearly the velocities (m/s) and spins (rad/s) of driven
-    particles to half a step before the start, into World.start_state. part: arrays of all drives;
-    world: solver state, changed; timing: times of this step (s)."""
+    """Extrapolate velocities and spins of driven particles to half a step before the start."""
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         zero = 0.0 * get3(world.state, i, X)
@@ -130,17 +120,13 @@ def look_back(part, world, timing):
 
 @hook(Drives)
 def work_due(part, world, energies, row, timing):
-    """Add the kinetic energy (J) of driven particles to the recorded one. part: arrays of all
-    drives (Drives); world, timing: not used; energies: Record.energies; row: recorded instant."""
+    """Add the kinetic energy (J) of driven particles to the recorded one."""
     store(energies, row, KINETIC, load(energies, row, KINETIC) + load(part.kinetic, 0, 0))
 
 
 @hook(Drives)
 def record_points(part, world, points, row, timing):
-    """Overwrite recorded velocities (m/s) of named points on driven particles with the prescribed
-    ones, as these particles have no momenta. part: arrays of all drives (Drives); world: solver
-    state; points: Record.points (rows, 6, lanes), positions and velocities, changed; row: index of
-    the recorded instant; timing: times of this step (s)."""
+    """Overwrite recorded velocities (m/s) of points on driven particles, which have no momenta."""
     count = world.point_particle.shape[0]
     for n in range(count):
         i, first, index = world.point_particle[n], True, row * count + n

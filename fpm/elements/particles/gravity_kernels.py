@@ -21,8 +21,7 @@ class Weight(NamedTuple):
 
 @hook(Weight)
 def forces(part, world, timing):
-    """Add the weight (N) of every particle to the forces in world.state. part: arrays of gravity
-    (Weight); world: solver state, whose forces change; timing: not used."""
+    """Add the weight (N) of every particle."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g
@@ -31,10 +30,8 @@ def forces(part, world, timing):
 
 @hook(Weight)
 def work_of_place(part, world, energies, row):
-    """Add the work (J) that weight has done on all particles, counted from the global origin to
-    where they are now (minus the potential energy), to the recorded energies. part: arrays of
-    gravity (Weight); world: solver state; energies (instants + 1, columns, lanes): changed in row
-    `row` (index of the recorded instant) and column ACCOUNTS + part.account."""
+    """Add the work (J) of weight on all particles, from the global origin (minus the potential
+    energy)."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):
@@ -65,8 +62,7 @@ def first_moment(world):
 
 @hook(VaryingWeight, "forces")
 def varying_forces(part, world, timing):
-    """Add the weight (N) of every particle to the forces in world.state. part: arrays of gravity
-    (VaryingWeight); world: solver state, whose forces change; timing: times of this step (s)."""
+    """Add the weight (N) of every particle, as the curve has it."""
     g = kick_mean(world, part.curve[0], timing) * get3(part.acceleration, 0, 0)
     put3(part.moment, 0, 0, first_moment(world))
     for i in range(world.state.shape[0]):
@@ -75,9 +71,8 @@ def varying_forces(part, world, timing):
 
 @hook(VaryingWeight)
 def work_after(part, world, timing):
-    """Add the work (J) of weight in this step to World.accounts: by the curve's means over the
-    kicks at its start and end, as with loads. part: arrays of gravity (VaryingWeight); world:
-    solver state at the end of the step; timing: times of this step (s)."""
+    """Add the work (J) of weight in this step, by the curve's means over the kicks, as with
+    loads."""
     factor = kick_mean(world, part.curve[0], timing)
     factor = 0.5 * (factor + kick_mean(world, part.curve[0], timing, 1))
     change = first_moment(world) - get3(part.moment, 0, 0)

@@ -34,9 +34,8 @@ class Loads(NamedTuple):
 
 @hook(Loads)
 def forces(part, world, timing):
-    """Add the forces (N), at the ends of arms, and moments (N m) of loads to the forces on
-    particles; keep these ends and the particles' axes in part.state, for `work_after`. part: arrays
-    of all loads (Loads); world: solver state, whose forces change; timing: step times (s)."""
+    """Add the forces (N), at the ends of arms, and moments (N m) of loads; keep these ends and the
+    particles' axes for `work_after`."""
     state = world.state
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
@@ -54,11 +53,9 @@ def forces(part, world, timing):
 
 @hook(Loads)
 def work_after(part, world, timing):
-    """Add to World.accounts the work (J) of all loads in this step: mean of the curve over the
-    kicks at its start and end, times force and moment, times the motion between. part: arrays of
-    all loads (Loads); world: solver state at the end of the step; timing: times of this step (s).
-    The work of a constant force is exact however its arm turns. Of a rotation by t, the products of
-    the axes before and after it give the sine, from which t follows by the arc sine's series."""
+    """Add the work (J) of loads in this step: mean of the curve over both kicks, times force and
+    moment, times the motion. That of a constant force is exact however its arm turns. Of a rotation
+    by t, the products of the axes give the sine, from which t follows by a series."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):

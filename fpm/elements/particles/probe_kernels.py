@@ -34,8 +34,7 @@ class Probes(NamedTuple):
 
 @hook(Probes)
 def record(part, world, row):
-    """Record in part.forces the forces (N) and moments (N m) on chosen particles, before the step
-    sets them to 0. part: arrays (Probes); world: solver state; row: index of recorded instant."""
+    """Record the forces (N) and moments (N m) on chosen particles, before the step clears them."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -45,10 +44,8 @@ def record(part, world, row):
 
 @hook(Probes)
 def record_step(part, world, row, timing):
-    """Record positions (m) and axes of chosen particles at an instant in part.frames; in
-    part.forces their velocities (m/s) and angular momenta (N m s), means of the half steps before
-    and after it, and the changes of both by time (m/s², N m). part: arrays of the probe (Probes);
-    world: solver state; row: index of the recorded instant; timing: times of this step (s)."""
+    """Record poses of chosen particles in part.frames; in part.forces their velocities (m/s) and
+    angular momenta (N m s), means over both half steps, and the changes of both (m/s², N m)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

@@ -50,9 +50,7 @@ class Support(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return a tuple of the indices of a scene's particles that can turn about two axes only
-        (`moved_particles`). It must be equal in scenes simulated side by side, as the held axes
-        must, which are compared elsewhere (solver/pack.py)."""
+        """Return the indices of a scene's particles that can turn about two axes only."""
         return tuple(cls.moved_particles(scene))
 
     @classmethod

@@ -31,8 +31,7 @@ class Supports(NamedTuple):
 
 @hook(Supports)
 def restrain(part, world, timing):
-    """Set the forces along held axes, and the moments about them, of partly held particles to 0.
-    part: arrays of these (Supports); world: solver state, whose forces change; timing: not used."""
+    """Set forces along held axes, and moments about them, of partly held particles to 0."""
     state = world.state
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
@@ -42,10 +41,8 @@ def restrain(part, world, timing):
 
 @hook(Supports)
 def move(part, world, timing):
-    """Move particles that turn about two axes by a step: add the impulses of their forces, move and
-    turn them, and set their forces to 0. part: arrays of partly held particles (Supports); world:
-    solver state, changed; timing: times of this step (s). The angular momentum about the held axis
-    is found such that in the middle of the step there is no spin about it: a condition on rates."""
+    """Move particles that turn about two axes. The angular momentum about the held axis is such
+    that in the middle of the step there is no spin about it: a condition on rates."""
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):
         i = part.about_two[n]

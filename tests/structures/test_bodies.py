@@ -142,29 +142,3 @@ def test_a_mass_at_any_point_of_a_body_moves_as_one_beside_it():
     tips = [run(structures.loads(t).build(), 0.5, 11, 1e-3).points["tip"][0] for t in (one, two)]
     assert np.ptp(tips[0], axis=0).max() > 0.5
     assert tips[0] == pytest.approx(tips[1], abs=1e-6)
-
-
-def test_inertia_about_a_point_is_that_about_the_centre_and_the_mass_there():
-    about = "inertia: [0.02, 0.8, 0.81], about: o"
-    scenes = [
-        structures.loads(LUMP.replace("INERTIA", text)).build()
-        for text in ("inertia: [0.02, 0.3, 0.31]", about)
-    ]
-    assert scenes[1].inertia == pytest.approx(scenes[0].inertia, rel=1e-12)
-    assert scenes[1].frame == pytest.approx(scenes[0].frame)
-    skew = structures.loads(LUMP.replace("INERTIA", "inertia: [2, 2.2, 2.3], about: side")).build()
-    arm, axes = np.array([0.5, 0.3, 0.4]), skew.frame[1]
-    tensor = axes * skew.inertia[1] @ axes.T + 2 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    assert tensor == pytest.approx(np.diag([2, 2.2, 2.3]), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("inertia", "words"),
-    [
-        ("box: [1, 0.1, 0.1], about: o", "none with a `box`"),
-        ("inertia: [0.02, 0.4, 0.41], about: o", "distance, 0, 0.5, 0.5 kg m2"),
-    ],
-)
-def test_what_is_refused_of_inertia_about_a_point(inertia, words):
-    with pytest.raises(structures.StructureError, match=words):
-        structures.loads(LUMP.replace("INERTIA", inertia)).build()

@@ -238,10 +238,9 @@ POINTS = ListKey((), "points that are fixed to it", kind=POINT, units=True)
               "or `inertia`", unit="m",
     ),
     inertia=VectorKey(
-        None, "principal moments of inertia about x, up × x and up, for axes through the centre "
-              "or through `about`", unit="kg m2",
+        None, "principal moments of inertia about x, up × x and up, for axes through the centre",
+        unit="kg m2",
     ),
-    about=ReferenceKey(None, group="points", text="point through which the axes of `inertia` pass"),
     points=POINTS,
     x=DirectionKey(np.array([1.0, 0.0, 0.0]), "direction of its first principal axis"),
     up=DirectionKey(np.array([0.0, 0.0, 1.0]), "direction of its third principal axis, normal to"
@@ -264,21 +263,6 @@ def body(build, args):
     if abs(args.x @ args.up) > 1e-6:
         build.refuse("up", args.up.tolist(), f"a direction normal to x, {args.x.tolist()}")
     axes = triad(args.x, args.up)
-    if args.about is not None:
-        if args.box is not None:
-            build.refuse("about", args.about.name, "none with a `box`, which lies about the centre")
-        arm = args.about.position - args.centre.position
-        tensor = axes * inertia @ axes.T - _point_inertia(args.mass, arm)
-        inertia, axes = _principal_axes(tensor, axes)
-        if not (np.all(_fill(inertia) > 0) and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
-            frame = triad(args.x, args.up)
-            rest = np.diagonal(frame.T @ _point_inertia(args.mass, arm) @ frame)
-            least = ", ".join(f"{value:.4g}" for value in rest)
-            allowed = (
-                f"about {args.about.name}, mass times squared distance, {least} kg m2, and in "
-            )
-            allowed += "addition what a body may have about its centre; or no `about`"
-            build.refuse("inertia", args.inertia.tolist(), allowed)
     return _add_body(build, args, args.mass, args.centre.position, inertia, axes, [args.centre])
 
 

@@ -25,8 +25,7 @@ def swinging_body(angle: float, gravity: float = 0.0, rate: float = 0.0) -> fpm.
         ARM * direction, MASS, INERTIA, velocity=rate * ARM * np.cross(AXIS, direction),
         spin=rate * AXIS,
     )[0]  # fmt: skip
-    references = (0, 0, -1), direction
-    scene.add_hinge("O", (ground, body), (0, 0, 0), AXIS, references, opening=angle)
+    scene.add_hinge("O", (ground, body), (0, 0, 0), AXIS, opening=angle)
     scene.add_point("centre", body)
     return scene
 

@@ -229,14 +229,11 @@ class Scene:
 
     # -- hinges, springs, contact -------------------------------------------------------------
 
-    def add_hinge(self, name, particles, point, axis, references=None, opening=0.0, support=""):
+    def add_hinge(self, name, particles, point, axis, opening=0.0, support=""):
         """Join two particles by a hinge; return its index. point (m) and axis: (3,), global, or one
         for each particle, if `fpm.assembly` brings them together; opening: at the start (rad);
-        references: two directions normal to the axis, fixed to the particles, between which the
-        opening is measured, None: as `opening` says; support: global axes along which the point is
-        held, as "xz"."""
-        values = name, particles, point, axis, references, opening, support
-        return self.add(Hinge.create(self, *values))
+        support: global axes along which the point is held, as "xz"."""
+        return self.add(Hinge.create(self, name, particles, point, axis, opening, support))
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
         """Join two particles by a joint that is no hinge, "spherical", "fixed", "universal" (axis2:

@@ -4,7 +4,6 @@ message must hold, which a reader can act on at once."""
 from __future__ import annotations
 
 import re
-from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -269,32 +268,6 @@ def test_what_is_hardly_meant_is_warned_of_once(text, old, new, words):
     assert len(found) == bool(words[0]), found
     assert all(word in found[0] for word in words if word)
     assert np.isfinite(report.centre(scene)).all() and report.mass(scene) >= 3
-
-
-TURNED = STRUCTURE.replace(
-    "axis: -y", "axis: -y, opening: 60 deg, references: {ground: -z, arm: {from: root, to: tip}}"
-)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("opening: 60 deg", "opening: 90 deg", ""),
-        ("opening: 60 deg", "opening: 360 deg", ""),
-        ("opening: 60 deg, ", "", ""),
-        (
-            "",
-            "",
-            "joints.pivot.opening: '60 deg' is not allowed; allowed: 90 deg, the angle of its",
-        ),
-        ("opening: 60 deg", "opening: -90 deg", "or turn `axis` around, for the other sign"),
-    ],
-)
-def test_an_opening_that_its_references_overrule_is_refused(old, new, words):
-    text = TURNED.replace(old, new, 1)
-    context = pytest.raises(fpm.SceneError, match=re.escape(words)) if words else nullcontext()
-    with context:
-        assert structures.loads(text).build().hinges
 
 
 @pytest.mark.parametrize(

@@ -235,12 +235,6 @@ def test_any_allowed_values_give_a_scene_or_are_refused(data):
         assert np.isfinite(scene.inertia).all()
 
 
-def test_the_opening_may_follow_from_directions():
-    references = "axis: y, references: {ground: x, arm: {from: A, to: B}}"
-    scene = loads(SMALL.replace("axis: y", references)).build(stow=20.0)
-    assert scene.hinges[0].opening == pytest.approx(-np.radians(20))
-
-
 def test_sections():
     text = changed(SMALL, ("tube, diameter: 35 mm, thickness: 2 mm", "circle, diameter: 35 mm"))
     solid, tube = loads(text).build(), loads(SMALL).build()

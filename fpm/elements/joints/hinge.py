@@ -153,7 +153,7 @@ class Hinge(JointBase):
     )
 
     @staticmethod
-    def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
+    def create(scene, name, particles, point, axis, opening, support) -> "Hinge":
         """Return a revolute hinge between two particles of a scene, as placed now
         (`Scene.add_hinge`)."""
         pair = two_of(scene, particles, f"hinge {name}")
@@ -161,15 +161,11 @@ class Hinge(JointBase):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
         axes = [unit(a, f"axis of hinge {name}") for a in of_both(axis)]
         axis = axes[0]
-        if references is None:
-            normal = unit(cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
-            zero = np.cos(opening) * normal + np.sin(opening) * cross(axis, normal)
-            if np.any(axes[1] != axis):  # the second's reference is normal to its own axis
-                zero = zero - (zero @ axes[1]) * axes[1]
-            references = (normal, zero)
-        references = [unit(r, f"reference of hinge {name}") for r in references]
-        if max(abs(np.dot(r, a)) for r, a in zip(references, axes, strict=True)) > 1e-9:
-            raise SceneError(f"references of hinge {name}", references, "normal to the axis")
+        normal = unit(cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
+        zero = np.cos(opening) * normal + np.sin(opening) * cross(axis, normal)
+        if np.any(axes[1] != axis):  # the second's reference is normal to its own axis
+            zero = zero - (zero @ axes[1]) * axes[1]
+        references = [unit(r, f"opening of hinge {name}") for r in (normal, zero)]
         frames = [scene.frame[p].T for p in pair]
         return Hinge(
             name,

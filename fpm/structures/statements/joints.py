@@ -27,10 +27,6 @@ POINT = MapKey(
 )
 
 
-OPENING_TOL = 1e-6
-"""By how much (rad) an opening may differ from the angle of `references`."""
-
-
 def _per_part(build, args, key: str, noun: str) -> list:
     """Return the values of a key for each of a joint's parts, stated for each or one for all."""
     value, names = getattr(args, key), [part.name for part in args.parts]
@@ -81,48 +77,21 @@ def _extra_pairs(args, particles) -> Iterator[tuple[str, tuple[int, int], list[i
         "axis (right-hand rule)",
         unit="rad",
     ),
-    references=MapKey(
-        None,
-        "one direction fixed to each part, normal to the axis. The opening is the angle between "
-        "them, plus the whole turns that bring it closest to `opening`",
-        kind=DirectionKey(),
-    ),
     held=LettersKey("", "global axes along which the point is held, as by a slider"),
 )
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it."""
     particles, points = _meet(build, args)
-    axes, refs, scene = (
-        np.array(_per_part(build, args, "axis", "one")),
-        args.references,
-        build.scene,
-    )
+    axes, scene = np.array(_per_part(build, args, "axis", "one")), build.scene
     if build.hold is None:
         if float(np.abs(axes - axes[0]).max()) > POINT_TOL:
             build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
         axes = np.array([axes[0]] * len(axes))
-    if refs is not None:
-        refs = _per_part(build, args, "references", "one")
-        refs = [_normal_part(build, *pair) for pair in zip(refs, axes, strict=True)]
-    pair = particles[:2]
-    hinge = scene.add_hinge(args.name, pair, points[:2], axes[:2], refs, args.opening, args.held)
-    actual = scene.hinges[hinge].opening
-    off_turn = abs(math.remainder(args.opening, 2 * math.pi))
-    if build.hold is None and min(abs(actual - args.opening), off_turn) > OPENING_TOL:
-        text, angle = (f"{math.degrees(x):.6g} deg" for x in (args.opening, actual))
-        allowed = f"{angle}, the angle of its `references`; or leave out one of both"
-        build.refuse("opening", text, f"{allowed}; or turn `axis` around, for the other sign")
+    values = args.name, particles[:2], points[:2], axes[:2], args.opening, args.held
+    hinge = scene.add_hinge(*values)
     for name, pair, ends in _extra_pairs(args, particles):
         scene.add_hinge(name, pair, points[ends], axes[ends])
     return hinge
-
-
-def _normal_part(build, reference, axis) -> np.ndarray:
-    """A reference without the rounding along the axis."""
-    component = float(reference @ axis)
-    if abs(component) > 1e-6:
-        build.refuse("references", reference.tolist(), "directions normal to the axis")
-    return unit(reference - component * axis, "reference")
 
 
 def _join(build, args, type: str) -> None:

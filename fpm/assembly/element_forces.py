@@ -48,7 +48,6 @@ class ElementForces:
 
     def __init__(self, scene, elements: list, stiff: Sequence[int] = ()):
         from fpm.kernels.compiled_loop import prepare_call
-        from fpm.kernels.lanes import width
 
         part_scene, kind = copy(scene), type(elements[0])
         part_scene.kinds = {Hinge: scene.hinges, kind: elements}
@@ -56,7 +55,7 @@ class ElementForces:
         zero = np.zeros(1)
         part_scene.curves = [type(c).table(zero, c.value(zero)) for c in scene.curves]
         kinds = [*kind.reads_in(part_scene), kind]
-        batch = Batch([part_scene], kinds, width(np.dtype(np.float64)), np.float64, 1, 1)
+        batch = Batch([part_scene], kinds, 1, 1)
         self.parts, self._history = batch.parts(), batch.filled_blocks()
         self.world = batch.world()
         self.world.state[:, layout.P : layout.P + 3] = 0.0  # poses are not reached by steps

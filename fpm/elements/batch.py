@@ -14,6 +14,7 @@ import numpy as np
 from fpm.elements.particles.rotation_axes import turns_of
 from fpm.elements.reads import SceneList
 from fpm.kernels import layout
+from fpm.kernels.layout import WIDTH
 from fpm.kernels.world import Log, Record, World
 
 ROUNDINGS = 64.0
@@ -37,14 +38,11 @@ PARTICLE_FIELDS = ("position", "frame", "velocity", "spin", "mass", "inertia", "
 """Arrays of a scene with a row for each particle."""
 
 
-def blank(*shape_and_dtype) -> np.ndarray:
-    """Return zeros of a given shape whose memory begins at a multiple of 64 bytes, for fast
-    kernels. shape_and_dtype: lengths of the axes, then the number type: blank(3, 2, 8, float)."""
-    *shape, dtype = shape_and_dtype
-    size = math.prod(shape) * np.dtype(dtype).itemsize
-    buffer = np.zeros(size + 64, np.uint8)
+def blank(size: int) -> np.ndarray:
+    """Return `size` zeros whose memory begins at a multiple of 64 bytes, for fast kernels."""
+    buffer = np.zeros(8 * size + 64, np.uint8)
     offset = -buffer.ctypes.data % 64
-    return buffer[offset : offset + size].view(dtype).reshape(shape)
+    return buffer[offset : offset + 8 * size].view(np.float64)
 
 
 class SceneData(Protocol):
@@ -85,27 +83,24 @@ class Batch:
     """Scenes that differ in numbers only, while they are packed into the arrays that kernels take.
 
     scenes: one for each sample simulated side by side (lane); scene: the first, for what is equal
-    in all; kinds: their element types, in order; width: number of lanes, at least that of scenes;
-    dtype: of arrays; instants: number of recorded instants; room: number of events of each scene
-    for which there is room; moved_particles, free: indices of the particles that some element type
-    moves itself, and of the others."""
+    in all; kinds: their element types, in order; instants: number of recorded ones; room: number of
+    events of each scene for which there is room; moved_particles, free: indices of the particles
+    that some element type moves itself, and of the others."""
 
     def __init__(
         self,
         scenes: Sequence[SceneData],
         kinds: Sequence[type[Any]],
-        width: int,
-        dtype,
         instants: int,
         room: int,
     ):
-        self.scenes, self.width, self.dtype = SceneList(scenes), width, dtype
+        self.scenes = SceneList(scenes)
         self.instants = instants
         self.scene = scenes[0]
         self.kinds = kinds
         self.moved_particles = {p for kind in self.kinds for p in kind.moved_particles(self.scene)}
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
-        self._blocks, self._end = [blank(BLOCK, dtype)], 0
+        self._blocks, self._end = [blank(BLOCK)], 0
         self._parts: dict[type, NamedTuple] = {}
         # Energies given, then taken: one account for all element types with the same.
         works = dict.fromkeys(filter(None, (kind.gives for kind in self.kinds)))
@@ -118,23 +113,23 @@ class Batch:
         self.eventful = Slices(eventful)
         self._peaks = self.blank(1, self.watches.count)
         self._rows = self.blank(self.rows.count, 1)
-        self.events = np.full((room, 3, width), np.nan, dtype)
-        self.event_count = np.zeros(width, np.int64)
+        self.events = np.full((room, 3, WIDTH), np.nan)
+        self.event_count = np.zeros(WIDTH, np.int64)
 
     # -- arrays of numbers that differ from scene to scene ----------------------------------------
 
     def blank(self, rows: int, columns: int) -> np.ndarray:
         """Return zeros (rows, columns, lanes), the last axis for samples side by side."""
-        count, first = rows * columns * self.width, self._end
+        count, first = rows * columns * WIDTH, self._end
         if 4 * count > BLOCK:  # as what is recorded over time
-            self._blocks.insert(0, blank(count, self.dtype))
-            return self._blocks[0].reshape(rows, columns, self.width)
+            self._blocks.insert(0, blank(count))
+            return self._blocks[0].reshape(rows, columns, WIDTH)
         if first + count > BLOCK:
-            self._blocks.append(blank(BLOCK, self.dtype))
+            self._blocks.append(blank(BLOCK))
             first = 0
         line = 64 // self._blocks[-1].itemsize
         self._end = first + -(-count // line) * line
-        return self._blocks[-1][first : first + count].reshape(rows, columns, self.width)
+        return self._blocks[-1][first : first + count].reshape(rows, columns, WIDTH)
 
     def filled_blocks(self) -> list[np.ndarray]:
         """Return the memory of all arrays that `blank` and `stack` have returned so far, as few
@@ -228,7 +223,7 @@ class Batch:
         count = max((curve.powers.shape[1] for curve in scene.curves), default=0)
         powers = [np.pad(c.powers, ((0, 0), (0, count - c.powers.shape[1]))) for c in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
-        rows, unity = [self.rows.slices[kind] for kind, _ in watches], np.ones(self.width)
+        rows, unity = [self.rows.slices[kind] for kind, _ in watches], np.ones(WIDTH)
         return World(
             state=state,
             start_state=self.blank(n, layout.STATE),
@@ -250,7 +245,7 @@ class Batch:
             resistance=self.stack(1, 1, lambda s: [[1.0]]),
             most=np.array(
                 [w.most * (size[0, 0] if w.of_size else unity) for _, w in watches]
-            ).reshape(-1, self.width),
+            ).reshape(-1, WIDTH),
             unconditional=np.array([watch.unconditional for _, watch in watches], bool),
             watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
             rows=self._rows,
@@ -277,22 +272,22 @@ class Batch:
     def record(self, step: float, steps: int) -> Record:
         """Return the empty arrays (Record) into which the time loop records. step: time step (s);
         steps: number of steps of the run, both to estimate the energy that rounding makes."""
-        rows, width, dtype = self.instants + 1, self.width, self.dtype
+        rows = self.instants + 1
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
-        worst = np.zeros(width, dtype)
+        worst = np.zeros(WIDTH)
         worst[len(self.scenes) :] = np.inf  # the lanes that only fill up are never looked at
         return Record(
             points=self.blank(rows * len(self.scene.points), layout.POINT),
             energies=self.blank(rows, energies),
-            failed_step=np.full(width, -1, np.int64),
-            failed_cause=np.zeros(width, np.int64),
-            failed_row=np.zeros(width, np.int64),
-            failed_balance=np.zeros(width, dtype),
-            failed_peaks=np.zeros((self.watches.count, width), dtype),
-            failed_scale=np.zeros(width, dtype),
-            failed_turns=np.zeros((len(self.scene.position), width), dtype),
+            failed_step=np.full(WIDTH, -1, np.int64),
+            failed_cause=np.zeros(WIDTH, np.int64),
+            failed_row=np.zeros(WIDTH, np.int64),
+            failed_balance=np.zeros(WIDTH),
+            failed_peaks=np.zeros((self.watches.count, WIDTH)),
+            failed_scale=np.zeros(WIDTH),
+            failed_turns=np.zeros((len(self.scene.position), WIDTH)),
             turns=self.blank(len(self.scene.position), 1),
-            quiet=np.zeros(width, np.int64),
+            quiet=np.zeros(WIDTH, np.int64),
             scale=self._least_scale(step, steps),
             worst=worst,
         )
@@ -302,8 +297,8 @@ class Batch:
         what rounding opened, which adds up as a random walk; of so much way forces do work. At a
         stable step no spring has more energy of so much strain than masses have of such motion.
         Where all particles are held or driven no motion can grow: the balance proves nothing."""
-        gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
-        scale = np.zeros(self.width, self.dtype)
+        gap = ROUNDINGS * np.finfo(float).eps * math.sqrt(steps)
+        scale = np.zeros(WIDTH)
         scales = self.scenes.map(lambda scene: self._least_scale_in(scene, step, gap))
         scale[: len(self.scenes)] = [*scales]
         return scale

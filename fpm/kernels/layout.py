@@ -2,6 +2,9 @@
 
 Fields of one kind's own arrays are named beside its kernels."""
 
+WIDTH = 8
+"""Samples that are simulated side by side, in the lanes of a register."""
+
 # State of a particle.
 X = 0  # position (3)
 D2 = 3  # directors: the particle's second and third axis in global components (3 each); the first

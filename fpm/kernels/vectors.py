@@ -11,7 +11,7 @@ from numba import config, types
 from numba.extending import intrinsic, lower_builtin, make_attribute_wrapper, models, register_model
 
 from fpm.kernels.inlining import InlinedKernel, KernelCompiler, type_operator
-from fpm.kernels.lanes import LANES, Lane, lane_of, load, read, store, where_negative, write
+from fpm.kernels.lanes import LANE, is_readable, load, read, store, where_negative, write
 
 INLINE = {
     "error_model": "numpy",
@@ -40,33 +40,30 @@ def kernel(function: Callable) -> Callable:
 
 
 class Vector(types.Type):
-    """Numba type of a vector: components x, y, z, each of the type `lane`, a Lane: one number of
-    several samples side by side, in registers."""
+    """Numba type of a vector: components x, y, z, each of the type LANE."""
 
-    def __init__(self, lane: Lane):
-        self.lane = lane
-        super().__init__(name=f"Vector({lane})")
+    def __init__(self):
+        super().__init__(name="Vector")
 
 
 @register_model(Vector)
 class _VectorModel(models.StructModel):
     def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, [(name, fe_type.lane) for name in "xyz"])
+        super().__init__(dmm, fe_type, [(name, LANE) for name in "xyz"])
 
 
 for _name in "xyz":
     make_attribute_wrapper(Vector, _name, _name)
 
-VECTORS = [Vector(lane) for lane in LANES.values()]
-_FACTORS = (types.float64, types.int64)
+VECTOR = Vector()
 
 
 def _components(builder, value):
     return [builder.extract_value(value, k) for k in range(3)]
 
 
-def _pack(context, builder, vector, components):
-    value = ir.Constant(context.get_value_type(vector), ir.Undefined)
+def _pack(context, builder, components):
+    value = ir.Constant(context.get_value_type(VECTOR), ir.Undefined)
     for k, component in enumerate(components):
         value = builder.insert_value(value, component, k)
     return value
@@ -74,32 +71,28 @@ def _pack(context, builder, vector, components):
 
 def _register_sum(op):
     """Component by component, both sides vectors."""
-    for vector in VECTORS:
 
-        @lower_builtin(op, vector, vector)
-        def lower(context, builder, sig, args, vector=vector):
-            lane = vector.lane
-            function = context.get_function(op, lane(lane, lane))
-            pairs = zip(*(_components(builder, arg) for arg in args), strict=True)
-            return _pack(context, builder, vector, [function(builder, pair) for pair in pairs])
+    @lower_builtin(op, VECTOR, VECTOR)
+    def lower(context, builder, sig, args):
+        function = context.get_function(op, LANE(LANE, LANE))
+        pairs = zip(*(_components(builder, arg) for arg in args), strict=True)
+        return _pack(context, builder, [function(builder, pair) for pair in pairs])
 
-    type_operator(op, [vector(vector, vector) for vector in VECTORS])
+    type_operator(op, [VECTOR(VECTOR, VECTOR)])
 
 
 def _register_product():
     """Define the product of a number or lanes with a vector."""
-    cases = []
-    for vector in VECTORS:
-        for factor in (vector.lane, *_FACTORS):
-            cases.append(vector(factor, vector))
+    factors = LANE, types.float64, types.int64
+    for factor in factors:
 
-            @lower_builtin(operator.mul, factor, vector)
-            def lower(context, builder, sig, args, vector=vector, factor=factor):
-                function = context.get_function(operator.mul, vector.lane(factor, vector.lane))
-                values = [function(builder, (args[0], v)) for v in _components(builder, args[1])]
-                return _pack(context, builder, vector, values)
+        @lower_builtin(operator.mul, factor, VECTOR)
+        def lower(context, builder, sig, args):
+            function = context.get_function(operator.mul, LANE(sig.args[0], LANE))
+            values = [function(builder, (args[0], v)) for v in _components(builder, args[1])]
+            return _pack(context, builder, values)
 
-    type_operator(operator.mul, cases)
+    type_operator(operator.mul, [VECTOR(factor, VECTOR) for factor in factors])
 
 
 _register_sum(operator.add)
@@ -110,13 +103,8 @@ _register_product()
 @intrinsic
 def vector(typingctx, x, y, z):
     """Return the vector with components x, y, z, each a Lane (numbers of samples)."""
-    if not isinstance(x, Lane):
-        return None
-
-    def codegen(context, builder, sig, args):
-        return _pack(context, builder, sig.return_type, args)
-
-    return Vector(x)(x, x, x), codegen
+    signature = VECTOR(LANE, LANE, LANE)
+    return (signature, lambda context, builder, sig, args: _pack(context, builder, args))
 
 
 @kernel
@@ -131,10 +119,9 @@ def get3(typingctx, a, i, k):
     typingctx: numba's, as in all that is written in LLVM."""
 
     def codegen(context, builder, sig, args):
-        return _pack(context, builder, sig.return_type, read(context, builder, sig, args, 3))
+        return _pack(context, builder, read(context, builder, sig, args, 3))
 
-    lane = lane_of(a)
-    return lane and (Vector(lane)(a, i, k), codegen)
+    return (VECTOR(a, i, k), codegen) if is_readable(a) else None
 
 
 @intrinsic
@@ -144,7 +131,7 @@ def put3(typingctx, a, i, k, v):
     def codegen(context, builder, sig, args):
         return write(context, builder, sig, args, _components(builder, args[3]))
 
-    return (types.void(a, i, k, v), codegen) if v == Vector(lane_of(a)) else None
+    return (types.void(a, i, k, v), codegen) if v == VECTOR and is_readable(a) else None
 
 
 @kernel

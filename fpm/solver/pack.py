@@ -71,13 +71,10 @@ def check_topology(scenes: Sequence[Scene]) -> None:
         raise SceneError(key, scenes[min(mismatches)].name, f"{allowed}numbers only")
 
 
-def pack(
-    scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
-) -> Batch:
-    """Return a Batch of scenes that pass `check_topology`. width: number of lanes, of which further
-    ones repeat the last scene; dtype: of arrays; instants: recorded ones; room: events of each
-    scene that are kept."""
-    return Batch(scenes, kinds_of(scenes), width, dtype, instants, room)
+def pack(scenes: Sequence[Scene], instants: int, room: int = MOST_EVENTS) -> Batch:
+    """Return a Batch of scenes that pass `check_topology`. instants: number of recorded ones; room:
+    number of events of each scene that are kept."""
+    return Batch(scenes, kinds_of(scenes), instants, room)
 
 
 def outcomes_of(

@@ -13,6 +13,7 @@ from fpm.elements.kind import Series
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import Outcome, columns_of
 from fpm.files.trajectory import PEAK, READING, Column, Energies
+from fpm.kernels.layout import WIDTH
 from fpm.reading.quantities import Quantity
 from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
@@ -66,7 +67,6 @@ def simulate(
     step: float | None = None,
     safety: float = SAFETY,
     energy_tolerance: float = 0.02,
-    dtype=np.float64,
     record: Iterable[Column] = (),
     halvings: int | None = None,
     readings: int = 0,
@@ -88,7 +88,6 @@ def simulate(
     safety: factor on the stable step, where no step is given.
     energy_tolerance: a sample fails where the error of its energy balance exceeds this fraction of
         the largest energy that it has had so far.
-    dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
         motion, and what is always recorded, do not depend on them.
     halvings: how often a run whose energy balance breaks, whose numbers are not finite, or whose
@@ -98,9 +97,6 @@ def simulate(
     readings: into how many parts the time between two instants is divided to read `peaks`; 0: none
         are read.
     peaks: quantities with a `peak_column`, which outcomes get."""
-    from fpm.kernels.lanes import width as lanes_of
-
-    width = lanes_of(dtype)
     scenes = [scenes] if isinstance(scenes, Scene | str) else list(scenes)
     for scene in scenes:
         if not isinstance(scene, Scene):
@@ -138,9 +134,9 @@ def simulate(
     rows = list(range(len(scenes)))
     previous_failures: dict[int, Any] = {}
     for count in range(1 + max(halvings, AT_START)):
-        for lanes in _batches(scenes, rows, width):
+        for lanes in _batches(scenes, rows):
             group = [scenes[i] for i in lanes]
-            run = _integrate(group, width, dtype, instants, division, energy_tolerance)
+            run = _integrate(group, instants, division, energy_tolerance)
             lane_limits = [limits[i] for i in lanes]
             lane_outcomes = outcomes_of(run, close_times, division, lane_limits, record)
             if readings:
@@ -184,12 +180,12 @@ def _read_peaks(outcome: Outcome, peaks: Sequence[Quantity], times: np.ndarray) 
     )
 
 
-def _batches(scenes: Sequence[Scene], rows: Iterable[int], width: int) -> list[list[int]]:
+def _batches(scenes: Sequence[Scene], rows: Iterable[int]) -> list[list[int]]:
     """Indices, among `rows`, of scenes that are integrated side by side: of the same curves."""
     groups: dict[tuple, list[int]] = {}
     for i in rows:
         groups.setdefault(pack.curve_bytes(scenes[i]), []).append(i)
-    return [g[first : first + width] for g in groups.values() for first in range(0, len(g), width)]
+    return [g[first : first + WIDTH] for g in groups.values() for first in range(0, len(g), WIDTH)]
 
 
 def _is_repeated(failure, halvings: int, count: int) -> bool:
@@ -212,13 +208,13 @@ def _note_dead_end(previous_failure, failure, division: Division) -> None:
             failure.as_final()
 
 
-def _integrate(scenes, width, dtype, instants, division, tolerance, room=0):
+def _integrate(scenes, instants, division, tolerance, room=0):
     """Integrate a batch of scenes; returns Batch, arrays of its element types, World and Record. It
     is repeated where there are more events than there is room for."""
     from fpm.kernels.compiled_loop import prepare_call
 
     room = room or pack.MOST_EVENTS
-    batch = pack.pack(scenes, width, dtype, instants, room)
+    batch = pack.pack(scenes, instants, room)
     step, output_steps, check_steps = division
     steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
@@ -226,7 +222,7 @@ def _integrate(scenes, width, dtype, instants, division, tolerance, room=0):
     prepare_call("run", parts, world, record, float(step), *counts, float(tolerance))()
     event_count = min(int(batch.event_count[: len(scenes)].max()), pack.MOST_ROOM)
     if event_count > room:
-        return _integrate(scenes, width, dtype, instants, division, tolerance, event_count)
+        return _integrate(scenes, instants, division, tolerance, event_count)
     return batch, parts, world, record
 
 
@@ -234,11 +230,9 @@ def list_kinds_to_compile(scene: Scene, record: Sequence[Column] = ()) -> list[t
     """Return what a run of a scene needs and is not on disk, compiled: element types, and None for
     the time loop. record: columns of the run."""
     from fpm.kernels import compiled_loop
-    from fpm.kernels.lanes import width as lanes_of
 
-    dtype = np.dtype(np.float64)
     scene = consistent_scene(add_probe(scene, record))
-    batch = pack.pack([scene], lanes_of(dtype), dtype, 2)
+    batch = pack.pack([scene], 2)
     world, parts = batch.world(), zip(batch.kinds, batch.parts(), strict=True)
     kinds: list[type | None]
     kinds = [kind for kind, part in parts if not compiled_loop.is_compiled(part, world)]

@@ -109,7 +109,7 @@ def test_in_margins_it_is_one_part_with_a_load_or_without(text):
 def test_only_a_motion_with_a_load_pays_for_it(text, joined):
     """Impulses are summed over each step where something reads them."""
     for given, counted in ((text, True), (text.replace(", load: 9 N", ""), False)):
-        batch = pack([loads(given).build()], 8, np.dtype(float), 2)
+        batch = pack([loads(given).build()], 2)
         assert (batch.part(joined).sums is not None) == counted
 
 

@@ -1,12 +1,11 @@
 """Lanes compute what numpy computes, lane by lane."""
 
 import numpy as np
-import pytest
 from numba import njit
 
 from fpm.elements.cables.cable_friction_kernels import exponential
 from fpm.kernels import rotation, vectors
-from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative, width
+from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative
 
 
 @njit(error_model="numpy")
@@ -19,19 +18,18 @@ def arithmetic(a, out, row):
     store(out, row, 4, where_negative(x, y, 7.0))
 
 
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_arithmetic_is_that_of_numpy(dtype):
+def test_arithmetic_is_that_of_numpy():
     rng = np.random.default_rng(1)
-    a = rng.normal(size=(3, 2, width(dtype))).astype(dtype)
-    out = np.zeros((3, 5, width(dtype)), dtype)
+    a = rng.normal(size=(3, 2, 8))
+    out = np.zeros((3, 5, 8))
     arithmetic(a, out, 1)
     x, y = a[1]
-    close = {"rtol": 8 * np.finfo(dtype).eps, "atol": 4 * np.finfo(dtype).eps}
+    close = {"rtol": 8 * np.finfo(float).eps, "atol": 4 * np.finfo(float).eps}
     np.testing.assert_allclose(out[1, 0], x + 2 * y - 1, **close)
     np.testing.assert_allclose(out[1, 1], -x / y, **close)
     np.testing.assert_allclose(out[1, 2], np.abs(x), **close)
     np.testing.assert_array_equal(out[1, 3], np.floor(x))
-    np.testing.assert_array_equal(out[1, 4], np.where(x < 0, y, dtype(7)))
+    np.testing.assert_array_equal(out[1, 4], np.where(x < 0, y, 7.0))
     assert not out[[0, 2]].any(), "rows that were not asked for were written"
 
 

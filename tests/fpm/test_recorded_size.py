@@ -12,10 +12,10 @@ def kept(scene: fpm.Scene) -> int:
     """Numbers of a sample that the arrays of a run hold for each instant."""
 
     def size(instants: int) -> int:
-        return sum(part.size for parts in pack([scene], 1, float, instants).parts()
+        return sum(part.size for parts in pack([scene], instants).parts()
                    for part in parts if hasattr(part, "size"))  # fmt: skip
 
-    return size(11) - size(10)
+    return (size(11) - size(10)) // 8
 
 
 @pytest.mark.parametrize("variable", VARIABLES)

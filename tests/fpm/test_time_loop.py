@@ -158,15 +158,6 @@ def test_work_of_loads_weight_drive_and_damping_balances(damping):
 
 
 @pytest.mark.slow
-def test_single_precision_runs_sixteen_samples_and_is_less_exact():
-    scene = linkage()
-    double = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5)[0]
-    single = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5, dtype=np.float32)[0]
-    off = np.abs(double.points["B"][0] - single.points["B"][0]).max()
-    assert 1e-9 < off < 5e-3
-
-
-@pytest.mark.slow
 def test_a_point_beside_a_turning_drive_moves_with_it():
     """A disc that is spun up and pushed: its rim, and its motion at the end, start included."""
     scene, bar = beam()

@@ -84,8 +84,8 @@ by the length of the kick they are its constraint forces."""
 # shares of the scene's size, World.size (m).
 
 MOST_GAP = 1e-6
-"""Gap of a hinge point from which a hinge counts as open; it is below 1e-11 as a rule, and 1e-7 in
-single precision. It gapes when its particles turn too far in a step for its rounds."""
+"""Gap of a hinge point from which a hinge counts as open; it is below 1e-11 as a rule. It gapes
+when its particles turn too far in a step for its rounds."""
 
 MOST_TILT = 1e-5
 """Sine of the angle between the axes of a hinge from which it counts as open."""

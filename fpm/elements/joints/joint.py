@@ -41,8 +41,8 @@ CONDITION, MULTIPLY_ADD = 240.0, 1.5
 chains, pairs, and platforms on 2 to 30 cranks."""
 
 
-EASE = {8: 1e-10, 4: 1e-5}
-"""Share by which the diagonal is raised, by the bytes of a number."""
+EASE = 1e-10
+"""Share by which the diagonal is raised."""
 
 
 _BURST = 1.0
@@ -310,7 +310,7 @@ class Joint(JointBase):
             rows=batch.blank(conditions, arrays.ROW),
             matrix=batch.blank(entries, 1),
             pattern=layout,
-            ease=EASE[np.dtype(batch.dtype).itemsize],
+            ease=EASE,
             account=batch.work_account(cls),
             peaks=batch.peaks_of(cls),
             excess=batch.rows_of(cls),

@@ -385,6 +385,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
         "config_hash": plan.config_hash,
         "config": asdict(plan.experiment),
         "mechanics": plan.mechanics,
+        "structure": plan.experiment.scene_type.digest,
         **asdict(plan.time),
     }
     if plan.adaptive:

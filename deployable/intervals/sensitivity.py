@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .box import find_other_runs
+from .box import ROUNDING, find_other_runs
 from .chebyshev import Surrogate
 from .designs import Design, complete_runs, fit
 from .estimates import estimate_decay, widen
@@ -17,9 +17,6 @@ from .samples import read_samples
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-_ROUNDING = 1e-12  # of a response's largest value: a difference of runs that is rounding
 
 
 @dataclass(frozen=True)
@@ -103,7 +100,7 @@ def sensitivity_dataset(
         parts = np.trapezoid(total[i] * variance, data.time)
         wide[i], shares[i] = area / (area.sum() or 1.0), parts / (weight or 1.0)
     # Where runs differ by rounding alone, no parameter contributes anything.
-    limit = _ROUNDING * np.abs(values).max(axis=(0, 2))[:, None]
+    limit = ROUNDING * np.abs(values).max(axis=(0, 2))[:, None]
     is_blank = (np.ptp(values, axis=0) <= limit)[:, None]
     width, first, total = (np.where(is_blank, 0.0, part) for part in (width, first, total))
     curve, number = ("response", "parameter", "time"), ("response", "parameter")

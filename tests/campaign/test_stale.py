@@ -19,6 +19,7 @@ from deployable.campaign.stages import STAGES, Stage
 from deployable.campaign.stages.workflow import Workflow
 from evidence.attack.victim import RAW, results_in
 
+ROOT = Path(__file__).parents[2]
 ASKED = {
     "intervals": {"a": {"relative": 0.01}, "E": {"nominal": 1e10, "relative": 0.05}},
     "design": {"method": "tensor_lobatto", "order": 1},
@@ -119,18 +120,36 @@ def test_edited_mechanics_find_the_plan(whole, monkeypatch):
 
 
 def test_no_stage_takes_the_results_of_another_config(tmp_path, monkeypatch):
-    """Edits of what the stage itself depends on are its own matter."""
+    """Edits of what the stage itself depends on are its own matter; those of the structure's file
+    are not."""
     monkeypatch.chdir(tmp_path)
-    other = {"responses": {"BD": {"distance": ["B", "D"]}, "AC": {"distance": ["A", "C"]}}}
-    for name, more in (("a", {}), ("b", other), ("c", {"figures": {"moments": 3}})):
-        Path(f"{name}.yaml").write_text(yaml.safe_dump({**RAW, **more}))
+    structure = (ROOT / "config/structures/bennett.yaml").read_text()
+    Path("s.yaml").write_text(structure)
+    raw = {**RAW, "scene": {"file": "s.yaml", "parameters": {"elements": 2}}}
+    others = {
+        "b": {"responses": {"BD": {"distance": ["B", "D"]}, "AC": {"distance": ["A", "C"]}}},
+        "d": {"solver": {**RAW["solver"], "duration": 0.02}},
+        "e": {"solver": {**RAW["solver"], "safety": 0.4}},
+    }
+    same = {"a": {}, "c": {"figures": {"moments": 3}}}
+    for name, more in {**others, **same}.items():
+        Path(f"{name}.yaml").write_text(yaml.safe_dump({**raw, **more}))
     first = Workflow.from_files(["a.yaml"])
     write_plan(make_plan(first.campaign.experiment), first.folder.plan)
-    for name in ("a", "c"):
+    for name in same:
         assert STAGES["page"].sections_in(f"{name}.yaml", first.folder)
+
+    def refuse(stage, name, cause="the results in {} belong to another config than {}"):
+        cause = cause.format(first.folder.path, file := f"{name}.yaml")
+        with pytest.raises(CampaignError, match=cause):
+            STAGES[stage].sections_in(file, first.folder)
+
     for stage in ("bounds", "answers", "figures", "page"):
-        with pytest.raises(CampaignError, match=r"belong to another config than b\.yaml"):
-            STAGES[stage].sections_in("b.yaml", first.folder)
+        refuse(stage, "b")
+    for name in others:
+        refuse("page", name)
+    Path("s.yaml").write_text(structure.replace("E: {value: 1e9", "E: {value: 2e9"))
+    refuse("page", "a", "the structure of {1} has changed since {0} was made")
 
 
 def test_results_of_another_config_are_named_before_they_are_replaced(tmp_path, monkeypatch):

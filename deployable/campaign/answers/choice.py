@@ -24,12 +24,13 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import ROUNDING, Plan, Runs, choose_step, read_plan
+from deployable.campaign.plan.plan import Plan, Runs, choose_step, read_plan
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.numbers import duration_text
 from deployable.campaign.text.words import words_of
+from deployable.intervals.box import ROUNDING
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
 _DOUBTS = 4

@@ -10,8 +10,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 from deployable.campaign.plan.jobs import LANES
-from deployable.campaign.plan.plan import ROUNDING
-from deployable.intervals.box import MOST_FULL
+from deployable.intervals.box import MOST_FULL, ROUNDING
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import TOLERANCE, Climb, FittedOccurrence, estimate_bounds
 
@@ -184,7 +183,9 @@ def _is_rough(surrogate: Any) -> bool:
     """Return whether a quantity does not exist in all runs, or its fit is not close."""
     if surrogate.fit is None or surrogate.occurrence.is_mixed:
         return True
-    return bool(surrogate.usual_error > _ROUGH * np.ptp(surrogate.fit.values))
+    values = surrogate.fit.values
+    least = max(_ROUGH * np.ptp(values), ROUNDING * np.abs(values).max())
+    return bool(surrogate.usual_error > least)
 
 
 class _Climbs:

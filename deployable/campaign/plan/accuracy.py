@@ -32,7 +32,6 @@ from deployable.campaign.plan.decide import (
 )
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import (
-    ROUNDING,
     Plan,
     Round,
     Rounds,
@@ -40,6 +39,7 @@ from deployable.campaign.plan.plan import (
     choose_step,
     make_plan,
 )
+from deployable.intervals.box import ROUNDING
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 

@@ -215,10 +215,6 @@ def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: 
     )
 
 
-ROUNDING = 1e-12
-"""Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
-
-
 @dataclass(frozen=True)
 class TimeStep:
     """Time step of all runs of a plan: `step` (s); `output_steps`, steps between recorded instants;
@@ -389,6 +385,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
         "config_hash": plan.config_hash,
         "config": asdict(plan.experiment),
         "mechanics": plan.mechanics,
+        "structure": plan.experiment.scene_type.digest,
         **asdict(plan.time),
     }
     if plan.adaptive:

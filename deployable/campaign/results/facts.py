@@ -10,7 +10,7 @@ import numpy as np
 
 from deployable.campaign.files import read_json
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import ROUNDING, Plan, read_plan
+from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.results.quantity_results import (
     QuantityResults,
     add_total_error,
@@ -33,6 +33,7 @@ from deployable.campaign.results.run_samples import (
 )
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
+from deployable.intervals.box import ROUNDING
 from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch
 from fpm.errors import SceneError

@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 
 from deployable.campaign.config.sections import Campaign, Experiment, digest, from_data
 from deployable.campaign.errors import CampaignError, error_of_files
-from deployable.campaign.files import HISTORY, check_results, results_of
+from deployable.campaign.files import HISTORY, check_results, read_json, results_of
 from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.provenance import program_digest
@@ -25,9 +25,6 @@ PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 DESIGN_BOUNDS, SENSITIVITIES = "design_bounds.nc", "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", DESIGN_BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "refinement.nc"
-
-_IDENTITY = "name", "intervals", "responses", "quantities"
-# Sections of an experiment that rounds do not change.
 
 FRAMES = 401  # frames of the runs that move on a page, unless others are asked for
 
@@ -115,12 +112,16 @@ class Stage:
                                         f"{config}; allowed: {allowed}")  # fmt: skip
                 campaign = names[folder.whole.name]
             if folder is not None and self.takes and folder.plan.exists():
-                source = campaign.experiment
+                text, experiment = "", campaign.experiment
                 with suppress(DamagedError):  # which the stage refuses when it reads the file
-                    source = read_plan(folder.plan).experiment
-                if any(getattr(campaign.experiment, k) != getattr(source, k) for k in _IDENTITY):
-                    text = f"the results in {folder.path} belong to another config than {config}"
-                    raise CampaignError(f"{text}: name theirs, or run that one again")
+                    if read_json(folder.plan).get("structure") != experiment.scene_type.digest:
+                        text = f"the structure of {config} has changed since {folder.path} was made"
+                        text = f"{text}: run it again"
+                    if _identity(read_plan(folder.plan).experiment) != _identity(experiment):
+                        text = f"the results in {folder.path} belong to another config than"
+                        text = f"{text} {config}: name theirs, or run that one again"
+                if text:
+                    raise CampaignError(f"{text}")
             return self.sections_of(campaign)
         try:
             data, kinds = json.loads(config), get_type_hints(Campaign)
@@ -132,6 +133,14 @@ class Stage:
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
         """Return the config sections of a campaign that the stage depends on, by name."""
         return {name: getattr(campaign, name) for name in self.sections}
+
+
+def _identity(experiment: Experiment) -> list[Any]:
+    """What of an experiment decides its results, and rounds do not change."""
+    scene, solver, is_adaptive = experiment.scene, experiment.solver, experiment.is_adaptive
+    settings = (solver.duration, solver.instants) if is_adaptive else (solver, scene.parameters)
+    parts = experiment.name, experiment.intervals, experiment.responses, experiment.quantities
+    return [*settings, *parts]
 
 
 def drawings(experiment: Experiment) -> list[str]:

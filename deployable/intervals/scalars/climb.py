@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 
 from ..designs import spread_points
+from .fits import level
 from .occurrence import Occurrence, matern
 
 TOLERANCE = 1e-3
@@ -74,7 +75,7 @@ class Climb:
         these, NaN where a run has none; margins (N): event margins, above 0 where a run has the
         quantity, NaN where not known, None if of no run."""
         self.margins = np.full(len(values), np.nan) if margins is None else margins
-        heights = self.sign * np.where(np.isfinite(values), values, np.nan)
+        heights = self.sign * level(np.where(np.isfinite(values), values, np.nan))
         width = float(np.ptp(heights[np.isfinite(heights)])) if np.isfinite(heights).any() else 0.0
         if not width > 0:
             return None

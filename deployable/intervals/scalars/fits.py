@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 
-from ..box import MOST_FULL, keys
+from ..box import MOST_FULL, ROUNDING, keys
 from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
@@ -208,6 +208,13 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
     return polynomial(function) if isinstance(function, Surrogate) else function.formula()
 
 
+def level(values: np.ndarray) -> np.ndarray:
+    """Values (N) of runs, NaN where a run has none, all as their mean if only rounding varies."""
+    numbers = values[np.isfinite(values)]
+    varies = np.ptp(numbers) > ROUNDING * np.abs(numbers).max() if len(numbers) else True
+    return values if varies else np.where(np.isfinite(values), numbers.mean(), np.nan)
+
+
 def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
     at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
@@ -218,7 +225,7 @@ def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     if not len(values) or not np.isfinite(values).all():
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")
     rows = distinct(points)
-    points, values = points[rows], values[rows]
+    points, values = points[rows], level(values[rows])
     is_wide = (np.ptp(points, axis=0) > 0).sum() > MOST_FULL
     spline = None if is_wide else _spline(points, values)
     sparse = _sparse(points, values) if is_wide else None

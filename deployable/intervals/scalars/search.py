@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ..box import MOST_FULL
+from ..box import MOST_FULL, ROUNDING
 from ..designs import spread_points
-from .fits import Fit
+from .fits import Fit, level
 from .occurrence import REACH, Occurrence
 from .surrogate import Extremes, ScalarSurrogate, extreme
 
@@ -60,9 +60,10 @@ def estimate_bounds(
     run has no value."""
     if surrogate.fit is None:
         return ()
-    surrogate_range = surrogate.range()
+    surrogate_range, values = surrogate.range(), level(values)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
-    tolerance = TOLERANCE * max(float(np.diff(values[list(rows)])[0]), surrogate_range.width)
+    width = max(float(np.diff(values[list(rows)])[0]), surrogate_range.width)
+    tolerance = max(TOLERANCE * width, ROUNDING * np.abs(values[list(rows)]).max())
     return tuple(
         _estimate(surrogate, surrogate_range, sign, (values[row], points[row]), tolerance, miss)
         for sign, row, miss in zip((-1.0, 1.0), rows, mispredictions, strict=True)

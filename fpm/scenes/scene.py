@@ -244,7 +244,7 @@ class Scene:
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join two particles by a slide, the second on the first along `axis`; return its index
         among the hinges. point: as in `add_hinge`; opening: at the start (m)."""
-        return self.add(Joint.slide(self, name, particles, point, axis, opening))
+        return self.add_sliding_joint(name, "prismatic", particles, point, axis, (opening,))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
         """Join two particles by a universal joint; return the index of the first opening, the hinge
@@ -257,9 +257,9 @@ class Scene:
     def add_sliding_joint(
         self, name, type, particles, point, axis, openings, x=None, lead=0.0
     ) -> int:
-        """Join two particles by a "cylindrical", "planar", "pin in slot" or "screw" joint; return
-        the index of its first opening, the hinge `<name>_turn`; the next are `_slide`, or `_x` and
-        `_y`; a screw has its turn alone, by the joint's name. axis: about which the second turns;
+        """Join two particles by a "prismatic", "cylindrical", "planar", "pin in slot" or "screw"
+        joint; return the index of its first opening, the hinge `<name>_turn`; the next are
+        `_slide`, or `_x` and `_y`; a prismatic joint or screw has one, by the joint's name.
         openings: at the start (rad; m); x: direction of the slot, or first one in the plane, None:
         any; lead: of a screw (m/rad)."""
         values = name, type, particles, point, axis, x, openings, lead

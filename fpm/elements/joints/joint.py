@@ -136,16 +136,6 @@ class Joint(JointBase):
         )
 
     @staticmethod
-    def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """Return a slide (prismatic joint) between two particles of a scene, not added to it, as a
-        Hinge whose opening is a length. Arguments: as of `Scene.add_slide`."""
-        joint = Joint.create(scene, name, "prismatic", particles, point, axis)
-        NumberLimits(unit="m").check(f"opening of slide {name}", opening)
-        frames = joint.beams, joint.axes, joint.references
-        hinge = Hinge(name, *frames, 0.0, "", "prismatic", float(opening))
-        return replace(hinge, opening=opening_at(scene, hinge))
-
-    @staticmethod
     def create_openings(scene, name, type, particles, point, axis, x, openings, lead=0.0) -> tuple:
         """Return all openings (joint coordinates) of a joint between two particles of a scene as
         placed now, each a Hinge, not added to it. Arguments: as of `Scene.add_sliding_joint`."""
@@ -162,9 +152,9 @@ class Joint(JointBase):
             opening = float(openings[number])
             unit_text = "m" if direction else "rad"
             NumberLimits(unit=unit_text).check(f"opening of joint {name}{suffix}", opening)
-            ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
-            if direction in ("x", "y"):
-                ends = axis, axis
+            ends = (x, x) if direction == "axis" else (axis, axis)
+            if not direction:
+                ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
             hinge = Hinge(
                 name + suffix,
                 beams,

@@ -291,8 +291,8 @@ class Scene:
     # -- supports, loads, drives, points ------------------------------------------------------
 
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
-        """Hold particles along and about global axes, letters of "xyz". Those in joints, with
-        unlike moments of inertia, are held about none, two or all axes."""
+        """Hold particles along and about global axes, letters of "xyz". Those with unlike moments
+        of inertia are held about none, two or all axes."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(

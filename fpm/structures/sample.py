@@ -14,6 +14,7 @@ from fpm.assembly.equilibrium import balance
 from fpm.elements import Gravity
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses, consistent_scene
@@ -179,10 +180,12 @@ def finish(build: Builder, model: FileStatements) -> None:
         build.problems.say(0, "the structure has masses or lengths that are not finite")
     if build.problems:
         return
-    try:
-        check_masses(scene)
-    except SceneError as error:
-        _note(build, 0, f"bodies: {error.key}", error)
+    for check, group in ((check_masses, "bodies"), (turns_of, "supports")):
+        try:
+            check(scene)
+        except SceneError as error:
+            _note(build, 0, f"{group}: {error.key}", error)
+            return
     _check_rates(build, model)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
     for entry in parts if len(parts) > 1 else ():

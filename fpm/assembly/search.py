@@ -121,8 +121,7 @@ class RestSearch:
         self.hinges, self.open_before = list(scene.hinges), self._worst(self._start)
 
     def relax(self) -> tuple[ParticlePoses, int]:
-        """Return the stable poses, and number of positions; raises MisfitError where none are
-        found."""
+        """Return the stable poses, and number of positions; else MisfitError."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
             return self._start, 0
         start, rounds = self._close(self._start, relaxes=True)
@@ -174,8 +173,7 @@ class RestSearch:
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
     def _differ(self, sides: Sequence[tuple]) -> bool:
-        """Return whether both sides, lower first, end in different poses with the same loss of
-        energy."""
+        """Whether both sides, lower first, end apart with the same loss of energy."""
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
@@ -192,8 +190,7 @@ class RestSearch:
         return float(np.abs(self._lacks(poses)).max(initial=0.0))
 
     def _close(self, poses, relaxes: bool = False) -> tuple[ParticlePoses, int]:
-        """Poses next to these at which the joints are closed, if there are any, and the number of
-        rounds; relaxes: where forces on the way are small."""
+        """Return poses at which the joints are closed, and rounds; relaxes: forces are small."""
         impulses = self._no_gaps
         for count in range(CLOSINGS if len(self._free) else 0):
             if self._gap(poses) <= GAP_TOL:
@@ -212,8 +209,7 @@ class RestSearch:
         return poses, CLOSINGS
 
     def _lead(self, poses, impulses, count: int):
-        """Return balanced poses with the openings moved to their held values, the impulses there,
-        and the number of positions."""
+        """Return balanced poses with the held openings, impulses there, and positions."""
         hinges = self._scene.hinges
         changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
         lengths = [
@@ -334,8 +330,7 @@ class RestSearch:
         return None, EASE_INCREASE
 
     def _falls(self, first, trial, ease: float) -> bool:
-        """Return whether the energy falls from first to last poses, and by as much as the drag
-        takes."""
+        """Whether the energy falls from first to last poses, by as much as the drag takes."""
         last, _, motion = trial
         if np.abs(motion).max(initial=0.0) <= SMALL:
             return True
@@ -351,8 +346,7 @@ class RestSearch:
         return poses
 
     def _follow(self, poses, impulses, step):
-        """Stable poses downhill of unstable ones to a motion's side, by how much energy, and the
-        rounds; None: none."""
+        """Stable poses downhill to a motion's side, by how much energy, rounds; or None."""
         count, start, hinges, memory = 0, poses, self.hinges, self._balance.memory()
         try:
             for _ in range(FALLS):

@@ -402,8 +402,7 @@ def add_probe(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 
 def count_values(scene: Scene, columns: Iterable[Column]) -> int:
-    """Return how many floating-point values the time loop stores at each instant of a run of a
-    scene to record `columns`, pairs (variable, label)."""
+    """Return how many numbers a run stores at each instant to record `columns`."""
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(add_probe(scene, columns))

@@ -134,8 +134,7 @@ class Scene:
 
     @property
     def gravity(self) -> np.ndarray:
-        """Acceleration of gravity (3,), m/s², in global axes: the sum of all Gravity elements of
-        the scene. Setting it puts one in their place."""
+        """Acceleration of gravity (3,), m/s², the sum of all Gravity elements; may be set."""
         return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
 
     @gravity.setter
@@ -144,8 +143,7 @@ class Scene:
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping rate (1/s): the sum of all Damping elements of the scene.
-        Setting it puts one in their place."""
+        """Mass-proportional damping (1/s), the sum of all Damping elements; may be set."""
         return float(sum(d.rate for d in self.kinds.get(Damping, [])))
 
     @damping.setter
@@ -271,8 +269,7 @@ class Scene:
         return self.add(Joint.held_point(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
-        """Add a linear spring (N m/rad; N/m) that turns a hinge or slide towards `rest` (rad;
-        m)."""
+        """Add a linear spring (N m/rad; N/m) that turns a hinge towards `rest`."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_cable(

@@ -128,8 +128,7 @@ def find_stable_step(scene: Scene) -> StableStep:
 
 
 def find_curve_step(scene: Scene, duration: float) -> float:
-    """Return the longest step (s) that resolves all features of a scene's curves of time in a run
-    of `duration` (s); infinite: there is none."""
+    """Return the longest step (s) that resolves a scene's curves in a run of `duration` (s)."""
     return min((curve.find_feature(duration) for curve in scene.curves), default=np.inf)
 
 

@@ -59,8 +59,7 @@ def consistent_scene(scene: Scene) -> Scene:
 
 
 def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
-    """Return what `consistent_scene` does for each of several scenes; what they have in common is
-    found once."""
+    """Do as `consistent_scene` for several scenes; what they share is found once."""
     rates = list(SceneList(scenes).map(_rates_of))
     is_moved = [
         bool(scene.drives or any(rate for _, rate in pairs))
@@ -76,8 +75,7 @@ def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
 
 
 def _rates_of(scene: Scene) -> list[tuple]:
-    """Return the hinges of a scene whose rates are prescribed, with these rates. The masses are
-    checked."""
+    """Return the hinges whose rates are prescribed, with these; the masses are checked."""
     check_masses(scene)
     # A hinge with a motor and a latch has only the motor's rate; the latch's is None.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
@@ -97,8 +95,7 @@ def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
 
 
 def _with_motion(scene: Scene, rates: list[tuple], count: int, rows: Any) -> Scene:
-    """Return the scene with a motion that its conditions allow; count: how many of the rows are
-    these."""
+    """Return the scene with a motion that its first `count` rows, conditions, allow."""
     motion = moving_at_start(scene)
     velocities = np.hstack([motion.velocity, motion.spin]).ravel()
     target = np.zeros(rows.shape[0])

@@ -113,8 +113,7 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
 
 
 def build_entry(build: Builder, entry: Entry) -> None:
-    """Add what an entry of a structure file states to a sample, or note why it cannot be. build:
-    the sample's Builder; entry: the Entry."""
+    """Add what an entry states to a sample, or note why it cannot be."""
     count0 = len(build.scene.position)
     is_counted = entry.statement.group in LATE_GROUPS
     counts = {k: len(elements) for k, elements in build.scene.kinds.items()} if is_counted else {}
@@ -172,8 +171,7 @@ def _balance(build: Builder, model: FileStatements) -> None:
 
 
 def finish(build: Builder, model: FileStatements) -> None:
-    """Check a sample as a whole, and note what is wrong. build: its Builder; model: the file's
-    statements."""
+    """Check a sample as a whole, and note what is wrong."""
     scene = build.scene
     numbers = (scene.position, scene.mass, scene.inertia, scene.velocity, scene.gravity)
     if not all(np.isfinite(x).all() for x in numbers):

@@ -68,8 +68,7 @@ class BarDamping(ElementType):
 
     @classmethod
     def viscosity(cls, scene) -> float:
-        """Return the share of critical damping that bulk viscosity gives the elements of a scene in
-        their highest axial vibrations."""
+        """Return the share of critical damping by bulk viscosity in a scene."""
         return sum(element.share for element in scene.kinds.get(cls, []))
 
     @classmethod

@@ -188,8 +188,7 @@ class Cable(ElementType):
             yield Piece(self.beams[i : i + 2], stiffness, drum, self.radius)
 
     def pulls(self, scene) -> Iterator[tuple[VirtualBeam, float]]:
-        """Yield the virtual beam of every point and the largest force (N) there at the start: the
-        tension, twice it between the ends."""
+        """Yield the arm to every point and the force (N) there at the start."""
         strain = self.lengths(scene).sum() / self.rest_at(scene, 0.0) - 1
         for i, beam in enumerate(self.beams):
             is_end = i in (0, len(self.beams) - 1)
@@ -215,8 +214,7 @@ class Cable(ElementType):
 
     @classmethod
     def eventful(cls, scene):
-        """Return what has events: all cables of a scene, then points between the ends of those with
-        friction, as "cable hoist point 2", counted from 1."""
+        """Return all cables of a scene, then inner points of those with friction, from 2 on."""
         points = [
             Eventful(f"{cable.title(scene)} point {i}", ("sticks", "slips"))
             for cable in cls.find(scene) if cable.has_friction
@@ -311,8 +309,7 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
 
 
 def _with_friction(part, batch):
-    """Return the arrays of cables of which some rub: unstrained lengths of all stretches as
-    well."""
+    """Return the arrays of cables of which some rub."""
     from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE

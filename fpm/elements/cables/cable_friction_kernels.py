@@ -202,8 +202,7 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Store tension (N), of the first stretch, and strained length (m) of each cable in
-    part.track."""
+    """Store tension (N), of the first stretch, and strained length (m) of each cable."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.has_friction[c]:

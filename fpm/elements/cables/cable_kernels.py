@@ -263,8 +263,7 @@ def record_cable(part, c, row):
 
 @hook(Cables)
 def record(part, world, row):
-    """Store tensions (N) and lengths (m) of cables and stretches; raise part.peaks to their largest
-    crowding and drum ratio."""
+    """Store tensions (N) and lengths (m); raise part.peaks to crowding and drum ratio."""
     for c in range(part.curve.shape[0]):
         record_cable(part, c, row)
 

@@ -154,8 +154,7 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, opening, support) -> "Hinge":
-        """Return a revolute hinge between two particles of a scene, as placed now
-        (`Scene.add_hinge`)."""
+        """Return a revolute hinge between two particles of a scene (`Scene.add_hinge`)."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -241,8 +240,7 @@ class Hinge(JointBase):
 
 
 def list_names(scene) -> set[str]:
-    """Return the names in use by all hinges and joints of a scene, including the two angles of
-    universal joints. A new joint needs another name."""
+    """Return all names of hinges and joints of a scene; a new joint needs another."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {name for hinge in scene.hinges for name in (hinge.name, hinge.joint)}
 

@@ -121,8 +121,7 @@ def move_bodies(part, world, repeat, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Do as `push`, and shift and rotate particle i by the effect over a step (s), to close small
-    gaps."""
+    """Do as `push`, and move particle i by its effect over a step (s), to close small gaps."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
     closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
@@ -182,8 +181,7 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges also one step before the start, by the momenta in world.start_state (why:
-    joint_kernels.look_back)."""
+    """Close the hinges also one step before the start (why: joint_kernels.look_back)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for r in range(ends.shape[0]):

@@ -172,8 +172,7 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, ...]:
-        """Return both angles of a universal joint, each a Hinge, not added to the scene. Arguments:
-        as of `Scene.add_universal`."""
+        """Return both angles of a universal joint, each a Hinge (`Scene.add_universal`)."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []

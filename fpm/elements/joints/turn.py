@@ -80,8 +80,7 @@ class ExactConnector(Connector):
         return None
 
     def check(self, scene):
-        """Check the fields, and that nothing is stated of a spring that is not there, before the
-        element is added to a scene; raises SceneError if not."""
+        """Check the fields, and that nothing is stated of a spring that is not there."""
         super().check(scene)
         for name in ("damping", "backlash", "holds") if self.is_exact else ():
             value = getattr(self, name, None)

@@ -186,8 +186,7 @@ class Friction(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Frictions; None for tables or joint forces that no
-        element has."""
+        """Return the array for a field `name` of Frictions; None for what no element has."""
 
         def bristle(f, scene):
             if f.is_exact:

@@ -300,8 +300,7 @@ def slip_moment(part, i, full, timing):
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
-    """Let element i slip, reverse or stick in lanes where `slips`, `turns` or `sticks` is below 0,
-    and have the joints solved again."""
+    """Let element i slip, reverse or stick where `slips`, `turns` or `sticks` is below 0."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, FRICTION)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(find_holding_moment(part, world, i, timing), -1.0, 1.0)

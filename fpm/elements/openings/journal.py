@@ -100,8 +100,7 @@ class Journal(Connector):
         return self.hinge, self.hinge + 1, self.hinge + 2
 
     def check(self, scene):
-        """Check the fields, and how the pin starts, at most `clearance` + `depth` (m) off the axis;
-        else SceneError."""
+        """Check the fields, and that the pin starts at most its depth at `load` in the bearing."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -183,8 +182,7 @@ class Journal(Connector):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return "pin_force" (N) and "pin_eccentricity" (m) of one sample's pins, Series (t,
-        pins)."""
+        """Return "pin_force" (N) and "pin_eccentricity" (m) of pins, Series (t, pins)."""
         names = tuple(pin.label(scene) for pin in cls.find(scene))
         force, distance = part.track[:, :, lane].T.reshape(2, -1, len(names))
         text = "distance of the pins from the axes of their bearings"

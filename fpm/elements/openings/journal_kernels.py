@@ -99,8 +99,7 @@ def press(part, i, change, timing):
 
 @kernel
 def rub(part, i, slip, normal, timing):
-    """Return the force (N) of friction on pin i by its `slip` in the step (m), limited to that of
-    `normal` (N)."""
+    """Return the force (N) of friction by the `slip` in the step (m), limited by `normal` (N)."""
     rate = extrapolate(part, i, SLIP_RATE, slip, timing)
     most = load(part.numbers, i, SOFTNESS) * normal
     bend = load(part.state, i, BEND) + slip
@@ -115,8 +114,7 @@ def rub(part, i, slip, normal, timing):
 
 @hook(Journals)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) between pins and their bearings, and their losses
-    (J)."""
+    """Add the forces (N) and moments (N m) of pins on bearings, and their losses (J)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         h, angles, state = part.hinge[i], part.openings.angles, part.state

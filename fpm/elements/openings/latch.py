@@ -92,8 +92,7 @@ class Latch(ExactConnector):
     noun = "latch"
 
     def check(self, scene):
-        """Check the latch's fields, and that its name (that of its hinge by default) is no other
-        latch's in `scene`; raises SceneError if not."""
+        """Check the fields, and that no other latch of the scene has its name."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in Latch.find(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")

@@ -163,8 +163,7 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Find out which latches catch in the step, and add the moments (N m) of their springs, which
-    act at once, and the losses of their dampers (J)."""
+    """Find which latches catch, and add moments (N m) of springs, and losses of dampers (J)."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
             continue

@@ -71,8 +71,7 @@ def add_loss(world, account, openings, history, i, h, moment):
 
 @kernel
 def force_of(bearing, i, timing, resistance):
-    """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. resistance: World.resistance."""
+    """Return the size (N, lanes) of the force in the joint of friction element i."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:

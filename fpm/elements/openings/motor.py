@@ -39,8 +39,7 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(Connector):
-    """Base class of motors that prescribe an opening (Motor) and torque motors. variable: name of
-    their recorded moment in trajectory files."""
+    """Base class of motors. variable: name of their recorded moment in files."""
 
     gives = MOTOR_WORK
     acts_as = "motor"

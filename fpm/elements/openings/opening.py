@@ -81,14 +81,12 @@ class Opening(ElementType):
 
     @classmethod
     def get_arrays(cls, kind: type[ElementType], batch):
-        """Return Openings for the kernels of an element type `kind`, whose moments are recorded
-        under the index `part` in PARTS."""
+        """Return Openings for kernels of `kind`, with its index `part` in PARTS."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded joint coordinates (t, hinges) of one sample: `opening` (rad) and, of
-        slides, `slide_opening` (m)."""
+        """Return `opening` (rad) and, of slides, `slide_opening` (m) of one sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -100,8 +98,7 @@ class ConnectorElement(ElementType):
     reads: ClassVar[tuple[type, ...]] = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that a hinge index exists in the scene, and that the hinge is one that the field
-        allows (`types`, `only_angles`); else SceneError."""
+        """Check that a hinge exists, and is one that the field allows."""
         super().check_index(scene, field, value)
         if not (field.types or field.only_angles):
             return
@@ -119,8 +116,7 @@ class ConnectorElement(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple: "openings": Openings; others
-        as ElementType.array."""
+        """Return an array for the kernels: "openings", or as ElementType.array."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -192,8 +188,7 @@ class Connector(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple: "rates": `pack_past`; others
-        as ConnectorElement.array."""
+        """Return an array for the kernels: "rates" (`pack_past`), or as ConnectorElement.array."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)
@@ -238,8 +233,7 @@ def _sides(scene) -> np.ndarray:
 
 
 def backlashes(batch, kind: type[ElementType]) -> np.ndarray | None:
-    """Return the widths (elements, 1, lanes) of dead bands (field `backlash`, rad or m) of a type's
-    elements; None: no element has one."""
+    """Return the widths (elements, 1, lanes) of dead bands (rad or m); None: no element has one."""
     if all(element.backlash is None for element in kind.find(batch.scene)):
         return None
     return batch.table(kind, 1, lambda element: [element.backlash or 0.0])
@@ -302,8 +296,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def struck_stiffness(element) -> float:
-    """Return the stiffness (N m/rad) with which what is struck, a stop or its like, limits the
-    stable step: FINER² times its own."""
+    """Return FINER² times the stiffness of what is struck, as a stop, for the stable step."""
     return FINER[bool(getattr(element, "damping", 0.0))] ** 2 * element.stiffness
 
 

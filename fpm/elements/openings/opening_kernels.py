@@ -65,8 +65,7 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Compute all joint coordinates and axes, in every step, as full turns are counted, and begin
-    the recorded moments by component anew."""
+    """Compute joint coordinates and axes in every step, as full turns count; begin moments anew."""
     update(part, world, timing)
     begin_parts(part.moments)
 
@@ -152,8 +151,7 @@ def push(openings, state, h, impulse):
 
 @kernel
 def add_moment(moments, openings, h, moment):
-    """Add a moment (N m, lanes) on hinge h (on a slide a force, N) to the component
-    openings.part."""
+    """Add a moment (N m; on a slide N) on hinge h to the component openings.part."""
     if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -161,8 +159,7 @@ def add_moment(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add the work (J) of the last step to that of each component: the mean of its moments at both
-    ends times the change of the opening."""
+    """Add the work (J) of each component in the last step, by the mean of its moments."""
     moments = part.moments
     for r in range(moments.shape[0]):
         h = r // part.parts
@@ -173,8 +170,7 @@ def work_before(part, world, timing):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the joint coordinates of all hinges, and moment (N m) and work (J) of all
-    components."""
+    """Record the joint coordinates of all hinges, and moment and work of all components."""
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NEW))

@@ -142,8 +142,7 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """Add the energy (J) lost in dampers, and in springs let go: the drop of the stored energy less
-    the work on the hinge."""
+    """Add the energy (J) lost in dampers, and in springs let go."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         angles, h = part.openings.angles, part.hinge[i]

@@ -64,8 +64,7 @@ def pull(part, i):
 
 @hook(Loops)
 def forces(part, world, timing):
-    """Add the moments (N m) of loops on both hinges; store slip, and what is left until a strand is
-    slack."""
+    """Add the moments (N m) of loops on both hinges; store slip, and what is left to slack."""
     for i in range(part.hinge.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.hinge[i, 0], part.hinge[i, 1]
@@ -102,8 +101,7 @@ def energy_of(part, world, i):
 
 @hook(Loops)
 def record(part, world, row):
-    """Record the difference of the strands' tensions (N) of each loop, above 0 where the first
-    hinge's pulley has turned farther than the second's."""
+    """Record the difference of the strands' tensions (N), above 0 where the first turns farther."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

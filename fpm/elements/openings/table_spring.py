@@ -41,8 +41,7 @@ class TableSpring(Connector):
 
     @property
     def slopes(self) -> np.ndarray:
-        """Slopes (n - 1,) of the moment between the table's points, N m/rad (N/m on a slide), below
-        0 where the spring resists."""
+        """Slopes (n - 1,), N m/rad (N/m), of the moment; below 0 where it resists."""
         return np.diff(self.moments) / np.diff(self.angles)
 
     @property

@@ -31,8 +31,7 @@ class TableSprings(NamedTuple):
 
 @hook(TableSprings)
 def forces(part, world, timing):
-    """Add the moments (N m) of springs by tables; where an opening passes a point, `edge` corrects
-    the work."""
+    """Add the moments (N m); where an opening passes a point, `edge` corrects the work."""
     angles = part.openings.angles
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]

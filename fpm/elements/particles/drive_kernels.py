@@ -47,8 +47,7 @@ def add_work(part, world, timing, start):
 
 @hook(Drives)
 def forces(part, world, timing):
-    """Add the change of driven particles' kinetic energy (J) since the last step to their drives'
-    work."""
+    """Add the change of driven particles' kinetic energy (J) to their drives' work."""
     total = 0.0 * load(world.state, 0, X)
     for n in range(part.particle.shape[0]):
         i, is_first, zero = part.particle[n], True, 0.0 * get3(world.state, part.particle[n], X)

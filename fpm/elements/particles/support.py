@@ -42,6 +42,10 @@ class Support(ElementType):
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
+    def topology_of(cls, scene):
+        """Return nothing: held axes are compared elsewhere (solver/pack.py)."""
+
+    @classmethod
     def pack(cls, batch):
         from fpm.elements.particles.support_kernels import Supports
 

@@ -36,12 +36,10 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Fraction of the volume of the box of parameters where the model, at one instant, is outside
-    the range of `runs` runs (their least to largest value), if these were drawn at random: its mean
-    (confidence None), or its upper limit at a confidence (0 to 1); 1 for fewer than two runs. By
-    order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws has
-    the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution of
-    2 and N - 1, with the mean 2 / (N + 1)."""
+    """Fraction of the box's volume where the model, at one instant, is outside the range of `runs`
+    random runs: its mean (confidence None), or its upper limit at a confidence (0 to 1); 1 for
+    fewer than two. Whatever the model (Wilks 1941), it has the beta distribution of 2 and N - 1,
+    with the mean 2 / (N + 1)."""
     if runs < 2:
         return 1.0
     if confidence is None:
@@ -50,10 +48,9 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
 
 
 def extrapolate_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
-    """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
-    when its mesh or step is halved: the sum of this and all further changes, with the sign of
-    `change`. ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc.
-    A 210 (1911) 307), clipped to 2 to 16 (RATIOS); None or NaN: unknown, taken as 2."""
+    """Discretization error (...) by Richardson extrapolation, from the `change` (...) of a result
+    when its mesh or step is halved, with its sign. ratio (...): of successive changes, 2**p at
+    order p (Phil. Trans. R. Soc. A 210 (1911) 307), clipped to 2 to 16 (RATIOS); NaN or None: 2."""
     least, most = RATIOS
     ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
     ratio = np.clip(ratios, least, most)
@@ -61,9 +58,8 @@ def extrapolate_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np
 
 
 def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
-    """Ratio (...) of two successive changes of a result as its mesh or step is halved twice: sizes
-    `change` (...) of the first, over `finer_change` (...) of the second; NaN where both are zero or
-    one is not known, infinite where only the second is zero."""
+    """Ratio (...) of two successive changes of a result as its mesh or step is halved twice; NaN
+    where both are zero or one is not known, infinite where only the second is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(change, finer_change)
 
@@ -83,10 +79,9 @@ class ErrorEstimate:
 def estimate_error(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`,
-    from runs that were not fitted, and `decay`, from coefficients. The result's `total` is the
-    larger of both, widened at each instant to the largest within `window` (half width, s; None: 0.5
-    % of the duration)."""
+    """Combine error estimates (..., T) of a surrogate: `held_out`, of runs not fitted, and `decay`,
+    of coefficients. `total` is the larger, widened to the largest within `window` (half width, s;
+    None: 0.5 % of the duration)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
@@ -159,10 +154,8 @@ def limit_decay(
 
 def power_mean(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
-    leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
-    that vary). Any run may be next to the point that decides, and runs were placed where the fit
-    was in doubt, so that a mean counts. In more than 3 directions (`MAX_DIRECTIONS`), where few
-    corners have runs, the largest counts."""
+    leave-one-out errors `left_out` (N, ...), the power being the number of `directions`, as any run
+    may be next to the point that decides; the largest in more than 3 (`MAX_DIRECTIONS`)."""
     size = np.abs(left_out)
     if directions > MAX_DIRECTIONS:
         return size.max(axis=0)

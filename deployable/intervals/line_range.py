@@ -17,10 +17,9 @@ _ROUNDS = 60
 
 
 def line_range(coefficients: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Find the least and largest value on [-1, 1] of T Chebyshev sums of degree n, of coefficients
-    (n + 1, T); leading zeros and constant sums are allowed. Returns low, high, x_low, x_high,
-    rounding_error, (T) each: the extreme values, attained at the arguments x to rounding; no value
-    lies outside [low - rounding_error, high + rounding_error]."""
+    """Least and largest value on [-1, 1] of T Chebyshev sums, coefficients (n + 1, T): low, high,
+    x_low, x_high, rounding_error, (T) each, attained at x to rounding; no value lies outside [low -
+    rounding_error, high + rounding_error]."""
     c = np.asarray(coefficients, dtype=float)
     degree, total = c.shape[0] - 1, c.shape[1]
     ranges = np.empty((5, total))

@@ -1,22 +1,10 @@
 """Search of a stable static balance of a scene, the joints closed, downhill in energy.
 
-First open joints are closed by Newton's method, without what makes the energy concave. Then, from
-position to position,
-
-    dU(x) + G'λ + ε M (x - x₀) = 0,   g(x) = 0
-
-is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
-energy U against a drag M in proportion to the masses (pseudo-transient continuation: Kelley and
-Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Turns, as rotation vectors, are dragged as shifts by the
-size are, about all axes alike: with their inertias, a slender body that spins about its own axis,
-at next to no cost, has U + ε M (x - x₀)²/2 without a minimum unless ε is large. ε falls while that
-succeeds, so that the steps become Newton's own; it grows where Newton's method does not converge,
-moves too far, or comes to what is no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes
-by is the strain energy of bars, less the work of all other forces on the way, which need no
-potential.
-
-Where U falls from the position that was come to, along a motion that keeps the joints closed, this
-snaps: both sides are followed downhill, and the lower end is taken if they differ."""
+Theory: docs/mechanics.md, "Parts that are forced together" (pseudo-transient continuation: Kelley
+and Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Joints are closed first. Then the search goes from
+position to position against a drag ε M (x - x₀), and ε falls while that succeeds, so that the steps
+become Newton's own. Where the end is unstable, both sides are followed downhill, and the lower end
+is taken if they differ."""
 
 from collections.abc import Mapping, Sequence
 from copy import copy

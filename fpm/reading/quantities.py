@@ -1,12 +1,7 @@
 """Quantities: numbers that are read off a run, such as its peaks and the times of its events.
 
-A run in which what is asked for does not happen has no number: NaN. The margin of an event tells by
-how much a latch catches, a stop is hit or a contact closes, or by how much they are missed. It is
-an energy for each unit of inertia (rad²/s², on slides m²/s²), so that it goes on smoothly where the
-event ceases to occur: half the square of the rate with which the opening arrives; and where it does
-not, what it lacked: the deceleration before it turned back times the opening that was still to go.
-A latch with a largest rate L, that the opening has at w, catches by w²/2 (1 - w²/L²), which is
-below zero where it is passed too fast."""
+A run in which what is asked for does not happen has no number: NaN. Margins of events:
+docs/quantities.md."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -2,13 +2,7 @@
 
 Each variable has columns along a dimension of its own in a trajectory file; a column's label says
 of what it is: a name, and the part of it (an axis, a component, who acts) where there are several.
-A request names columns, as (variable, label).
-
-The clearance of two bars is the shortest distance of the axes of their elements, less what the
-sections take: along the line of that distance, of direction d, a round section takes its radius and
-a rectangle |d·y| b/2 + |d·z| h/2, with its axes y, z and sides b, h. Bars are convex stretch by
-stretch, so they are at least so far apart, and just so where two sides or edges face each other.
-Below zero they overlap."""
+A request names columns, as (variable, label)."""
 
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy

@@ -1,17 +1,8 @@
 """The motion with which a run begins: one that joints, motors and drives allow.
 
-What a motor or drive moves from the start on, and what a structure states of the motion of its
-parts, need not fit together: a motor that turns at once has an impact before it, and a stated rate
-of an opening says nothing of other joints; with such rates bars start as rigid bodies. Of all
-velocities that do fit, those are taken at which that impact changes the motion least, with masses
-as weights:
-
-    M d + G'p = 0,   G (v + d) = b
-
-G being the conditions of joints, supports and what holds openings, b what these prescribe, p the
-impulses. That is the motion after an inelastic impact (Gauss's principle; Moreau 1988). Friction
-bears no more than a finite moment, and nothing in an impact, so it is no condition. Conditions may
-imply each other: see assembly, which solves in the same way."""
+Theory: docs/mechanics.md, "Openings that are held exactly": of all velocities that fit, those at
+which the impact changes the motion least (Gauss's principle; Moreau 1988). Friction bears no more
+than a finite moment, and nothing in an impact, so it is no condition."""
 
 from __future__ import annotations
 

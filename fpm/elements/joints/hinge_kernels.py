@@ -1,17 +1,9 @@
 """Revolute hinges: impulses that close every hinge at the end of the step (hinge.py).
 
-The matrix of impulses (hinge_matrix.py) is built at the start of a step and serves three times:
-
-1. `aim`: impulses that would close the hinge if the rates of its gaps stayed as they are over the
-   step, less what was missing so in the step before. What is left is the change from step to step
-   of a term of second order in the angle turned.
-2. `move`, in rounds, only where that is much: particles move, and their gaps are closed. Each
-   round gains a factor of about the angle turned in a step: three digits.
-3. `move`, at the end, always: the gaps found then are closed by small turns on top, which gains
-   three digits more, down to rounding.
-
-A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
-not depend on theirs."""
+The matrix of impulses (hinge_matrix.py) serves three times: `aim`, by the rates of the gaps, less
+what was missing so in the step before; `move` in rounds, only where gaps are large, each of which
+gains three digits; and `move` at the end, always, by small turns on top. A sample whose gaps are
+small is left alone in the rounds that others need: its numbers do not depend on theirs."""
 
 from fpm.elements.joints import closure, hinge_matrix
 from fpm.elements.joints import hinge_arrays as hinge

@@ -1,11 +1,7 @@
 """Joints that are solved together: those that share bodies, and those that are no hinges.
 
-A hinge whose two particles nothing else uses is solved alone (hinge.py), which is cheaper. All
-other hinges, and joints of all other types (joint_types.py), go here: their impulses are found from
-one system of equations for the whole structure (joint_matrix.py). A particle is a rigid body with a
-mass and three inertias, and joints sit at the ends of its virtual beams; so these are the joints of
-rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where they agree;
-the impulses are then the smallest that keep the joints closed."""
+Theory: docs/mechanics.md, "Joints that are solved together". A hinge whose two particles nothing
+else uses is solved alone (hinge.py), which is cheaper."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,11 +1,7 @@
 """Openings of hinges: the angles, and ways of slides, that springs, stops and their like act on.
 
-An opening is the angle about a hinge's axis between a reference direction of either particle. It
-grows when the second turns by the right-hand rule about the axis against the first, and it counts
-full turns: of all angles that differ by them it is the one closest to the last and the way by the
-rate of the step. Joints may have several openings (joint_types.py). That of a slide is a length:
-the way of a point of the second particle from one of the first, along an axis of it. What acts on
-hinges acts on it likewise, with forces for moments, m for rad: SLIDE_UNITS has the units."""
+Theory: docs/mechanics.md, "Virtual beams and hinges". What acts on hinges acts on slides likewise,
+with forces for moments, m for rad: SLIDE_UNITS has the units."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace

@@ -1,10 +1,8 @@
-"""Moments, energies and events of releases (theory: release.py).
+"""Moments, energies and events of releases (theory: docs/mechanics.md, "Loops, motors and
+releases").
 
-A kick at time t stands for the moment from half a step before t to half a step after. A release in
-the step before t leaves a share of -1/2 to 1/2 of the moment to the kick at t: what the kick before
-had too much is taken back. The motion depends smoothly on the time of release. A latch with a
-spring catches after the releases of a step were looked at: what watches it lets go a step later,
-with a share of -3/2 to -1/2. Of a release that holds exactly, that is a share of what held it."""
+A kick at time t stands for the moment from half a step before t to half a step after: what the kick
+before had too much is taken back."""
 
 from typing import NamedTuple
 

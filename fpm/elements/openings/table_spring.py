@@ -1,9 +1,7 @@
 """Torsion springs by a table: the moment over the opening, straight between the points given.
 
-What tape springs need: a moment that rises to a peak, falls, and stays on a plateau. The moment
-turns the hinge open where it is positive, on the second particle as all openings count; beyond the
-ends of the table it keeps its last value. The energy is the exact integral, zero where it is least
-within the table. One curve for both ways: hysteresis is friction by a table beside it."""
+Beyond the ends of the table the moment keeps its last value. The energy is the exact integral, zero
+where it is least within the table. Hysteresis is friction by a table beside it."""
 
 from dataclasses import dataclass
 

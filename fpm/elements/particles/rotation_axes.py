@@ -1,9 +1,4 @@
-"""How supports let particles turn.
-
-What is held about an axis does not turn about it; its angular momentum there is what that takes. A
-particle that turns about one axis n alone has the constant inertia n·Jn, whichever axes of its own
-are principal, and is one with that about all axes. One that turns about two is so with one inertia
-alone."""
+"""How supports let particles turn (theory: docs/mechanics.md, "Particles and the step")."""
 
 from typing import NamedTuple
 

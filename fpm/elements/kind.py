@@ -132,14 +132,7 @@ BATCH_ARRAYS = {
 
 class ElementType:
     """Base class of an element type. A subclass overrides what it provides; every attribute has a
-    neutral default. stores, gives, takes: energies that its elements store, give as work, take out
-    (Energy; None: none; types with the same share an account); events: names of its events;
-    watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
-    acts_as: component ("spring", ...) to which its moments on joints are recorded; joins: whether
-    each element joins its `particles`; moves_free: whether it moves all particles that no other
-    type moves; resists_as: class of resistance ("FR", "S", ...: ECSS) in slow motions (fpm/travel),
-    "": none; has_memory: whether forces depend on the way to where they act; noun: its word in
-    messages; cost: core time (ns) of an element in a step of eight runs side by side."""
+    neutral default."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `sum_energies`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account

@@ -36,25 +36,18 @@ PART_FIELDS = 3
 
 class Openings(NamedTuple):
     """Arrays of all h openings (joint coordinates), for kernels. Hinge i has the sides 2 i and 2 i
-    + 1, one on each of its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes):
-    axis, reference direction (of slides a point), normal to both, in the particle's axes; axes (h,
-    3, lanes): global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); track
-    ((instants + 1) h, 1, lanes): recorded openings; slides (h,): 1 for a slide. moments (h parts,
-    3, lanes): moment now, a step ago (N m), work (J) of each component (springs, dampers, ...:
-    PARTS); part_track ((instants + 1) h parts, 2, lanes): recorded moment and work of each; parts:
-    number of components, 0: none are recorded; part: the component of the element type that takes
-    these arrays."""
+    + 1, one on each of its particles."""
 
     ends: np.ndarray  # (2h,) particles of the sides
-    sides: np.ndarray  # (2h, SIDE, lanes)
+    sides: np.ndarray  # (2h, SIDE, lanes) in the particles' axes
     axes: np.ndarray  # (h, 3, lanes) axis now, in global components
-    angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
-    track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
+    angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad, m)
+    track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded openings
     slides: np.ndarray  # (h,) 1 where the opening is a length
     moments: np.ndarray  # (h parts, PART_FIELDS, lanes) of each component, if recorded
     part_track: np.ndarray  # ((instants + 1) h parts, 2, lanes): moment, work
     parts: int  # number of components, 0: none are recorded
-    part: int = 0  # of them is the kind's own that sees these openings
+    part: int = 0  # which of them is the kind's own that takes these arrays
 
 
 @kernel

@@ -1,12 +1,7 @@
-"""Curves of runs aligned at their events, fitted over the box.
+"""Curves of runs aligned at their events, fitted over the box (docs/curves-through-events.md).
 
-At one instant some runs are before an event (a latch, a stop, a release) and some behind it. No
-polynomial or spline over the box follows the jump between them. But the time of the event is a
-smooth function of the parameters, and so are the curves between two events over mapped time: the
-share of the way from one event to the next, or the time since the last one. So event times and
-mapped curves are fitted, and a value at a time and a point is read at the time that the fitted
-event times map to. Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantification 5 (2017) 540
-(arXiv 1609.09286), who have to estimate the time scale; here the events are known."""
+Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantification 5 (2017) 540 (arXiv 1609.09286), who
+have to estimate the time scale; here the events are known."""
 
 from __future__ import annotations
 

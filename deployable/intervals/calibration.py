@@ -1,17 +1,12 @@
 """Which part of a box explains measured curves within their bands: set-membership calibration.
 
-A point x of the box explains a test if its curve y, after the sensor's gain g, offset o and delay
-d, comes within a band b of the measured curve m at every instant: its misfit, the largest
-|g y(t - d; x) + o - m(t)| / b, is at most 1 for some g, o, d within their limits, and for some
-start s of the test within its own. Each test's g, o, d and s are variables of that test only.
-
-Between runs, y is a polynomial of x and s, whose leave-one-out errors e(t) are known at every
-instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where (|residual| + e) /
-b <= 1 at all, it explains; between, it is undecided. Waves of runs follow in the interval hull of
-what is not excluded, where the next polynomials are less wrong (history matching, Craig et al.
-1997, with bounded errors in place of probabilities). Extremes over the hull, of a coordinate or of
-the misfit, are found by sequential linear programming with a trust region and second-order
-corrections (Fletcher and Sainz de la Maza 1989)."""
+A point x explains a test if the misfit of its curve y, the largest |g y(t - d; x) + o - m(t)| / b,
+is at most 1 for some gain g, offset o and delay d within their limits, and some start s of the
+test. Between runs, y is a polynomial with leave-one-out errors e(t): where (|residual| - e) / b > 1
+a point is excluded, where (|residual| + e) / b <= 1 at all instants it explains. Waves of runs
+follow in the interval hull of the rest (history matching, Craig et al. 1997, with bounded errors in
+place of probabilities). Extremes over the hull are found by sequential linear programming with a
+trust region and second-order corrections (Fletcher and Sainz de la Maza 1989)."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -306,17 +301,14 @@ class _Problem:
 class Calibration:
     """What of a box explains measured curves.
 
-    Misfits count in bands, the allowed deviations from a measured curve; up to 1 explains. hull (2,
-    k): lower and upper coordinates, -1 to 1, of what is not excluded; or, if the tests are refuted,
-    of what comes within the least band. starts: of each test, likewise (2, s), of the s unknown
-    values at its own start. least, attained: least misfit of any point, as it is at least and as a
-    run has it; best (k): that run's point. fractions: of the box's volume that surely explains, and
-    that is not excluded, by the surrogates' errors; samples (S, k): points that are not excluded,
-    extremes of their hull among them. runs: number made here, of all tests; worst: (test, response,
-    instant) at which the best run is farthest off; residuals: its deviations of each test, (n, T)
-    of n responses at T instants, in the responses' units; data: the runs of each test. misfits():
-    points (N, k + 1) spread over the box, with their least misfit by the surrogates last, found
-    when called."""
+    Misfits count in bands; up to 1 explains. hull (2, k): lower and upper coordinates, -1 to 1, of
+    what is not excluded; or, if the tests are refuted, of what comes within the least band. starts:
+    of each test, likewise (2, s). least, attained: least misfit of any point, as it is at least and
+    as a run has it; best (k): that run's point. fractions: of the box's volume that surely
+    explains, and that is not excluded; samples (S, k): points that are not excluded. runs: number
+    made here; worst: (test, response, instant) at which the best run is farthest off; residuals:
+    its deviations of each test, (n, T); data: the runs of each test. misfits(): points (N, k + 1)
+    spread over the box, with their least misfit last, found when called."""
 
     hull: np.ndarray
     starts: list[np.ndarray]

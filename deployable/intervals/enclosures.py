@@ -1,10 +1,9 @@
 """Guaranteed outer enclosures of polynomials in several variables.
 
 `effects_enclosure` and `grid_enclosure` need no subdivision. `tighten` takes the Bernstein form: a
-polynomial on a patch lies between its least and its largest coefficient, and the coefficients at
-the vertices are its values there. Halving patches makes the enclosure sharp at a quadratic rate,
-and a patch that cannot beat the best value known is dropped (Garloff 1985; Smith 2009). Where the
-extreme value sits in a corner, as for monotone responses, one patch is enough."""
+polynomial on a patch lies between its least and its largest coefficient. Halving patches is sharp
+at a quadratic rate, and a patch that cannot beat the best value known is dropped (Garloff 1985;
+Smith 2009)."""
 
 from functools import cache
 from math import comb

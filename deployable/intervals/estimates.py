@@ -1,16 +1,8 @@
 """Errors of the bounds, estimated from runs that the surrogate has not seen and its coefficients.
 
-What counts is the point-wise error of the surrogate: if |f - s| <= e over the box, the bounds of s
-are within e of those of f (Hausdorff distance). It is estimated, at every instant, by the larger of
-
-- the largest |f - s| over the held-out runs (blind between them), and
-- the tail that the decay of the Chebyshev coefficients predicts (blind to what the nodes miss),
-  unless there are enough held-out runs to overrule it (see `limit_decay`),
-
-and then widened in time: the largest estimate within a short window counts. Two oscillations that
-differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
-a window of half a period or more cannot. Neither a comparison of two orders nor a count of samples
-outside the bounds is used: near collisions both saw nothing of errors of a tenth of the width."""
+If |f - s| <= e over the box, the bounds of s are within e of those of f (Hausdorff distance); how e
+is estimated: docs/intervals.md. Neither a comparison of two orders nor a count of samples outside
+the bounds is used: near collisions both saw nothing of errors of a tenth of the width."""
 
 from dataclasses import dataclass
 
@@ -88,17 +80,14 @@ def estimate_error(
 def estimate_decay(
     surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
 ) -> np.ndarray:
-    """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients:
-    the size of the first neglected ones, an error estimate of the polynomial over the box.
+    """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients.
 
-    In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
-    extrapolated from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
-    places at a time, since odd or even functions have every second coefficient zero. Where total
-    degree limits the basis, its shells stand for all directions at once.
+    In each direction the shells S_l = sum of |c_i| with i_j = l give the next two, S_(n+2) = S_n
+    S_n / S_(n-2): two places at a time, since odd or even functions have every second coefficient
+    zero. Where total degree limits the basis, its shells stand for all directions at once.
 
     time (T): instants (s) of the last axis, or None. With it, the largest coefficients within
-    `window` (half width, s; None: 0.5 % of the duration) count: one that passes through zero would
-    pretend a decay, or hide one."""
+    `window` (half width, s; None: 0.5 % of the duration) count."""
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
         c = widen(time, c, window)
@@ -122,16 +111,13 @@ def limit_decay(
     window: float | None = None,
 ) -> np.ndarray:
     """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
-    and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs,
-    which were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T):
-    instants, s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the
-    duration.
+    and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs;
+    residuals (R, ..., T): their values less the polynomial's; time (T): instants, s; window: half
+    width (s) of the time in which the largest counts, None: 0.5 % of the duration.
 
-    A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
-    that is exact then has a tail as large as its last coefficients. But the next two coefficients
-    along each direction follow from the residuals, if there are enough runs to determine them. Then
-    the tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the sum of their sizes and the
-    largest residual; with fewer runs it stays as it is."""
+    The tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the largest residual and the sizes
+    of the next two coefficients along each direction, as the residuals determine them; with too few
+    runs for that it stays as it is (docs/intervals.md)."""
     highest = surrogate.degrees
     next_two = [
         np.where(np.arange(len(highest)) == j, highest[j] + excess, 0)

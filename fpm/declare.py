@@ -206,8 +206,7 @@ def number(
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
-    """Declare a dataclass field that holds a stiffness, at least 0. words: its name in messages;
-    keys: further arguments of `number`."""
+    """Declare a dataclass field for a stiffness, at least 0. keys: as of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
@@ -253,6 +252,5 @@ specs: Callable[[Any], dict[str, Any]] = cache(_specs)
 
 
 def numbers_in(value: Any) -> Any:
-    """Return the numbers (k,) of a field's value, as kernels and checks take them: one number as a
-    tuple of it, an array or nested tuple flattened."""
+    """Return the numbers (k,) of a field's value: one as a tuple of it, arrays flattened."""
     return (value,) if isinstance(value, float | int) else np.ravel(value)

@@ -41,9 +41,8 @@ class HeldConfigError(CampaignError):
 
 
 def error_of_files(error: Exception, folder: Path) -> CampaignError | None:
-    """Turn an error of memory, or of reading or writing a campaign's files, into a `CampaignError`
-    that tells users the remedy; None for other errors, which are the program's. netCDF's library
-    names no cause: a limit of the size of files, or a full disk, is guessed."""
+    """Turn an error of memory, or of reading or writing files, into a `CampaignError` that tells
+    users the remedy; None for others. netCDF's library names no cause: a full disk is guessed."""
     if isinstance(error, DamagedError):
         advice = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {advice}")

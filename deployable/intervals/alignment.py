@@ -1,12 +1,7 @@
-"""Curves of runs aligned at their events, fitted over the box.
+"""Curves of runs aligned at their events, fitted over the box (docs/curves-through-events.md).
 
-At one instant some runs are before an event (a latch, a stop, a release) and some behind it. No
-polynomial or spline over the box follows the jump between them. But the time of the event is a
-smooth function of the parameters, and so are the curves between two events over mapped time: the
-share of the way from one event to the next, or the time since the last one. So event times and
-mapped curves are fitted, and a value at a time and a point is read at the time that the fitted
-event times map to. Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantification 5 (2017) 540
-(arXiv 1609.09286), who have to estimate the time scale; here the events are known."""
+Source: Mai and Sudret, SIAM/ASA J. Uncertainty Quantification 5 (2017) 540 (arXiv 1609.09286), who
+have to estimate the time scale; here the events are known."""
 
 from __future__ import annotations
 
@@ -72,11 +67,10 @@ def name_events(events: np.ndarray) -> list[dict[tuple, float]]:
 def shared_events(
     runs: list[dict[tuple, float]], time: np.ndarray, with_last: bool = True
 ) -> np.ndarray:
-    """Return the times (R, E) of the events at which the curves of R runs can be aligned.
-
-    runs: times of events by what they are (`name_events`); time (T): instants, s. An event counts
-    that all runs have, in one order, and that leaves most of them three instants before the end. Of
-    those that follow each other within three instants the first and (`with_last`) last count."""
+    """Times (R, E) of the events at which R runs can be aligned: those that all have, in one order,
+    and that leave most of them three instants (`time`, s) before the end; of those within three
+    instants the first and (`with_last`) last. runs: times of events by what they are
+    (`name_events`)."""
     keys = [key for key in runs[0] if all(key in event_times for event_times in runs[1:])]
     columns = sorted(
         (np.array([event_times[key] for event_times in runs]) for key in keys), key=np.mean
@@ -119,11 +113,9 @@ def first_difference(runs: list[dict[tuple, float]]) -> float:
 def unseen_difference(
     points: np.ndarray, margins: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
 ) -> float:
-    """Return the earliest time (s) from which an event may be missed at places without a run,
-    though all runs at points (R, k) in [-1, 1]^k have it; infinite if there is none. An event that
-    no run has is not looked for, as its margins tell little from afar. margins (R, c): by how much
-    the first event of each kind occurs, below 0 where it does not, NaN where not known; time (T):
-    instants, s; runs: times of events by what they are (`name_events`)."""
+    """Earliest time (s) from which an event may be missed at places without a run, though all runs
+    at points (R, k) in [-1, 1]^k have it; infinite if there is none. margins (R, c): by how much
+    the first event of each kind occurs, NaN where not known; time (T): s; runs: times by event."""
     first = np.inf
     for source, column in enumerate(margins.T):
         if not (column > 0).all():
@@ -141,9 +133,8 @@ def unseen_difference(
 
 
 def earliest_time(points: np.ndarray, delays: np.ndarray) -> float:
-    """Return the earliest time (s) over the box of an event with these delays (R) after the start,
-    in s, in runs at points (R, k) in [-1, 1]^k, by a spline of their inverse squares: even forces
-    are in proportion to these, and they vanish where an event is never reached."""
+    """Earliest time (s) over the box of an event with these delays (R), s, after the start, by a
+    spline of their inverse squares, to which even forces are in proportion; 0 is never."""
     with suppress(IntervalError):
         values = _spread_spline(points, delays**-2)[1]
         return float(min(delays.min(), values.max() ** -0.5))
@@ -162,14 +153,12 @@ def _spread_spline(points: np.ndarray, values: np.ndarray) -> tuple[Spline, np.n
 def difference_across(
     points: np.ndarray, values: np.ndarray, time: np.ndarray, runs: list[dict[tuple, float]]
 ) -> np.ndarray:
-    """Return by how much values (R, n, T) of runs that have had an event, and of others that have
-    not, differ at most (n, T), about the time of any event that not all runs have.
+    """By how much values (R, n, T) of runs with and without an event differ at most (n, T), about
+    the time of any event that not all runs have.
 
-    Runs with and without it that are the nearest ones of the other kind to each other count to the
-    end, and so does the run that has it last. Of each run and the nearest one in which it is yet to
-    come it counts by how much the difference changes soon after. points (R, k): of the runs in [-1,
-    1]^k; time (T): instants, s; runs: times of events by what they are (`name_events`), of which
-    the first of a kind counts."""
+    Nearest pairs of runs with and without it count to the end, as does the run that has it last;
+    else by how much the difference changes soon after. points (R, k) in [-1, 1]^k; time (T), s;
+    runs: times by event, of which the first counts."""
     differences, pause = np.zeros(values.shape[1:]), _PAUSE * (time[-1] - time[0])
     gaps = scipy.spatial.distance.cdist(points, points)
     for key in {key for event_times in runs for key in event_times if key[-1] == 0}:
@@ -203,12 +192,10 @@ def difference_across(
 
 
 class AlignedCurves:
-    """Curves of R runs, aligned at E events, as functions of k parameters.
-
-    points (R, k): of the runs in [-1, 1]^k; values (R, n, T): of n responses at `time` (T, s);
-    times (R, E): of the events, s. `spline`: of mapped curves (R, n, S); `times_spline`: of event
-    times, None without any; `end_time`: the last time (s) that is known in all of the box,
-    since the last stretch is as long as the shortest of any run."""
+    """Curves of R runs, aligned at E events, as functions of k parameters. points (R, k) in [-1,
+    1]^k; values (R, n, T) at `time` (T, s); times (R, E), s. `spline`: of mapped curves (R, n, S);
+    `times_spline`: of event times, or None; `end_time`: last time (s) that is known in all of the
+    box."""
 
     def __init__(
         self, points: np.ndarray, values: np.ndarray, time: np.ndarray, times: np.ndarray,
@@ -269,10 +256,8 @@ class AlignedCurves:
         return times <= self.time[-1] + 1e-6 * (self.time[1] - self.time[0])
 
     def _passages(self, full: np.ndarray, inner: np.ndarray) -> np.ndarray:
-        """Values (R, n, E) at events that responses pass without a jump, NaN at others: those of
-        the side that changes less. There is none if in most runs both sides differ less than two
-        instants near the event do, or one side has too few instants. full, inner (R, n, S): mapped
-        curves, by all instants and without those beside events."""
+        """Values (R, n, E) at events that responses pass without a jump, of the side that changes
+        less; NaN at others, where both sides differ in most runs, or one has too few instants."""
         passages = np.full((*full.shape[:2], len(self.offsets) - 1), np.nan)
         changes = np.abs(inner[..., 2:] - inner[..., :-2])  # of an instant
         for i, c in enumerate(self.offsets[1:]):
@@ -471,9 +456,8 @@ class AlignedCurves:
         return errors
 
     def weigh_runs(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return by which runs (P, f + 1) the error at points (P, k) is told, those that are the
-        nearest, and by which shares (P, f + 1) of their left-out errors: all of it from halfway to
-        the next run on, less in proportion at points that are nearer to a run."""
+        """The nearest runs (P, f + 1) to points (P, k), and the shares (P, f + 1) of their left-out
+        errors that count: all from halfway to the next run on, less nearer to a run."""
         scales, tree = self.spline.scales, scipy.spatial.cKDTree(self.points * self.spline.scales)
         gaps = tree.query(self.points * scales, k=2)[0][:, -1]
         count = min(int((scales > 0).sum()) + 1, len(gaps))
@@ -508,13 +492,10 @@ class Part:
     def maximum(
         self, sign: float, columns: np.ndarray, window: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the largest values (C) of the curves times `sign` over the part of the box, their
-        points (C, k), and the largest values (C) with the error of mapped curves within a time
-        `window` (s) and with what is near the borders, for the C responses and instants of the mask
-        `columns` (n, T).
-
-        A search by coordinates, with steps that are halved, starts from the best of the runs and of
-        points spread over the box, and from those of the instants before and behind."""
+        """Largest values (C) of the curves times `sign` over the part, their points (C, k), and the
+        largest values (C) with the error within a time `window` (s) and near the borders, for the
+        mask `columns` (n, T). A search by coordinates starts from the best of runs, spread points,
+        and those of the instants beside."""
         curves, time = self.curves, self.curves.time
         free = self.curves.spline.scales > 0
         trial = spread_points(free, _CANDIDATES)
@@ -585,11 +566,9 @@ def split_runs(
     points: np.ndarray, values: np.ndarray, time: np.ndarray, events: list[dict],
     with_last: bool = True, depth: int = 2,
 ) -> list[Part]:  # fmt: skip
-    """Fit aligned curves to runs, in parts where that predicts left-out runs better.
-
-    points (R, k): of the runs in [-1, 1]^k; values (R, n, T) at `time` (T, s); events: times of the
-    events of each run by what they are (`name_events`); with_last: which count (`shared_events`);
-    depth: how many times parts are split."""
+    """Fit aligned curves to runs, in parts where that predicts left-out runs better. points (R, k)
+    in [-1, 1]^k; values (R, n, T) at `time` (T, s); events: of each run (`name_events`); with_last:
+    which count (`shared_events`); depth: how many times parts are split."""
     for factor in SPACINGS:
         rows = distinct(points, factor)
         rows = rows[np.lexsort(points[rows].T)]  # in an order that is not that of the runs

@@ -128,9 +128,8 @@ def _curves(
 
 
 def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return the least and largest values (n,) that bounds can have; -inf, inf where there is
-    none. Stops and latches yield: bounds may go twice as far beyond them as any run; a scan's are
-    runs."""
+    """Least and largest values (n,) of bounds, or -inf, inf. Stops yield: up to twice what any run
+    went beyond."""
 
     def number(name: str) -> np.ndarray:
         if name not in samples.source:
@@ -215,11 +214,9 @@ def _errors(time: np.ndarray, bounds: Range, curves: Mapping[str, np.ndarray]) -
 
 
 def include_runs(bounds: xr.Dataset, runs: RunBounds, values: np.ndarray) -> xr.Dataset:
-    """Widen a bounds dataset to further runs: returns a copy whose bounds contain these, whose
-    ``argmin`` and ``argmax`` are theirs where they go farthest, and whose error (that of the
-    surrogate) is at least the distance by which the bounds missed a run, at each instant the
-    largest within 0.5 % of the duration. runs: least and largest values (n, T) of the R runs;
-    values (R, k): of the parameters in these, in their units."""
+    """Widen a bounds dataset to further runs, `argmin` and `argmax` with them; the surrogate's
+    error is at least the distance by which the bounds missed a run, within 0.5 % of the duration.
+    runs: least and largest values (n, T); values (R, k): parameters in these, in their units."""
     time, first_range = bounds["time"].values, Range(*(bounds[name].values for name in _RANGE))
     wider_range = first_range.include(
         runs.low, runs.high, values[runs.low_run], values[runs.high_run]
@@ -245,7 +242,6 @@ def include_runs(bounds: xr.Dataset, runs: RunBounds, values: np.ndarray) -> xr.
 def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
-    """Hausdorff distance (...) of intervals from reference intervals, one by one: the larger of the
-    differences of their lower bounds (`lower`, `reference_lower`) and of their upper ones (`upper`,
-    `reference_upper`); all arrays (...)."""
+    """Hausdorff distance (...) of intervals from reference intervals, one by one: the larger
+    difference of their lower and of their upper bounds."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))

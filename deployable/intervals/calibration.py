@@ -1,17 +1,12 @@
 """Which part of a box explains measured curves within their bands: set-membership calibration.
 
-A point x of the box explains a test if its curve y, after the sensor's gain g, offset o and delay
-d, comes within a band b of the measured curve m at every instant: its misfit, the largest
-|g y(t - d; x) + o - m(t)| / b, is at most 1 for some g, o, d within their limits, and for some
-start s of the test within its own. Each test's g, o, d and s are variables of that test only.
-
-Between runs, y is a polynomial of x and s, whose leave-one-out errors e(t) are known at every
-instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where (|residual| + e) /
-b <= 1 at all, it explains; between, it is undecided. Waves of runs follow in the interval hull of
-what is not excluded, where the next polynomials are less wrong (history matching, Craig et al.
-1997, with bounded errors in place of probabilities). Extremes over the hull, of a coordinate or of
-the misfit, are found by sequential linear programming with a trust region and second-order
-corrections (Fletcher and Sainz de la Maza 1989)."""
+A point x explains a test if the misfit of its curve y, the largest |g y(t - d; x) + o - m(t)| / b,
+is at most 1 for some gain g, offset o and delay d within their limits, and some start s of the
+test. Between runs, y is a polynomial with leave-one-out errors e(t): where (|residual| - e) / b > 1
+a point is excluded, where (|residual| + e) / b <= 1 at all instants it explains. Waves of runs
+follow in the interval hull of the rest (history matching, Craig et al. 1997, with bounded errors in
+place of probabilities). Extremes over the hull are found by sequential linear programming with a
+trust region and second-order corrections (Fletcher and Sainz de la Maza 1989)."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -49,13 +44,10 @@ _DEVIATIONS = 2.0  # standard deviations of such a count that are allowed for
 
 
 class Measurement(NamedTuple):
-    """Measured curves of one test, n responses at T instants.
-
-    times (T) in s; values (n, T) in the units of the responses; bands (n, T), above 0, in the same:
-    how far from each value a curve may be, to either side; limits (2, 1 + 2 n), lower and upper: of
-    the delay (s), the gain of each response, then the offset of each; axes: indices of the box's
-    coordinates on which the test depends; starts: number of unknown values of the test's own start,
-    which follow those as coordinates of its runs."""
+    """Measured curves of one test, n responses at T instants. times (T) in s; values (n, T); bands
+    (n, T): how far from each a curve may be; limits (2, 1 + 2 n), lower and upper: of the delay
+    (s), the gain, then the offset of each; axes: coordinates of the box on which the test depends;
+    starts: number of unknown values of its own start, further coordinates of its runs."""
 
     times: np.ndarray
     values: np.ndarray
@@ -71,9 +63,8 @@ class Measurement(NamedTuple):
 
 
 class TestRuns(NamedTuple):
-    """Runs of a test, and the part of its start to look in. points (N, p): coordinates of N runs,
-    -1 to 1, first of the box, then s of the test's own start; curves (N, n, R): n responses, in
-    their units, at R instants; starts (2, s): lower and upper coordinates of that part; halvings:
+    """Runs of a test. points (N, p): coordinates, -1 to 1, of the box, then s of the test's own
+    start; curves (N, n, R) at R instants; starts (2, s): part of the start to look in; halvings:
     how often the time step of these runs was halved."""
 
     points: np.ndarray
@@ -83,9 +74,8 @@ class TestRuns(NamedTuple):
 
 
 class CurveFit(NamedTuple):
-    """Polynomials fitted to the curves of a test's runs in a part of its box, `center` +- `half`
-    (p). spline: of their coefficients (terms, n) over time; indices (terms, p): degrees; errors (n,
-    T): estimated errors at the instants of the `test`."""
+    """Polynomials fitted to a test's curves in a part of its box, `center` +- `half` (p). spline:
+    of coefficients (terms, n) over time; indices (terms, p): degrees; errors (n, T), estimated."""
 
     test: Measurement
     center: np.ndarray
@@ -117,13 +107,10 @@ def fit_curves(
     test: Measurement, points: np.ndarray, curves: np.ndarray, times: np.ndarray,
     hull: np.ndarray, run_errors: np.ndarray | float = 0.0,
 ) -> CurveFit:  # fmt: skip
-    """Fit the polynomials of the total degree whose leave-one-out errors are least; the errors of
-    the result are the largest of these, with that of cubic interpolation between instants.
-
-    test: its instants are those at which the errors count; points, curves: coordinates (N, p) of
-    its runs, at least one, and their curves (N, n, R); times: recorded instants (R) in s, at least
-    four; hull: lower and upper coordinates (2, p) of the part that is fitted; runs near it count;
-    run_errors: errors (n, T) of the runs themselves, such as those of their time step."""
+    """Fit the polynomials of the total degree whose leave-one-out errors are least; its errors are
+    the largest of these, with that of interpolation between instants. points, curves: coordinates
+    (N, p) of runs, and curves (N, n, R); times: instants (R) in s, at least four; hull (2, p): the
+    part that is fitted; run_errors (n, T): of the runs themselves, as by their step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     x = (points - center) / half
     rows = np.flatnonzero((np.abs(x) <= 1.0 + 2 * _WIDER).all(axis=1))
@@ -314,17 +301,14 @@ class _Problem:
 class Calibration:
     """What of a box explains measured curves.
 
-    Misfits count in bands, the allowed deviations from a measured curve; up to 1 explains. hull (2,
-    k): lower and upper coordinates, -1 to 1, of what is not excluded; or, if the tests are refuted,
-    of what comes within the least band. starts: of each test, likewise (2, s), of the s unknown
-    values at its own start. least, attained: least misfit of any point, as it is at least and as a
-    run has it; best (k): that run's point. fractions: of the box's volume that surely explains, and
-    that is not excluded, by the surrogates' errors; samples (S, k): points that are not excluded,
-    extremes of their hull among them. runs: number made here, of all tests; worst: (test, response,
-    instant) at which the best run is farthest off; residuals: its deviations of each test, (n, T)
-    of n responses at T instants, in the responses' units; data: the runs of each test. misfits():
-    points (N, k + 1) spread over the box, with their least misfit by the surrogates last, found
-    when called."""
+    Misfits count in bands; up to 1 explains. hull (2, k): lower and upper coordinates, -1 to 1, of
+    what is not excluded; or, if the tests are refuted, of what comes within the least band. starts:
+    of each test, likewise (2, s). least, attained: least misfit of any point, as it is at least and
+    as a run has it; best (k): that run's point. fractions: of the box's volume that surely
+    explains, and that is not excluded; samples (S, k): points that are not excluded. runs: number
+    made here; worst: (test, response, instant) at which the best run is farthest off; residuals:
+    its deviations of each test, (n, T); data: the runs of each test. misfits(): points (N, k + 1)
+    spread over the box, with their least misfit last, found when called."""
 
     hull: np.ndarray
     starts: list[np.ndarray]
@@ -402,8 +386,7 @@ class _Waves:
 
     def run(self, values: np.ndarray) -> tuple[np.ndarray, float]:
         """Run all tests at the variables `values`, and keep the run if it is the nearest so far.
-        Return the values with the best-fitting ones of the sensors, and the misfit, infinite if a
-        run fails."""
+        Return them with the best values of the sensors, and the misfit, infinite if a run fails."""
         run_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, self.places, strict=True)):
             points.append(values[places[: test.dimension]])
@@ -498,9 +481,8 @@ class _Waves:
     def approach(
         self, problem: _Problem, starts: Sequence[np.ndarray]
     ) -> tuple[list[tuple[np.ndarray, float]], float]:
-        """Search the least misfits from all starts (size), and make a run at the best: values and
-        misfits that the errors allow, and the misfit of the best run in the hull, or else of this
-        one."""
+        """Search the least misfits from all starts (size), run the best; return values and misfits
+        that the errors allow, and the misfit of the best run in the hull, or else of this one."""
         plain = [problem.search(start, self.hull, PLAIN) for start in starts]
         best = min(plain, key=lambda pair: pair[1])[0]
         outer = [problem.search(values, self.hull, OUTER) for values, _ in plain]

@@ -58,12 +58,10 @@ def total_degree(order: Sequence[int] | np.ndarray) -> np.ndarray:
 
 
 def smolyak(order: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Multi-indices i (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
-    growth, sorted by total degree. They are all i with sum_j c(i_j) / order_j <= 1, c(n) being the
-    least degree whose nested rule (1, 3, 5, 9, 17, ... points) has index n: 0, 1, 1, 3, 3, 5, 5, 5,
-    5, 9, ... As c(n) <= n, all of `total_degree(order)` are among them, and i_j may exceed order_j.
-    order (k): of each direction, 0: constant (Barthelmann, Novak and Ritter 2000 with the growth of
-    Burkardt 2009: a rule grows only when it must)."""
+    """Multi-indices i (M, k) of Chebyshev products of a Smolyak sparse grid with slow growth,
+    sorted by total degree: all with sum_j c(i_j) / order_j <= 1, c(n) being the least degree whose
+    nested rule (1, 3, 5, 9, 17, ... points) has index n: 0, 1, 1, 3, 3, 5, 5, 5, 5, 9, ... order
+    (k): 0: constant (Barthelmann, Novak and Ritter 2000 with the growth of Burkardt 2009)."""
     return _within_budget(order, _nested_costs)
 
 
@@ -82,9 +80,8 @@ def count_smolyak(order: Sequence[int] | np.ndarray) -> int:
 
 
 def _nested_costs(order: int) -> dict[int, int]:
-    """Return for each index the least degree of the rule of 1, 3, 5, 9, 17, ... nested Lobatto
-    points that includes it: 0 for index 0, 1 for 1 and 2, 3 for 3 and 4, 5 for 5 to 8, 9 for 9 to
-    16, ..."""
+    """Least degree of the rule of 1, 3, 5, 9, 17, ... nested Lobatto points that includes each
+    index: 0; 1 for 1 and 2, 3 for 3 and 4, 5 for 5 to 8, 9 for 9 to 16, ..."""
     costs = {0: 0}
     for degree in range(1, order + 1):
         highest = 2 if degree < 3 else 1 << (degree - 1).bit_length()

@@ -26,12 +26,11 @@ MAX_TERMS = 10_000  # polynomials that can be fitted together on a sparse grid: 
 
 @dataclass(frozen=True)
 class Design:
-    """Points of the box at which the model is run, and the polynomials that they determine. Made by
-    `make_design`. points (N, k): normalized parameters in [-1, 1]; multi_indices (M, k): degrees of
-    the M <= N Chebyshev products, (0, k) for a scan without surrogate; method: how the points were
-    chosen, a name in `METHODS`, "adaptive" or "own" (a user's); order (k): polynomial order by
-    direction, 0 where the interval has no width; lines: k arrays (n_j + 1) of coordinates, if the
-    points are a full tensor grid in the order of `multi_indices`, else None."""
+    """Points at which the model is run, and the polynomials they determine; made by `make_design`.
+    points (N, k) in [-1, 1]; multi_indices (M, k): degrees of the Chebyshev products, (0, k) for a
+    scan; method: a name in `METHODS`, "adaptive" or "own" (a user's); order (k): by direction;
+    lines: k arrays (n_j + 1) of coordinates of a full tensor grid in the order of `multi_indices`,
+    else None."""
 
     points: np.ndarray
     multi_indices: np.ndarray
@@ -231,11 +230,10 @@ METHODS: dict[str, Method] = {
 def scan_points(
     free: np.ndarray, samples: int = 1024, *, seed: int = 0, corners: bool = True
 ) -> np.ndarray:
-    """Make points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
-    sequence; a single point, 0, where no direction has a width. free (k): mask of the directions
-    with a width, the others stay at 0; seed: of the sequence's scrambling; corners: whether they
-    are wanted; they are left out, too, where they would be more than half of the samples. A longer
-    sample with the same seed contains the shorter one, unless only it has corners."""
+    """Points (samples, k) of [-1, 1]^k: the corners (if wanted, and no more than half), then a
+    Sobol sequence; a single 0 where no direction has a width. free (k): mask; seed: of the
+    scrambling. A longer sample with the same seed contains the shorter one, unless only it has
+    corners."""
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     free = np.asarray(free, dtype=bool)
@@ -277,10 +275,9 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 
 
 def fit(design: Design, values: np.ndarray) -> Surrogate:
-    """Fit the polynomials of `design` to `values` (N, ...) of runs at its N points, in their order;
-    returns a `Surrogate`. IntervalError for values that are not finite, a design without order, or
-    points that do not determine all coefficients. Tensor grids take one small matrix for each
-    direction; other designs least squares by QR factorisation."""
+    """Fit the polynomials of `design` to `values` (N, ...) of runs at its points, in order.
+    IntervalError for values that are not finite, no order, or undetermined coefficients. Tensor
+    grids take one small matrix for each direction; others least squares by QR factorisation."""
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.run_count,):
         raise IntervalError("values", values.shape, f"{design.run_count} rows, one for each point")

@@ -1,10 +1,9 @@
 """Guaranteed outer enclosures of polynomials in several variables.
 
 `effects_enclosure` and `grid_enclosure` need no subdivision. `tighten` takes the Bernstein form: a
-polynomial on a patch lies between its least and its largest coefficient, and the coefficients at
-the vertices are its values there. Halving patches makes the enclosure sharp at a quadratic rate,
-and a patch that cannot beat the best value known is dropped (Garloff 1985; Smith 2009). Where the
-extreme value sits in a corner, as for monotone responses, one patch is enough."""
+polynomial on a patch lies between its least and its largest coefficient. Halving patches is sharp
+at a quadratic rate, and a patch that cannot beat the best value known is dropped (Garloff 1985;
+Smith 2009)."""
 
 from functools import cache
 from math import comb
@@ -19,11 +18,9 @@ _CHUNK = 1 << 23
 
 
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bound T polynomials on [-1, 1]^k: returns lower and upper bounds (T), by exact ranges of the
-    main effects and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k):
-    degrees of the Chebyshev products. p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the
-    range of a sum of functions of different variables is the sum of their ranges. Sharp where
-    interactions are small, and cheap."""
+    """Bound T polynomials on [-1, 1]^k, lower and upper (T), by exact ranges of the main effects
+    and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k): degrees of the
+    Chebyshev products. Sharp where interactions are small, and cheap."""
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)
     lower, upper = c[active == 0].sum(axis=0), c[active == 0].sum(axis=0)
@@ -89,11 +86,10 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 def tighten(
     dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tighten upper bounds of T polynomials p over [-1, 1]^k by subdivision of the box. dense (n_1
-    + 1, ..., n_k + 1, T): Chebyshev coefficients by degree; inner (T): values that p attains; outer
-    (T): upper bounds; tolerance (T): gap of both at which to stop. Returns new upper bounds (T),
-    the largest values seen at vertices (T), -inf where none exceeds `inner`, and their points (T,
-    k). Polynomials of a degree above 12, or of too many coefficients, keep their bounds."""
+    """Tighten upper bounds of T polynomials over [-1, 1]^k by subdivision. dense (n_1 + 1, ..., n_k
+    + 1, T): coefficients by degree; inner, outer (T): attained, upper bounds; tolerance (T): gap at
+    which to stop. Returns upper bounds (T), largest values at vertices (T), -inf where none exceeds
+    `inner`, and where (T, k). Degrees above 12, or too many coefficients, keep their bounds."""
     degrees = np.array(dense.shape[:-1]) - 1
     size = int(np.prod(degrees + 1))
     outer = outer.copy()

@@ -1,16 +1,8 @@
 """Errors of the bounds, estimated from runs that the surrogate has not seen and its coefficients.
 
-What counts is the point-wise error of the surrogate: if |f - s| <= e over the box, the bounds of s
-are within e of those of f (Hausdorff distance). It is estimated, at every instant, by the larger of
-
-- the largest |f - s| over the held-out runs (blind between them), and
-- the tail that the decay of the Chebyshev coefficients predicts (blind to what the nodes miss),
-  unless there are enough held-out runs to overrule it (see `limit_decay`),
-
-and then widened in time: the largest estimate within a short window counts. Two oscillations that
-differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
-a window of half a period or more cannot. Neither a comparison of two orders nor a count of samples
-outside the bounds is used: near collisions both saw nothing of errors of a tenth of the width."""
+If |f - s| <= e over the box, the bounds of s are within e of those of f (Hausdorff distance); how e
+is estimated: docs/intervals.md. Neither a comparison of two orders nor a count of samples outside
+the bounds is used: near collisions both saw nothing of errors of a tenth of the width."""
 
 from dataclasses import dataclass
 
@@ -36,12 +28,10 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Fraction of the volume of the box of parameters where the model, at one instant, is outside
-    the range of `runs` runs (their least to largest value), if these were drawn at random: its mean
-    (confidence None), or its upper limit at a confidence (0 to 1); 1 for fewer than two runs. By
-    order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws has
-    the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution of
-    2 and N - 1, with the mean 2 / (N + 1)."""
+    """Fraction of the box's volume where the model, at one instant, is outside the range of `runs`
+    random runs: its mean (confidence None), or its upper limit at a confidence (0 to 1); 1 for
+    fewer than two. Whatever the model (Wilks 1941), it has the beta distribution of 2 and N - 1,
+    with the mean 2 / (N + 1)."""
     if runs < 2:
         return 1.0
     if confidence is None:
@@ -50,10 +40,9 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
 
 
 def extrapolate_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
-    """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
-    when its mesh or step is halved: the sum of this and all further changes, with the sign of
-    `change`. ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc.
-    A 210 (1911) 307), clipped to 2 to 16 (RATIOS); None or NaN: unknown, taken as 2."""
+    """Discretization error (...) by Richardson extrapolation, from the `change` (...) of a result
+    when its mesh or step is halved, with its sign. ratio (...): of successive changes, 2**p at
+    order p (Phil. Trans. R. Soc. A 210 (1911) 307), clipped to 2 to 16 (RATIOS); NaN or None: 2."""
     least, most = RATIOS
     ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
     ratio = np.clip(ratios, least, most)
@@ -61,9 +50,8 @@ def extrapolate_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np
 
 
 def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
-    """Ratio (...) of two successive changes of a result as its mesh or step is halved twice: sizes
-    `change` (...) of the first, over `finer_change` (...) of the second; NaN where both are zero or
-    one is not known, infinite where only the second is zero."""
+    """Ratio (...) of two successive changes of a result as its mesh or step is halved twice; NaN
+    where both are zero or one is not known, infinite where only the second is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(change, finer_change)
 
@@ -83,27 +71,23 @@ class ErrorEstimate:
 def estimate_error(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`,
-    from runs that were not fitted, and `decay`, from coefficients. The result's `total` is the
-    larger of both, widened at each instant to the largest within `window` (half width, s; None: 0.5
-    % of the duration)."""
+    """Combine error estimates (..., T) of a surrogate: `held_out`, of runs not fitted, and `decay`,
+    of coefficients. `total` is the larger, widened to the largest within `window` (half width, s;
+    None: 0.5 % of the duration)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
 def estimate_decay(
     surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
 ) -> np.ndarray:
-    """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients:
-    the size of the first neglected ones, an error estimate of the polynomial over the box.
+    """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients.
 
-    In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
-    extrapolated from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
-    places at a time, since odd or even functions have every second coefficient zero. Where total
-    degree limits the basis, its shells stand for all directions at once.
+    In each direction the shells S_l = sum of |c_i| with i_j = l give the next two, S_(n+2) = S_n
+    S_n / S_(n-2): two places at a time, since odd or even functions have every second coefficient
+    zero. Where total degree limits the basis, its shells stand for all directions at once.
 
     time (T): instants (s) of the last axis, or None. With it, the largest coefficients within
-    `window` (half width, s; None: 0.5 % of the duration) count: one that passes through zero would
-    pretend a decay, or hide one."""
+    `window` (half width, s; None: 0.5 % of the duration) count."""
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
         c = widen(time, c, window)
@@ -127,16 +111,13 @@ def limit_decay(
     window: float | None = None,
 ) -> np.ndarray:
     """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
-    and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs,
-    which were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T):
-    instants, s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the
-    duration.
+    and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs;
+    residuals (R, ..., T): their values less the polynomial's; time (T): instants, s; window: half
+    width (s) of the time in which the largest counts, None: 0.5 % of the duration.
 
-    A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
-    that is exact then has a tail as large as its last coefficients. But the next two coefficients
-    along each direction follow from the residuals, if there are enough runs to determine them. Then
-    the tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the sum of their sizes and the
-    largest residual; with fewer runs it stays as it is."""
+    The tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the largest residual and the sizes
+    of the next two coefficients along each direction, as the residuals determine them; with too few
+    runs for that it stays as it is (docs/intervals.md)."""
     highest = surrogate.degrees
     next_two = [
         np.where(np.arange(len(highest)) == j, highest[j] + excess, 0)
@@ -159,10 +140,8 @@ def limit_decay(
 
 def power_mean(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
-    leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
-    that vary). Any run may be next to the point that decides, and runs were placed where the fit
-    was in doubt, so that a mean counts. In more than 3 directions (`MAX_DIRECTIONS`), where few
-    corners have runs, the largest counts."""
+    leave-one-out errors `left_out` (N, ...), the power being the number of `directions`, as any run
+    may be next to the point that decides; the largest in more than 3 (`MAX_DIRECTIONS`)."""
     size = np.abs(left_out)
     if directions > MAX_DIRECTIONS:
         return size.max(axis=0)

@@ -48,9 +48,8 @@ def polynomial(surrogate: Surrogate) -> "Formula":
 def cubes(
     points: np.ndarray, scales: np.ndarray, weights: np.ndarray, linear: np.ndarray
 ) -> "Formula":
-    """Write a cubic spline as a table that other programs can evaluate: a linear function plus, for
-    each of N points, its weight times the cubed distance from it. points (N, k), weights (N);
-    scales (k): factors by which the differences in each direction are multiplied before the
-    distance is taken; linear (1 + k): the constant, and the slope in each direction."""
+    """A cubic spline as a table: a linear function plus, for each of N points, its weight times the
+    cubed distance from it. points (N, k), weights (N); scales (k): factors of the differences
+    before the distance is taken; linear (1 + k): the constant, and the slopes."""
     indices = np.concatenate([np.zeros((1, len(scales)), int), np.eye(len(scales), dtype=int)])
     return Formula(indices, linear, points, scales, weights, "cube")

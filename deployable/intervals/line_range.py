@@ -1,12 +1,10 @@
 """Exact range of one-dimensional Chebyshev sums, thousands of them at once.
 
-With x = cos(t) a Chebyshev sum is the cosine sum g(t) = sum_k c_k cos(k t), whose derivatives have
-the plain bounds |g'''| <= sum_k k^3 |c_k|. Branch and bound over cells of [0, pi] uses them: a cell
-is closed when its Taylor bound cannot exceed the best value found, when g is monotone or convex on
-it (then its ends, which are evaluated, hold the maximum), or when g is so surely concave that
-Newton's iteration finds its one maximum. Every cell ends in one of these ways, so no extreme value
-is missed: the result is as exact as the eigenvalues of the colleague matrix (Trefethen 2013,
-chapter 18) but needs no division by the leading coefficient and costs far less."""
+With x = cos(t) a sum is g(t) = sum_k c_k cos(k t), with |g'''| <= sum_k k^3 |c_k|. Branch and bound
+over cells of [0, pi]: a cell is closed when its Taylor bound cannot exceed the best value found,
+when g is monotone or convex on it, or so surely concave that Newton's iteration finds its one
+maximum. The result is as exact as the eigenvalues of the colleague matrix (Trefethen 2013, chapter
+18)."""
 
 from math import factorial
 
@@ -17,10 +15,9 @@ _ROUNDS = 60
 
 
 def line_range(coefficients: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Find the least and largest value on [-1, 1] of T Chebyshev sums of degree n, of coefficients
-    (n + 1, T); leading zeros and constant sums are allowed. Returns low, high, x_low, x_high,
-    rounding_error, (T) each: the extreme values, attained at the arguments x to rounding; no value
-    lies outside [low - rounding_error, high + rounding_error]."""
+    """Least and largest value on [-1, 1] of T Chebyshev sums, coefficients (n + 1, T): low, high,
+    x_low, x_high, rounding_error, (T) each, attained at x to rounding; no value lies outside [low -
+    rounding_error, high + rounding_error]."""
     c = np.asarray(coefficients, dtype=float)
     degree, total = c.shape[0] - 1, c.shape[1]
     ranges = np.empty((5, total))

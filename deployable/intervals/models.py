@@ -85,10 +85,8 @@ class Model:
 
 class PolynomialModel(Model):
     """Chebyshev polynomials fitted to the runs of `samples` at the points of `design`, with an
-    enclosed range; all other runs test them: the error is the larger of the residuals there and the
-    neglected tail of coefficients, and the error of what a spline predicts where runs of the design
-    failed. tolerance: gap of enclosure and attained range at
-    which to stop, as a fraction of the latter's width."""
+    enclosed range; all other runs test them (docs/intervals.md). tolerance: gap of enclosure and
+    attained range at which to stop, as a fraction of the latter's width."""
 
     kind = "enclosed range of the polynomial"
 
@@ -140,11 +138,9 @@ class PolynomialModel(Model):
 class ScanModel(Model):
     """Bounds by all runs, without a fit, whatever the design (ignored); they may exceed the memory.
 
-    The bounds grow with every run and are never wider than the true ones. How much they grew from
-    the first half of the runs to all of them is their error: an estimate of what is still missing,
-    no limit. How much they grew with the last quarter alone is in the dataset too, and which share
-    of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
-    Samples are read in chunks of runs, unless the dataset has the extremes of each quarter."""
+    The error, by how much the bounds grew from the first half of the runs to all, is an estimate of
+    what is still missing, no limit (docs/intervals.md). Samples are read in chunks, unless the
+    dataset has the extremes of each quarter."""
 
     kind = "least and largest sample"
 
@@ -190,15 +186,10 @@ class SplineModel(Model):
     """One spline through all runs (`samples`), whatever their role, as a model of the responses.
 
     Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
-    The error is what a run and the spline through all the others differ by (its left-out error):
-
-    - the largest over the runs inside the box and those that `design`, if given, does not contain
-      (there the spline need not extrapolate), and in several directions over the runs next to where
-      each bound is attained, one more than there are directions;
-    - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions, instead a power mean over all of them (`estimates.power_mean`).
-
-    Added is the largest difference between a run and the spline through all."""
+    The error is that of left-out runs inside the box, of those that `design`, if given, does not
+    contain, and in several directions of those next to where each bound is attained; of an
+    "adaptive" design in up to three directions a power mean over all (docs/intervals.md). Added is
+    the largest difference between a run and the spline."""
 
     kind = "attained range of a spline through all runs"
 
@@ -285,14 +276,10 @@ class AlignedModel(Model):
     """Splines through all runs (`samples`), aligned at the events that they share (alignment.py).
 
     Where some runs lack an event, or have two in another order, the runs are split by that if the
-    parts predict left-out runs better; bounds are then the hull of the parts. Bounds contain every
+    parts predict left-out runs better; bounds are then the hull of the parts, and contain every
     run. Behind `end_time`, where the last stretch of some runs has ended, they are those of the
-    runs, and their width, at most within a time as long, is the error.
-    The error is what the bounds become with left-out errors of the mapped curves, of the runs near
-    each place, and with what is near the borders of parts; and their change within the left-out
-    error of event times, of the runs near the place of the bound. Where an
-    event of part of the box does not split the runs, it is at least the difference across its
-    border. Where margins tell that no run is behind a border, it is all that runs move."""
+    runs, and their width is the error. Otherwise what makes up the error is told in
+    docs/curves-through-events.md."""
 
     kind = "attained range of splines through all runs, aligned at their events"
 

@@ -15,10 +15,9 @@ from .line_range import line_range
 
 @dataclass(frozen=True)
 class Range:
-    """Outer and inner range over the box of what a model gives, whose arrays (responses, instants)
-    have the shape (...). lower, upper (...): the bounds, guaranteed where the model can be
-    enclosed, else the attained ones; inner_lower, inner_upper (...): attained ones, which the model
-    takes at `argmin` and `argmax` (..., k), normalized parameters in [-1, 1]."""
+    """Outer and inner range over the box of what a model gives, arrays of one shape (...). lower,
+    upper: guaranteed where the model can be enclosed; inner_lower, inner_upper: attained at
+    `argmin` and `argmax` (..., k) in [-1, 1]."""
 
     lower: np.ndarray
     upper: np.ndarray
@@ -77,11 +76,10 @@ def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:
 
 
 def find_surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
-    """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range, arrays of
-    the shape of its values. tolerance: gap of both, over the attained width, that is small enough.
-    In one dimension (or where only one direction matters) it is exact to rounding. In several, the
-    outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
-    (`find_inner_range`); subdivision ends where the gap is small enough or its budget is spent."""
+    """Bound a polynomial surrogate over [-1, 1]^k. tolerance: gap of enclosed and attained range,
+    over the latter's width, that is small enough. Exact in one dimension; in several the outer
+    range is the tightest of `enclosures`, the inner one of `find_inner_range`, and subdivision goes
+    on until its budget is spent."""
     indices = surrogate.multi_indices
     shape = surrogate.coefficients.shape[1:]
     k = indices.shape[1]
@@ -156,9 +154,8 @@ def find_inner_range(
 
 
 def sample_points(degrees: np.ndarray) -> np.ndarray:
-    """Points (P, k) in [-1, 1]^k from which extreme values of polynomials are sought; degrees (k):
-    highest ones in each direction. The Lobatto grid of twice the degrees; where that has more than
-    1024 points, random ones of it, with corners and centre."""
+    """Points (P, k) in [-1, 1]^k from which extremes of polynomials of these degrees (k) are
+    sought: the Lobatto grid of twice the degrees, at most 1024 of it, with corners and centre."""
     free = degrees > 0
     nodes = [lobatto(2 * int(n)) for n in degrees]
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:

@@ -15,10 +15,9 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 @dataclass(frozen=True)
 class BoundPoints:
-    """A few `points` (P, k) in [-1, 1]^k that stand for all points where bounds are attained: runs
-    are repeated there with a finer mesh or step, for the error of the bounds. `lower`, `upper` (n,
-    T): index in `points` of the point nearest to where the lower, or the upper, bound of each of n
-    responses at T instants is attained."""
+    """A few `points` (P, k) in [-1, 1]^k that stand for all where bounds are attained, to repeat
+    runs there. `lower`, `upper` (n, T): index of the point nearest to where the lower, or upper,
+    bound of each response is attained at each instant."""
 
     points: np.ndarray
     lower: np.ndarray
@@ -35,11 +34,9 @@ class BoundPoints:
 def choose_bound_points(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
 ) -> BoundPoints:
-    """Choose at most `count` points that stand for where bounds are attained, to repeat runs there
-    with a finer mesh. argmin, argmax (n, T, k) in [-1, 1]^k: where the bounds of n responses are
-    attained at T instants; width (n, T): upper less lower bound. Chosen one after the other from
-    these points, each so that the distances from all of them to the nearest chosen one fall most,
-    weighted by the width at the instant over the response's mean width."""
+    """Choose at most `count` points that stand for where bounds are attained. argmin, argmax (n, T,
+    k) in [-1, 1]^k: where; width (n, T): upper less lower. Each is chosen so that the distances
+    from all to the nearest chosen one fall most, weighted by the width over the response's mean."""
     mean = width.mean(axis=1, keepdims=True)
     weight = np.divide(width, mean, out=np.zeros_like(width), where=mean > 0)
     t = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))

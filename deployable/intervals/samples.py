@@ -21,9 +21,8 @@ _BOUND_NAMES = ("lower", "upper", "lower_run", "upper_run")
 
 @dataclass(frozen=True)
 class RunBounds:
-    """Least and largest values of a stream of runs, merged batch by batch: `low`, `high` (...), for
-    each response and instant, and `low_run`, `high_run` (...), the indices of the runs that have
-    them; of equal values the least index, so that neither order nor grouping of runs matters."""
+    """Least and largest values of a stream of runs: `low`, `high` (...), and `low_run`, `high_run`
+    (...), the runs that have them; of equal values the least index, whatever the grouping."""
 
     low: np.ndarray
     high: np.ndarray
@@ -122,9 +121,8 @@ class Samples:
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[RunBounds | None]:
-        """Iterate over the four quarters of the runs: least and largest values (n, T) of each, None
-        for one without runs; from the dataset if it stores them, else from the runs in chunks.
-        Raises IntervalError if a response is not finite."""
+        """Least and largest values (n, T) of each quarter of the runs, None for one without runs;
+        from the dataset if it stores them. IntervalError if a response is not finite."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _BOUND_NAMES]
             quarters = (RunBounds(*quarter) for quarter in zip(*arrays, strict=True))
@@ -166,11 +164,10 @@ def add_runs(
     samples: xr.Dataset, points: np.ndarray, values: np.ndarray, curves: np.ndarray,
     events: np.ndarray, event_margins: np.ndarray,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a samples dataset with r further runs. points, values (r, k): where they are,
-    normalized and in the parameters' units; curves (r, n, T): their responses; events (r, e, 3):
-    time (s), what, and which way, of each event, padded with NaN; event_margins (r, c): by how much
-    the first event of each of c kinds occurs, if the samples have these. Other variables of the
-    runs than these and their role are left out."""
+    """Samples dataset with r further runs. points, values (r, k): normalized and in units; curves
+    (r, n, T); events (r, e, 3): time (s), what, and which way, padded with NaN; event_margins (r,
+    c): of the first event of each kind, if the samples have these. Other variables of runs are left
+    out."""
     import xarray as xr
 
     extension = {

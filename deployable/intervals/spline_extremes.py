@@ -120,10 +120,9 @@ def _best_of(spline, flat, trial, count) -> np.ndarray:
 
 
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
-    """Return maxima (T) and their points (T, k) inside the box after at most `_STEPS` Newton steps,
-    with positive curvatures reversed. The radius that limits a step is quartered if the step gains
-    nothing, and doubled otherwise. The search ends when a step gains no more than rounding,
-    relative to the runs' `spread` (T)."""
+    """Maxima (T) and their points (T, k) inside the box by at most `_STEPS` Newton steps, positive
+    curvatures reversed, the radius quartered without gain, else doubled, until a step gains no more
+    than rounding, relative to the runs' `spread` (T)."""
     free = np.flatnonzero(spline.scales > 0)
     half = spline.scales[free]
     x, columns = start.copy(), np.arange(len(start))

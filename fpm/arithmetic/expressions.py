@@ -291,8 +291,7 @@ def _power(base: Dimension, exponent: Dimension, value: Evaluator | None) -> Dim
 
 
 def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension:
-    """Return the dimension of a function's value from those of its own; zero: the last is plainly
-    0."""
+    """Return the dimension of a function's value; zero: its last argument is plainly 0."""
     if name in _OF_VECTORS:
         return _of_vectors(name, values, zero)
     if vector := next((value for value in values if value.vector), None):
@@ -327,8 +326,7 @@ def _of_vectors(name: str, values: list[Dimension], zero: bool) -> Dimension:
 
 
 def _vector_dimension(values: list[Dimension]) -> Dimension:
-    """Return the dimension of a vector of three numbers; plain ones are in SI units, as in
-    points."""
+    """Return the dimension of a vector of three numbers; plain ones are in SI units."""
     if vector := next((value for value in values if value.vector), None):
         raise ExpressionError(f"a vector [x, y, z] is of numbers, not of {vector}")
     numbers = [value for value in values if not value.bare] or values

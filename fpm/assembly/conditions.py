@@ -147,8 +147,7 @@ class Conditions(NamedTuple):
         return self.jacobian(poses, form), curvature
 
     def jacobian(self, poses: ParticlePoses, form: Form = sparse):
-        """Return derivatives (c, 6n) of the conditions by motions (m, rad) of the n particles at
-        poses. form: of the matrix (`sparse`, `full`)."""
+        """Return derivatives (c, 6n) of the conditions by motions (m, rad) of n particles."""
         rows = self._rows(*self._ends(poses))
         shape = len(rows), 6 * len(poses.position)
         return form(rows, np.arange(len(rows))[:, None], dofs_of(self.pairs), shape)
@@ -158,8 +157,7 @@ class Conditions(NamedTuple):
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """Return, in global axes, both particles' directions and arms, and the offset of the points
-        (..., c, 3)."""
+        """Directions and arms of both particles, and offset of the points (..., c, 3), global."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)

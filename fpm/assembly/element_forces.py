@@ -168,8 +168,7 @@ class BalanceForces:
         return bars, max(sizes, default=0.0), np.abs([scales * f for f, _ in pairs]).max(axis=0)
 
     def follow(self, poses: ParticlePoses) -> None:
-        """Move the elements on to `poses`, where those with memory, as bristles with a deflection
-        or full turns, start next time."""
+        """Move the elements on to `poses`, from where those with memory start next time."""
         for source in self.sources:
             source.forces(poses)
 

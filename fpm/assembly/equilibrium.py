@@ -78,8 +78,7 @@ def _forces_at_start(scene) -> BalanceForces:
 
 
 def _springs_at_start(scene) -> dict[type[Any], list]:
-    """Return, by type, the springs that replace elastic motors and releases at the start; those
-    with backlash become two stops."""
+    """Return, by type, springs (with backlash, stops) in place of elastic motors and releases."""
     springs = [TorsionSpring(r.hinge, r.stiffness, r.hold) for r in Release.find(scene)]
     stops = []
     for motor in Motor.find(scene):

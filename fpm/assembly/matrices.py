@@ -22,8 +22,7 @@ def sparse(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tup
 def full(
     values: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
 ) -> np.ndarray:
-    """Return an array of a shape, summed from entries as in `sparse`: of few particles several
-    times as fast."""
+    """Return an array, as `sparse`: of few particles several times as fast."""
     places = (shape[1] * rows + columns).ravel()
     return np.bincount(places, values.ravel(), shape[0] * shape[1]).reshape(shape)
 

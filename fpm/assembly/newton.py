@@ -1,13 +1,7 @@
 """Newton's method for static balance with closed joints: its linear equations, and masses.
 
-Of the strain energy U and what else is in balance, with the conditions g of the joints, G = dg,
-
-    (H + ε M) d + G'λ' = -(dU + G'λ),   G d - δ λ' = -g,   H = d(dU + G'λ)
-
-λ' being the change of the impulses λ. What strains nothing, as a mechanism's own motion, is decided
-by the masses, ε M. δ lets conditions be redundant, as in loops of rigid bodies; where they
-contradict each other, nothing converges. (Proximal method of multipliers: Rockafellar, Math. Oper.
-Res. 1 (1976) 97.)"""
+Theory: docs/mechanics.md, "Parts that are forced together" (proximal method of multipliers:
+Rockafellar, Math. Oper. Res. 1 (1976) 97)."""
 
 import numpy as np
 

@@ -1,22 +1,10 @@
 """Search of a stable static balance of a scene, the joints closed, downhill in energy.
 
-First open joints are closed by Newton's method, without what makes the energy concave. Then, from
-position to position,
-
-    dU(x) + G'λ + ε M (x - x₀) = 0,   g(x) = 0
-
-is solved by Newton's method: the implicit Euler step of a motion down the slope of the potential
-energy U against a drag M in proportion to the masses (pseudo-transient continuation: Kelley and
-Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Turns, as rotation vectors, are dragged as shifts by the
-size are, about all axes alike: with their inertias, a slender body that spins about its own axis,
-at next to no cost, has U + ε M (x - x₀)²/2 without a minimum unless ε is large. ε falls while that
-succeeds, so that the steps become Newton's own; it grows where Newton's method does not converge,
-moves too far, or comes to what is no minimum of U + ε M (x - x₀)²/2 less than at x₀. What U changes
-by is the strain energy of bars, less the work of all other forces on the way, which need no
-potential.
-
-Where U falls from the position that was come to, along a motion that keeps the joints closed, this
-snaps: both sides are followed downhill, and the lower end is taken if they differ."""
+Theory: docs/mechanics.md, "Parts that are forced together" (pseudo-transient continuation: Kelley
+and Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Joints are closed first. Then the search goes from
+position to position against a drag ε M (x - x₀), and ε falls while that succeeds, so that the steps
+become Newton's own. Where the end is unstable, both sides are followed downhill, and the lower end
+is taken if they differ."""
 
 from collections.abc import Mapping, Sequence
 from copy import copy
@@ -121,8 +109,7 @@ class RestSearch:
         self.hinges, self.open_before = list(scene.hinges), self._worst(self._start)
 
     def relax(self) -> tuple[ParticlePoses, int]:
-        """Return the stable poses, and number of positions; raises MisfitError where none are
-        found."""
+        """Return the stable poses, and number of positions; else MisfitError."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
             return self._start, 0
         start, rounds = self._close(self._start, relaxes=True)
@@ -174,8 +161,7 @@ class RestSearch:
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
     def _differ(self, sides: Sequence[tuple]) -> bool:
-        """Return whether both sides, lower first, end in different poses with the same loss of
-        energy."""
+        """Whether both sides, lower first, end apart with the same loss of energy."""
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= -SAME_TOL * low and shift > SAME_TOL * self._size
@@ -192,8 +178,7 @@ class RestSearch:
         return float(np.abs(self._lacks(poses)).max(initial=0.0))
 
     def _close(self, poses, relaxes: bool = False) -> tuple[ParticlePoses, int]:
-        """Poses next to these at which the joints are closed, if there are any, and the number of
-        rounds; relaxes: where forces on the way are small."""
+        """Return poses at which the joints are closed, and rounds; relaxes: forces are small."""
         impulses = self._no_gaps
         for count in range(CLOSINGS if len(self._free) else 0):
             if self._gap(poses) <= GAP_TOL:
@@ -212,8 +197,7 @@ class RestSearch:
         return poses, CLOSINGS
 
     def _lead(self, poses, impulses, count: int):
-        """Return balanced poses with the openings moved to their held values, the impulses there,
-        and the number of positions."""
+        """Return balanced poses with the held openings, impulses there, and positions."""
         hinges = self._scene.hinges
         changes = [self._targets.get(h.name, h.opening) - h.opening for h in hinges]
         lengths = [
@@ -334,8 +318,7 @@ class RestSearch:
         return None, EASE_INCREASE
 
     def _falls(self, first, trial, ease: float) -> bool:
-        """Return whether the energy falls from first to last poses, and by as much as the drag
-        takes."""
+        """Whether the energy falls from first to last poses, by as much as the drag takes."""
         last, _, motion = trial
         if np.abs(motion).max(initial=0.0) <= SMALL:
             return True
@@ -351,8 +334,7 @@ class RestSearch:
         return poses
 
     def _follow(self, poses, impulses, step):
-        """Stable poses downhill of unstable ones to a motion's side, by how much energy, and the
-        rounds; None: none."""
+        """Stable poses downhill to a motion's side, by how much energy, rounds; or None."""
         count, start, hinges, memory = 0, poses, self.hinges, self._balance.memory()
         try:
             for _ in range(FALLS):

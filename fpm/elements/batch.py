@@ -132,8 +132,7 @@ class Batch:
         return self._blocks[-1][first : first + count].reshape(rows, columns, WIDTH)
 
     def filled_blocks(self) -> list[np.ndarray]:
-        """Return the memory of all arrays that `blank` and `stack` have returned so far, as few
-        flat arrays."""
+        """Return the memory of all arrays made so far, as few flat arrays."""
         return [*self._blocks[:-1], self._blocks[-1][: self._end]]
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
@@ -177,8 +176,7 @@ class Batch:
         return self.accounts.index(kind.gives)
 
     def loss_account(self, kind: type[Any]) -> int:
-        """Return the column of World.accounts (energies given and taken since the start) for the
-        energy (J) that elements of type `kind` take out."""
+        """Return the column of World.accounts for the energy (J) that `kind` takes out."""
         return self.accounts.index(kind.takes)
 
     def peaks_of(self, kind: type) -> np.ndarray:
@@ -323,8 +321,7 @@ def join_particles(scenes: Sequence[SceneData]) -> SimpleNamespace:
 
 
 def _state(scene: SceneData, inertia: np.ndarray) -> np.ndarray:
-    """Return the state (n, STATE) of a scene's particles at its start. inertia (n, 3) kg m²: their
-    effective moments of inertia."""
+    """Return the state (n, STATE) of particles at their start, by their effective inertias."""
     state = np.zeros((len(scene.position), layout.STATE))
     state[:, layout.X : layout.X + 3] = scene.position
     state[:, layout.D2 : layout.D2 + 3] = scene.frame[:, :, 1]

@@ -9,8 +9,7 @@ _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 def cross(a, b) -> np.ndarray:
-    """Return vector products (..., 3) of a and b, both (..., 3), real or complex, as numpy.cross,
-    only faster."""
+    """Return vector products (..., 3) of a and b, as numpy.cross, only faster."""
     a, b = np.asarray(a), np.asarray(b)
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()

@@ -92,8 +92,7 @@ class Gate(NamedTuple):
 
     @property
     def is_sharp(self) -> bool:
-        """Whether the event occurs at this opening or not at all: a latch with a reach and a
-        largest rate catches later, too."""
+        """Whether it occurs here or never; with reach and largest rate it catches later, too."""
         return not (self.reach and self.largest_rate)
 
 
@@ -133,14 +132,7 @@ BATCH_ARRAYS = {
 
 class ElementType:
     """Base class of an element type. A subclass overrides what it provides; every attribute has a
-    neutral default. stores, gives, takes: energies that its elements store, give as work, take out
-    (Energy; None: none; types with the same share an account); events: names of its events;
-    watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
-    acts_as: component ("spring", ...) to which its moments on joints are recorded; joins: whether
-    each element joins its `particles`; moves_free: whether it moves all particles that no other
-    type moves; resists_as: class of resistance ("FR", "S", ...: ECSS) in slow motions (fpm/travel),
-    "": none; has_memory: whether forces depend on the way to where they act; noun: its word in
-    messages; cost: core time (ns) of an element in a step of eight runs side by side."""
+    neutral default."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `sum_energies`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -182,8 +174,7 @@ class ElementType:
                 raise SceneError(self.subject(scene, key), value, key.allowed)
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
-        """Check that an index `value` in a field exists in the list `field.group` of the scene, or
-        is `field.least`, -1; else SceneError."""
+        """Check that an index is in the scene's list `field.group`, or `field.least`."""
         count = len(getattr(scene, field.group))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
@@ -212,16 +203,14 @@ class ElementType:
         return tuple(getattr(self, name) for name, field in fields if field.is_topology)
 
     def acts_on(self) -> tuple[int, ...]:
-        """Return the indices of the hinges of the scene on whose joint coordinates (angles, or
-        lengths of slides) the element acts; by default none."""
+        """Return the indices of the hinges on whose openings the element acts."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
     def reads_in(cls, scene: SceneData) -> tuple[type["ElementType"], ...]:
-        """Return the types whose arrays this type's kernels need in every step of a scene: `reads`;
-        overridden where only some elements need them."""
+        """Return the types whose arrays its kernels need in every step of a scene."""
         return cls.reads
 
     @classmethod
@@ -255,8 +244,7 @@ class ElementType:
 
     @classmethod
     def moved_particles(cls, scene: SceneData) -> list[int]:
-        """Return the indices of the particles of a scene that this type's kernels move themselves,
-        so that the time loop must not; by default none."""
+        """Return the particles of a scene that the type's kernels move themselves."""
         return []
 
     @classmethod

@@ -86,8 +86,7 @@ class Outcome(Curves):
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest error in axes (t,), sine, of hinges solved alone (`are_alone`) at the recorded
-        instants; of others: `records["joint_axis_gap"]`."""
+        """Largest error in axes (t,), sine, of them; else `records["joint_axis_gap"]`."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:

@@ -218,8 +218,7 @@ _NUMBERS: dict[str, tuple[Callable[[Any], Any], str, str]] = {
 
 
 def _variable(dims, values, unit, long_name, **extra) -> NetcdfVariable:
-    """Make a variable of numbers, without units if `unit` is "", as for columns with several
-    units."""
+    """Make a variable of numbers, without units if `unit` is ""."""
     dims = (dims,) if isinstance(dims, str) else dims
     units = {"units": unit} if unit else {}
     return NetcdfVariable(dims, np.asarray(values), {**units, "long_name": long_name, **extra})
@@ -258,8 +257,7 @@ def _energies(outcomes) -> dict[str, NetcdfVariable]:
 
 
 def _record_variables(outcomes, columns) -> dict[str, NetcdfVariable]:
-    """Return the variables that the kinds in the scene recorded, with their coordinates: those of
-    which a label is among the columns."""
+    """Return what kinds recorded, with coordinates, if a label is among the columns."""
     variables = {}
     for name, (_, unit, long_name, dimension, labels, axis) in outcomes[0].records.items():
         if columns is not None and columns.isdisjoint((name, label) for label in labels):

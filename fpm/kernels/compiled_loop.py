@@ -244,8 +244,7 @@ def _is_kept(part: tuple) -> bool:
 
 
 def is_compiled(part: tuple, world: tuple) -> bool:
-    """Return whether compiled kernels of an element type are on disk, or it has none. part: its
-    arrays; world: of the solver."""
+    """Return whether kernels of an element type (its arrays) are on disk, or it has none."""
     arrays = type(part)
     path = cache_file(arrays.__name__, f"{form_of(part)} {form_of(world)}", arrays)
     return not _hooks(arrays) or path.exists()
@@ -376,8 +375,7 @@ def _read(path: Path) -> Code:
 
 
 def _seal(path: Path) -> bytes:
-    """Return the bytes that tie a file to its folder and name, so that a misplaced one is not
-    used."""
+    """Return the bytes that tie a file to its folder and name."""
     return f"{path.parent.name}/{path.name}".encode()
 
 
@@ -409,8 +407,7 @@ def _load(symbol: str, code: bytes) -> int:
 
 @contextmanager
 def _collect_seldom() -> Iterator[None]:
-    """Run the block with fewer searches for reference cycles, which take a tenth of a compiler's
-    time."""
+    """Search seldom for reference cycles, which takes a tenth of a compiler's time."""
     threshold = gc.get_threshold()
     gc.set_threshold(500_000)
     try:

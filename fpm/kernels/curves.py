@@ -7,8 +7,7 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def curve_value(world, curve, t):
-    """Return the value of a curve at time t (s). world: with all curves; curve: index, -1: constant
-    1."""
+    """Return the value of a curve (index, -1: constant 1) at time t (s)."""
     if curve < 0:
         return 1.0
     times, values = world.curve_time, world.curve_value
@@ -30,8 +29,7 @@ def curve_value(world, curve, t):
 
 @kernel
 def _point_after(times, first, last, t):
-    """Return the index of the first of increasing times, from first to last, that is after t, or
-    last."""
+    """Return the index of the first time, from first to last, that is after t, or last."""
     while first < last:
         middle = (first + last) // 2
         if times[middle] > t:
@@ -43,8 +41,7 @@ def _point_after(times, first, last, t):
 
 @kernel
 def bend_after(world, curve, t):
-    """Return the time (s) from t to the next point of a curve where its slope jumps, or
-    infinity."""
+    """Return the time (s) from t to the next jump of a curve's slope, or infinity."""
     if curve >= 0:
         times, last = world.curve_time, world.curve_start[curve + 1] - 1
         if times[last] > t:
@@ -94,8 +91,7 @@ def curve_mean(world, curve, start, end):
 
 @kernel
 def kick_mean(world, curve, timing, steps=0):
-    """Return the mean of a curve over the kick of this step, half a step before to half a step
-    after its start, or of one `steps` later."""
+    """Return the mean of a curve over the kick of this step, or of one `steps` later."""
     time = timing.time + steps * timing.step
     return curve_mean(world, curve, time - 0.5 * timing.step, time + 0.5 * timing.step)
 

@@ -55,8 +55,7 @@ class KernelLibrary(JITCodeLibrary):
 
 
 class EntryLibrary(KernelLibrary):
-    """The code of what the loop calls, or of the loop, with all its kernels; object_code: of the
-    machine."""
+    """The code of what the loop calls, or of the loop; object_code: of the machine."""
 
     def _optimize_final_module(self):
         passes, builder = self._codegen._module_pass_manager()

@@ -133,8 +133,7 @@ def load(typingctx, array, row, field):
 
 @intrinsic
 def store(typingctx, array, row, field, value):
-    """Write `value`, lanes (numbers of samples side by side) or one number for all, to ``array[row,
-    field, :]``. typingctx: numba's."""
+    """Write `value`, lanes or one number for all, to ``array[row, field, :]``."""
 
     def codegen(context, builder, sig, args):
         return write(

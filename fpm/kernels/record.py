@@ -63,8 +63,7 @@ def record_before(parts, world, record, row):
 
 @kernel
 def record_after(parts, world, record, row, timing):
-    """Record what depends on momenta around an instant: positions and velocities of named points,
-    kinetic energy, error of the balance."""
+    """Record what depends on momenta: motion of points, kinetic energy, error of the balance."""
     start, state, points = world.start_state, world.state, record.points
     count = world.point_particle.shape[0]
     for n in range(count):

@@ -1,15 +1,9 @@
 """Rotation of rigid particles on SO(3): no drift, no trigonometric functions.
 
-The spatial angular momentum p is the variable; it changes only through moments, so it is kept to
-rounding. Over a step the particle turns with the body rates of the midpoint, W = J^-1 R_mid^T p,
-found by one fixed-point round from the start of the step (isotropic particles: exact at once; the
-gyroscopic term of the others is the change of R_mid^T p). What the round leaves is of third order
-in the angle turned in a step, like the error of the step itself. Two of the particle's axes are
-kept and turned by Rodrigues' formula with its sine and cosine series; the third is their product.
-Turns beyond MOST_BY_SERIES, up to several whole ones in a step, take more terms.
-Less than that would need roots, more (a quaternion, three axes) is more memory to move in every
-step. Sources: implicit midpoint rule for the free rigid body, e.g. Hairer, Lubich, Wanner,
-Geometric Numerical Integration, VII.5."""
+Theory: docs/mechanics.md, "Particles and the step" (implicit midpoint rule for the free rigid body:
+Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5). What the one round leaves is of
+third order in the angle turned in a step, like the error of the step itself. Turns beyond
+MOST_BY_SERIES, up to several whole ones in a step, take more terms."""
 
 import math
 

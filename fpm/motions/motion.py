@@ -322,8 +322,7 @@ def section_corners(scene: Scene) -> np.ndarray:
 
 
 def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]]]:
-    """Return by particle the point and the normal of each contact's face, in the particle's
-    frame."""
+    """Return by particle point and normal of each contact's face, in its frame."""
     faces: dict[int, list] = {}
     for contact in scene.contacts:
         hinge = scene.hinges[contact.hinge]

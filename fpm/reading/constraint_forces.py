@@ -1,10 +1,8 @@
 """Forces and moments by which joints, supports and drives keep parts where they are.
 
 A joint's are the impulses that its solver applied over the step around an instant, divided by the
-length of that step; at the first instant, over the half step after it, without what closes gaps of
-the third order there (`look_back` of joint_kernels.py). With leapfrog they stand at the instant
-like all other forces, to the second order in the step. Conditions that others imply bear what the
-solver gives them: of all impulses that keep the joints closed the smallest."""
+length of that step; at the first instant by docs/mechanics.md, "Joints that are solved
+together"."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple

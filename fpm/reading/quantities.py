@@ -1,12 +1,7 @@
 """Quantities: numbers that are read off a run, such as its peaks and the times of its events.
 
-A run in which what is asked for does not happen has no number: NaN. The margin of an event tells by
-how much a latch catches, a stop is hit or a contact closes, or by how much they are missed. It is
-an energy for each unit of inertia (rad²/s², on slides m²/s²), so that it goes on smoothly where the
-event ceases to occur: half the square of the rate with which the opening arrives; and where it does
-not, what it lacked: the deceleration before it turned back times the opening that was still to go.
-A latch with a largest rate L, that the opening has at w, catches by w²/2 (1 - w²/L²), which is
-below zero where it is passed too fast."""
+A run in which what is asked for does not happen has no number: NaN. Margins of events:
+docs/quantities.md."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -140,8 +135,7 @@ class Quantity:
 
     @property
     def peak_column(self) -> Column | None:
-        """Column of runs that have the number already, read between instants, too; None of others
-        than PEAKS."""
+        """Column of runs that have the number already; None of others than PEAKS."""
         response = self.response
         if self.kind not in PEAKS or response.along:
             return None
@@ -201,13 +195,11 @@ class Quantity:
         return float(crossing_margin(values - self.level, self.direction, self.number))
 
     def read_margin(self, margin: Callable[["Quantity"], float]) -> float:
-        """Return the quantity's event margin (NaN: not known) from those of its `leaves`. margin:
-        function of a leaf that returns its margin."""
+        """Return the event margin (NaN: not known), by a function of `leaves`."""
         return margin(self)
 
     def read(self, number: Callable[["Quantity"], float]) -> float:
-        """Return the quantity's value (its unit, NaN: none) from those of its `leaves`. number:
-        function of a leaf that returns its value."""
+        """Return the value (NaN: none), by a function of `leaves`."""
         return number(self)
 
     def evaluate(self, curves: Curves) -> float:
@@ -268,16 +260,14 @@ def settling(
 
 
 def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
-    """Make a reader that applies `number` to times (t,) and the values (t,) of the quantity's
-    response."""
+    """Make a reader that applies `number` to times and values (t,) of the response."""
     return lambda quantity, curves: number(
         quantity, curves.time, quantity.response.evaluate(curves)
     )
 
 
 def _smallest(quantity: Quantity, curves: Curves) -> float:
-    """Return the smallest value: of what lies along a way, of all of it, and not of its curve
-    alone."""
+    """Return the smallest value; of what lies along a way, of all of it."""
     if quantity.response.along:
         return margins.least(quantity.response, curves)[0]
     return extreme_value(curves, quantity.response, -1.0)

@@ -181,8 +181,7 @@ def _references(definition: object) -> set[str]:
 
 
 def _order(references: dict[str, set], definitions: Mapping, problems: list) -> list[str]:
-    """Names of quantities, each behind those that it refers to; without those of a circle, which
-    are told."""
+    """Names of quantities, each behind those that it needs, without those of a circle."""
     try:
         return [*TopologicalSorter(references).static_order()]
     except CycleError as error:
@@ -257,8 +256,7 @@ def _unit_of_margin(quantity: Quantity, elements: list[Eventful]) -> str:
 
 
 def _places(key: str, event: object, target: object, elements: list[Eventful]) -> tuple[str, ...]:
-    """Return the names of the elements whose events count: the stated ones, or all that have the
-    event."""
+    """Return the names of the elements whose events count."""
     events = [*dict.fromkeys(chain(*(element.events for element in elements)))]
     check_choice(f"{key}.event", event, events)
     candidates = [element for element in elements if event in element.events]

@@ -75,8 +75,7 @@ class Recording:
         return np.stack([np.cross(second, third), second, third], axis=2)
 
     def arm(self, beam) -> np.ndarray:
-        """Return the vector (t, 3) m, in global axes, from a particle to the end of the rigid arm
-        `beam` that it carries (a VirtualBeam)."""
+        """Return the arm (t, 3) m, global, of a VirtualBeam."""
         return self.axes(beam.particle) @ beam.arm
 
     def _column(self, particle: int, name: str) -> np.ndarray:
@@ -167,8 +166,7 @@ class Recording:
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, each with its forces and moments on both
-        particles: pairs (Hinge or Joint, Sides)."""
+        """All joints, hinges first: pairs (Hinge or Joint, Sides)."""
         pairs: list = []
         for kind in (Hinge, Joint):
             if elements := kind.find(self.scene):

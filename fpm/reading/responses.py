@@ -175,8 +175,7 @@ _SIZES = {"velocity": "speed", "angular velocity": "angular speed"}
 
 
 def _vector(spec: Definition, names: Lister | None = None, unit: str = "") -> Response:
-    """Make a response of a vector's component in global axes, or of its size, from a variable or
-    from named points."""
+    """Make a response of a vector's component, or of its size, from a variable or points."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
     axes = AXES if component == "norm" else (component,)
@@ -198,8 +197,7 @@ def _pair(spec: Definition, noun: str, names_of: Lister, column: bool = True) ->
 
 
 def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: str = "") -> Response:
-    """Make a response from a column of a variable by its label, or from an energy, which has no
-    column."""
+    """Make a response from a column of a variable, or from an energy, which has none."""
     name = spec.one_of(names(spec.scene))
     columns = ((variable, name),) if variable else ()
     return spec.response((name,), "", unit, text.format(ALL.get(name, name)), columns)
@@ -214,8 +212,7 @@ def _bar(spec: Definition) -> Response:
 
 
 def _section(spec: Definition) -> Response:
-    """Make a response of a component of a bar's section force or moment, or of the size of both
-    axes."""
+    """Make a response of a bar's section force or moment, or of the size of both axes."""
     parts, name = spec.variable.parts, spec.one_of(spec.variable.names(spec.scene))
     key, share = f"responses.{spec.name}.at", "a share of the bar's length,"
     fraction = NumberLimits(least=0, most=1).check(key, spec.data["at"], share)
@@ -257,8 +254,7 @@ def _opening(spec: Definition, unit: str, words: str) -> Response:
 
 
 def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
-    """Return the openings of a hinge or slide at which the first stop or latch holds it, down and
-    up."""
+    """Return the openings at which the first stop or latch holds a hinge, down and up."""
     index = [hinge.name for hinge in scene.hinges].index(name)
     start = scene.hinges[index].opening
     floors: list[float] = []
@@ -274,8 +270,7 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
 
 
 def _latch(spec: Definition) -> Response:
-    """Make a response of what every run records of a latch; only latches that hold exactly have
-    impacts."""
+    """Make a response of a latch; only those that hold exactly have impacts."""
     is_impact = spec.kind == "latch_impact"
     elements = [e for e in Latch.find(spec.scene) if e.is_exact or not is_impact]
     latches = {latch.label(spec.scene): latch for latch in elements}

@@ -56,8 +56,7 @@ def _join(latches: list[str]) -> str:
 
 
 def _is_damped(scene: Scene) -> bool:
-    """Return whether bulk viscosity, or as much damping of all materials, damps waves of the mesh
-    size."""
+    """Whether viscosity, or as much damping of all materials, damps waves of the mesh."""
     shares = [  # shares of critical damping, as those of viscosities
         beams.material.stiffness_damping * np.sqrt(beams.material.E / beams.material.rho) / length
         for beams in scene.beams

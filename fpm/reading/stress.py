@@ -1,18 +1,9 @@
-"""The largest stress in the sections of bars.
+"""The largest stress in the sections of bars: of normal force, bending and torsion (von Mises).
 
-Normal stress of axial force and bending, N/A + M_y z/Iy - M_z y/Iz, and the shear stress of torsion
-make the equivalent stress sqrt(s² + 3 t²) (von Mises; Timoshenko, Strength of Materials II, § 83),
-of which the largest over points of the contour counts, at both ends of every element: along an
-element forces and moments go straight.
-
-round        any point: |N|/A + r sqrt((M_y/Iy)² + (M_z/Iz)²), with t = |T| r/J; exact
-rectangle    corners, where torsion has no stress, and the middles of the sides, with t = |T| w: the
-             exact series of Timoshenko and Goodier, Theory of Elasticity, § 109
-unknown      corners of the rectangle with the same radii of gyration, with t = |T| R/J and R the
-             distance of its corners from the middle; of closed and full sections an estimate
-             that is mostly too large
-
-The shear stress of transverse forces is left out: in slender bars smaller by height/length."""
+Theory: docs/responses.md (Timoshenko, Strength of Materials II, § 83). Round sections are exact at
+any point; rectangles at corners, and the middles of the sides with the exact series of Timoshenko
+and Goodier, Theory of Elasticity, § 109; others by the rectangle with the same radii of gyration,
+an estimate that is mostly too large."""
 
 from collections.abc import Iterable
 

@@ -2,13 +2,7 @@
 
 Each variable has columns along a dimension of its own in a trajectory file; a column's label says
 of what it is: a name, and the part of it (an axis, a component, who acts) where there are several.
-A request names columns, as (variable, label).
-
-The clearance of two bars is the shortest distance of the axes of their elements, less what the
-sections take: along the line of that distance, of direction d, a round section takes its radius and
-a rectangle |d·y| b/2 + |d·z| h/2, with its axes y, z and sides b, h. Bars are convex stretch by
-stretch, so they are at least so far apart, and just so where two sides or edges face each other.
-Below zero they overlap."""
+A request names columns, as (variable, label)."""
 
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
@@ -402,8 +396,7 @@ def add_probe(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 
 def count_values(scene: Scene, columns: Iterable[Column]) -> int:
-    """Return how many floating-point values the time loop stores at each instant of a run of a
-    scene to record `columns`, pairs (variable, label)."""
+    """Return how many numbers a run stores at each instant to record `columns`."""
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(add_probe(scene, columns))

@@ -188,8 +188,7 @@ class Curve:
         return float(self.sums[k] + self._area(k, time))
 
     def kick_mean(self, time: float, step: float) -> float:
-        """Return the mean from half a step (s) before a time (s), but not before 0, to half a step
-        after it, as the kernels take it."""
+        """Return the mean over a step (s) about a time (s), not before 0, as kernels take it."""
         start, end = max(time - 0.5 * step, 0.0), time + 0.5 * step
         return (self.integral(end) - self.integral(start)) / (end - start)
 
@@ -236,8 +235,7 @@ class Curve:
         return np.minimum.accumulate(kinks[::-1])[::-1]
 
     def extremes(self, start: float = -np.inf) -> tuple[float, float]:
-        """Return the least and the largest value from a time `start` (s) on; of a smooth curve 0
-        for what is 0 but for rounding."""
+        """Return least and largest value from `start` (s) on; 0 but for rounding is 0."""
         values = [self.value(max(start, self.times[0])), *self.values[self.times > start]]
         ends = np.sort([self.values[:-1], self.values[1:]], axis=0)
         reach = np.abs(self.powers[:-1]).sum(axis=1)

@@ -134,8 +134,7 @@ class Scene:
 
     @property
     def gravity(self) -> np.ndarray:
-        """Acceleration of gravity (3,), m/s², in global axes: the sum of all Gravity elements of
-        the scene. Setting it puts one in their place."""
+        """Acceleration of gravity (3,), m/s², the sum of all Gravity elements; may be set."""
         return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
 
     @gravity.setter
@@ -144,8 +143,7 @@ class Scene:
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping rate (1/s): the sum of all Damping elements of the scene.
-        Setting it puts one in their place."""
+        """Mass-proportional damping (1/s), the sum of all Damping elements; may be set."""
         return float(sum(d.rate for d in self.kinds.get(Damping, [])))
 
     @damping.setter
@@ -244,7 +242,7 @@ class Scene:
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join two particles by a slide, the second on the first along `axis`; return its index
         among the hinges. point: as in `add_hinge`; opening: at the start (m)."""
-        return self.add(Joint.slide(self, name, particles, point, axis, opening))
+        return self.add_sliding_joint(name, "prismatic", particles, point, axis, (opening,))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
         """Join two particles by a universal joint; return the index of the first opening, the hinge
@@ -257,9 +255,9 @@ class Scene:
     def add_sliding_joint(
         self, name, type, particles, point, axis, openings, x=None, lead=0.0
     ) -> int:
-        """Join two particles by a "cylindrical", "planar", "pin in slot" or "screw" joint; return
-        the index of its first opening, the hinge `<name>_turn`; the next are `_slide`, or `_x` and
-        `_y`; a screw has its turn alone, by the joint's name. axis: about which the second turns;
+        """Join two particles by a "prismatic", "cylindrical", "planar", "pin in slot" or "screw"
+        joint; return the index of its first opening, the hinge `<name>_turn`; the next are
+        `_slide`, or `_x` and `_y`; a prismatic joint or screw has one, by the joint's name.
         openings: at the start (rad; m); x: direction of the slot, or first one in the plane, None:
         any; lead: of a screw (m/rad)."""
         values = name, type, particles, point, axis, x, openings, lead
@@ -271,8 +269,7 @@ class Scene:
         return self.add(Joint.held_point(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
-        """Add a linear spring (N m/rad; N/m) that turns a hinge or slide towards `rest` (rad;
-        m)."""
+        """Add a linear spring (N m/rad; N/m) that turns a hinge towards `rest`."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_cable(
@@ -291,8 +288,8 @@ class Scene:
     # -- supports, loads, drives, points ------------------------------------------------------
 
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
-        """Hold particles along and about global axes, letters of "xyz". Those in joints, with
-        unlike moments of inertia, are held about none, two or all axes."""
+        """Hold particles along and about global axes, letters of "xyz". Those with unlike moments
+        of inertia are held about none, two or all axes."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(

@@ -42,8 +42,7 @@ class Parameter(Number):
         return self.describe(unit=self.unit)
 
     def check(self, key: str, value: Any, noun: str = "") -> Any:
-        """Return a value of the parameter, in its `unit`; None is allowed if it is the default.
-        SceneError. key, noun: as in NumberLimits.check."""
+        """Return a value of the parameter, in its `unit`; None if that is the default."""
         return None if value is self.default is None else super().check(key, value, noun)
 
 
@@ -83,8 +82,7 @@ class SceneType:
 
     @cached_property
     def sample(self) -> Scene:
-        """Scene built at `values`, once: its points, hinges and elements have the names of every
-        scene of the structure, as no parameter changes them."""
+        """Scene built at `values`, once; no parameter changes its names."""
         return self.build(**self.values)
 
     @cached_property

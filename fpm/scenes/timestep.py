@@ -1,25 +1,11 @@
 """The stable time step: a bound on the highest frequency of a scene.
 
-Leapfrog is stable for ``step <= 2 / omega_max``. A hinge is a constraint, and constraints only
-lower the highest frequency (Rayleigh's quotient on a subspace; Courant and Hilbert I, ch. VI). With
-a hinge cut, the elements keep their stiffness in their own axes however the links move, so one
-eigenvalue holds for the whole motion, as long as the elements' own strains are small. These cases
-are looked at, and the fastest one counts:
-
-- all that always acts, with all hinges cut;
-- for a type that acts in one position only, as contacts do at opening zero: the same with its
-  elements, there, without the motions that are ruled out there (Contact.blocked_motions). To cut
-  these hinges too would double the frequency of a stiff contact: the particles beside it turn about
-  the hinge line, not about their own axes.
-
-Dampers C whose rate is extrapolated, 3/2 of that of the last half step less 1/2 of the one before,
-count as springs of 4 C/h. A mode z^n u, with a = h u*Cu and b = h² u*Ku for u*Mu = 1, has
-
-    z - 2 + 1/z + a (3/2 - 2/z + 1/(2 z²)) + b = 0.
-
-On the unit circle, z = exp(i q), the imaginary part is a sin q (2 - cos q), which leaves z = -1,
-where b + 4 a = 4. Below that all modes decay (they do for small a, and roots move with a and b),
-and that is so if the largest eigenvalue of K + 4 C/h is below 4/h²."""
+Theory: docs/mechanics.md, "Stable step", and for dampers "On hinges: dampers, friction". With all
+hinges cut the elements keep their stiffness in their own axes, so one eigenvalue holds for the
+whole motion. The fastest of two cases counts: all that always acts; and for a type that acts in one
+position only, as contacts do at opening zero, the same with its elements there, without the motions
+that are ruled out there (Contact.blocked_motions). To cut these hinges too would double the
+frequency of a stiff contact."""
 
 from typing import NamedTuple
 
@@ -128,8 +114,7 @@ def find_stable_step(scene: Scene) -> StableStep:
 
 
 def find_curve_step(scene: Scene, duration: float) -> float:
-    """Return the longest step (s) that resolves all features of a scene's curves of time in a run
-    of `duration` (s); infinite: there is none."""
+    """Return the longest step (s) that resolves a scene's curves in a run of `duration` (s)."""
     return min((curve.find_feature(duration) for curve in scene.curves), default=np.inf)
 
 

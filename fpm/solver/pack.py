@@ -193,8 +193,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
 
 
 def _final(batch, world, time: float) -> list[Motion]:
-    """Motion of all particles of each sample at the last instant, `time` (s), by momenta half a
-    step around it."""
+    """Motion of all particles of each sample at the last instant, `time` (s)."""
     scenes, whole = batch.scenes, join_particles(batch.scenes)
     state, start = (
         array[:, :, : len(scenes)].transpose(2, 0, 1).reshape(-1, layout.STATE)

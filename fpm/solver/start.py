@@ -1,17 +1,8 @@
 """The motion with which a run begins: one that joints, motors and drives allow.
 
-What a motor or drive moves from the start on, and what a structure states of the motion of its
-parts, need not fit together: a motor that turns at once has an impact before it, and a stated rate
-of an opening says nothing of other joints; with such rates bars start as rigid bodies. Of all
-velocities that do fit, those are taken at which that impact changes the motion least, with masses
-as weights:
-
-    M d + G'p = 0,   G (v + d) = b
-
-G being the conditions of joints, supports and what holds openings, b what these prescribe, p the
-impulses. That is the motion after an inelastic impact (Gauss's principle; Moreau 1988). Friction
-bears no more than a finite moment, and nothing in an impact, so it is no condition. Conditions may
-imply each other: see assembly, which solves in the same way."""
+Theory: docs/mechanics.md, "Openings that are held exactly": of all velocities that fit, those at
+which the impact changes the motion least (Gauss's principle; Moreau 1988). Friction bears no more
+than a finite moment, and nothing in an impact, so it is no condition."""
 
 from __future__ import annotations
 
@@ -59,8 +50,7 @@ def consistent_scene(scene: Scene) -> Scene:
 
 
 def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
-    """Return what `consistent_scene` does for each of several scenes; what they have in common is
-    found once."""
+    """Do as `consistent_scene` for several scenes; what they share is found once."""
     rates = list(SceneList(scenes).map(_rates_of))
     is_moved = [
         bool(scene.drives or any(rate for _, rate in pairs))
@@ -76,8 +66,7 @@ def consistent_scenes(scenes: Sequence[Scene]) -> list[Scene]:
 
 
 def _rates_of(scene: Scene) -> list[tuple]:
-    """Return the hinges of a scene whose rates are prescribed, with these rates. The masses are
-    checked."""
+    """Return the hinges whose rates are prescribed, with these; the masses are checked."""
     check_masses(scene)
     # A hinge with a motor and a latch has only the motor's rate; the latch's is None.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
@@ -97,8 +86,7 @@ def _conditions_at_start(scene: Scene) -> tuple[int, Any]:
 
 
 def _with_motion(scene: Scene, rates: list[tuple], count: int, rows: Any) -> Scene:
-    """Return the scene with a motion that its conditions allow; count: how many of the rows are
-    these."""
+    """Return the scene with a motion that its first `count` rows, conditions, allow."""
     motion = moving_at_start(scene)
     velocities = np.hstack([motion.velocity, motion.spin]).ravel()
     target = np.zeros(rows.shape[0])

@@ -91,13 +91,11 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Return the position (3,), m, of a point (its full name) at the start, or raise
-        SkippedError."""
+        """Return the position (3,), m, of a point (its full name), or SkippedError."""
         return self.find("points", name).position
 
     def store(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for an entry of the file, for `find`. group: as "bars"; name: its
-        full name."""
+        """Store what was built for an entry, by group, as "bars", and full name."""
         self._values[group, name] = value
 
     def find(self, group: str, name: str) -> Any:

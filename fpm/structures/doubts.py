@@ -46,8 +46,7 @@ def find_dense(name: str, mass: float, volume: float, shape: str = "") -> Iterat
 
 
 def find_far_point(points: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Yield a sentence on a point that is far from all others, if there is one. points: positions
-    (3,), m, by name."""
+    """Yield a sentence on a point (positions by name, m) far from all others, if any."""
     names, places = list(points), np.array(list(points.values()))
     if len(names) < 3:
         return

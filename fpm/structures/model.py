@@ -105,8 +105,7 @@ class FileStatements:
     # -- repeats ------------------------------------------------------------------------------
 
     def _units(self, table: Node, counts: Mapping, ends: dict[str, str]) -> Iterator[Sheet]:
-        """Return all units of a file's repeats; add the prefixes of their first and last ones to
-        `ends`."""
+        """Yield all units of repeats; add prefixes of first and last ones to `ends`."""
         repeats = table_at(table, "repeat", "", self.problems)
         for name, line in repeats.lines.items():
             place = Place(f"repeat.{name}", Context({}), self.names)

@@ -80,8 +80,7 @@ class Bound:
     full: dict[str, str]
 
     def value(self, numbers: Mapping[str, Value]) -> Any:
-        """Return the value of the expression in SI units. numbers: values (SI units) of all named
-        numbers of the sample, by full name."""
+        """Return the value (SI units), from those of all named numbers by full name."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
@@ -136,8 +135,7 @@ class Names:
         self._is_sorted = False
 
     def collect(self, read: Callable[[], Any]) -> tuple[Any, frozenset[str]]:
-        """Return what a function returns that reads something of the file, and to which names it
-        refers, as `uses` has them."""
+        """Return what a function reads and returns, and to which names it refers."""
         all_uses, self.uses = self.uses, Counter()
         value, uses = read(), self.uses
         all_uses.update(uses)
@@ -293,8 +291,7 @@ class Place:
         return replace(self, key=join_key(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that the value of `node` at this place is not allowed, and raise SkippedError.
-        allowed: what would be, in words, for the message."""
+        """Note that `node` is not allowed (allowed: in words), and raise SkippedError."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 

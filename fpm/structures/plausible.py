@@ -203,8 +203,7 @@ def _is_moved(scene: Scene) -> bool:
 
 
 def _rigid(scene: Scene) -> Iterator[str]:
-    """Warn if nothing is elastic and nothing can move, and name the supports and joints that hold
-    it."""
+    """Warn if nothing is elastic and nothing can move, and name what holds it."""
     if scene.beams or scene.drives or not (scene.hinges or scene.kinds.get(Joint)):
         return
     rows, names = report.jacobian(scene)
@@ -277,8 +276,7 @@ def _tables(scene: Scene) -> Iterator[str]:
 
 
 def _latch(scene: Scene, latch: Latch, duration: float | None) -> Iterator[str]:
-    """Describe what keeps a latch from catching: a stop, springs that push away or rest before it,
-    time."""
+    """Describe what keeps a latch from catching: a stop, its side, springs, time."""
     hinge = scene.hinges[latch.hinge]
     start, travel = hinge.opening, latch.angle - hinge.opening
     head = f"latch {latch.label(scene)} at {opening_text(hinge, latch.angle)}"
@@ -306,8 +304,7 @@ def _drive(scene: Scene, number: int, travel: float, head: str, duration) -> Ite
 
 
 def _release(scene: Scene, release: Release, duration: float | None) -> Iterator[str]:
-    """Warn of what keeps a release from letting go: the end of the run, watching its own joint or
-    latch, or an opening that is not reached."""
+    """Warn of what keeps a release from letting go."""
     head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
     is_timed = release.time < np.inf
     if is_timed and (release.watch < 0 if duration is None else release.time <= duration):
@@ -364,8 +361,7 @@ def find_barrier(scene: Scene, number: int, level: float, part: float = 1.0) -> 
 
 
 def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:
-    """Describe what keeps springs alone from moving a hinge by `travel` (rad, m) to a latch,
-    `head`."""
+    """Describe what keeps springs alone from moving a hinge by `travel` to a latch, `head`."""
     start, end = hinge.opening, hinge.opening + travel
     push, end_push = (sum(_moment(spring, x) for spring in springs) for x in (start, end))
     unit = "N" if hinge.slides else "N m"
@@ -424,8 +420,7 @@ def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
 
 
 def _acceleration(scene: Scene, hinge: Hinge, moment: float) -> float:
-    """Return the largest acceleration (rad/s2, m/s2) of a hinge's opening at the start, by a moment
-    (N m; N) between its parts and by their weight."""
+    """Largest acceleration (rad/s2, m/s2) of an opening by a moment (N m; N) and weight."""
     numbers, (axis, point) = report.bodies(scene), _line(scene, hinge)
     gravity, result = float(np.linalg.norm(scene.gravity)), 0.0
     for beam in hinge.beams:

@@ -56,8 +56,7 @@ NO_PROGRAM = (
 
 
 def read_text(path: str | Path) -> str:
-    """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError, also
-    for a Python file."""
+    """Return the text of the UTF-8 file at `path`, at most 1 MiB; else StructureError."""
     if Path(path).suffix == ".py":
         raise StructureError(str(path), [Problem(0, NO_PROGRAM)])
     try:
@@ -141,8 +140,7 @@ class Problems:
         self.say(line, f"{key}: {show(value)} is not allowed{hint}; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
-        """Note an unknown key (dotted path) on a line. keys: those allowed; hint: what may be
-        meant, as " (did you mean x?)", or ""."""
+        """Note an unknown key. keys: those allowed; hint: what may be meant, or ""."""
         allowed = commas(keys, 6 if hint else 99)
         self.say(line, f"{key}: there is no such key{hint}; allowed: {allowed}")
 
@@ -387,8 +385,7 @@ OF_CAMPAIGNS = {"campaign", "scene", "solver", "intervals", "design", "responses
 
 
 def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
-    """Note in `problems` each key of the table `node` that is not allowed. key: dotted path of
-    `node`, for messages; keys: those allowed."""
+    """Note in `problems` each key of the table `node`, of path `key`, that is not allowed."""
     for name in node.entries.keys() - set(keys):
         hint = did_you_mean(name, keys)
         if not hint and not key and name in OF_CAMPAIGNS:

@@ -52,8 +52,7 @@ def bodies(scene: Scene) -> np.ndarray:
 
 
 def _mask_particles(scene: Scene) -> np.ndarray:
-    """Return which particles (n,) belong to the structure. The ground's do not: their mass is not
-    real."""
+    """Return which particles (n,) belong to the structure, not the ground."""
     is_part = np.zeros(len(scene.position), bool)
     is_part[list(scene.bodies.values())] = True
     for beams in scene.beams:
@@ -68,8 +67,7 @@ def mass(scene: Scene) -> float:
 
 
 def kinetic_energy(scene: Scene, velocity: np.ndarray, spin: np.ndarray) -> float:
-    """Return the kinetic energy (J) of a scene at given velocities (n, 3), m/s, and spins (n, 3),
-    rad/s, of all its n particles."""
+    """Return the kinetic energy (J) at velocities (n, 3), m/s, and spins (n, 3), rad/s."""
     body_spin = np.einsum("nji,nj->ni", scene.frame, spin)
     return float((scene.mass @ velocity**2).sum() + (scene.inertia * body_spin**2).sum()) / 2
 
@@ -117,16 +115,14 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Return the names of a scene's joints and supports, as "joint knee", that have a constraint
-    which depends linearly on the others at the start."""
+    """Return the names of joints and supports with a constraint that others imply at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, size in zip(names, shares, strict=True) if size > 1e-6))
 
 
 def undamped_step(scene: Scene) -> float:
-    """Return the stable step (s) of a scene without damping in proportion to stiffness; inf: none
-    limits it."""
+    """Return the stable step (s) of a scene without stiffness damping; inf: no limit."""
     plain = copy(scene)
     materials = [replace(beams.material, stiffness_damping=0.0) for beams in scene.beams]
     pairs = zip(scene.beams, materials, strict=True)

@@ -14,6 +14,7 @@ from fpm.assembly.equilibrium import balance
 from fpm.elements import Gravity
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses, consistent_scene
@@ -112,8 +113,7 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
 
 
 def build_entry(build: Builder, entry: Entry) -> None:
-    """Add what an entry of a structure file states to a sample, or note why it cannot be. build:
-    the sample's Builder; entry: the Entry."""
+    """Add what an entry states to a sample, or note why it cannot be."""
     count0 = len(build.scene.position)
     is_counted = entry.statement.group in LATE_GROUPS
     counts = {k: len(elements) for k, elements in build.scene.kinds.items()} if is_counted else {}
@@ -171,18 +171,19 @@ def _balance(build: Builder, model: FileStatements) -> None:
 
 
 def finish(build: Builder, model: FileStatements) -> None:
-    """Check a sample as a whole, and note what is wrong. build: its Builder; model: the file's
-    statements."""
+    """Check a sample as a whole, and note what is wrong."""
     scene = build.scene
     numbers = (scene.position, scene.mass, scene.inertia, scene.velocity, scene.gravity)
     if not all(np.isfinite(x).all() for x in numbers):
         build.problems.say(0, "the structure has masses or lengths that are not finite")
     if build.problems:
         return
-    try:
-        check_masses(scene)
-    except SceneError as error:
-        _note(build, 0, f"bodies: {error.key}", error)
+    for check, group in ((check_masses, "bodies"), (turns_of, "supports")):
+        try:
+            check(scene)
+        except SceneError as error:
+            _note(build, 0, f"{group}: {error.key}", error)
+            return
     _check_rates(build, model)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
     for entry in parts if len(parts) > 1 else ():

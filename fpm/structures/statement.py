@@ -92,8 +92,7 @@ CLASS = {
 
 
 def key_of(kind: type[Any], name: str, **changes: Any) -> Key:
-    """Return the Key of a structure file for a field, `name`, of an element type, `kind`. changes:
-    attributes of it that are others."""
+    """Return the Key of a structure file for a field of an element type. changes: to it."""
     key = specs(kind)[name]
     if isinstance(key, Index) and key.group == "hinges":
         key = replace(JOINT, types=key.types, slides=False if key.only_angles else None)
@@ -275,8 +274,7 @@ def _read_keys(
 
 
 def _likely_key(key: str, on_hinges: Collection[str], keys: list[str]) -> tuple[str, str]:
-    """Return the known key of a statement that an unknown one probably means, and the hint that
-    says so. on_hinges: the keys that it has on hinges."""
+    """Return the known key that an unknown one probably means, and a hint. on_hinges: keys."""
     if key in on_hinges:
         return ON_SLIDES[key], f" on a slide, where it is {ON_SLIDES[key]}"
     for name in on_hinges:

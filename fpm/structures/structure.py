@@ -39,8 +39,7 @@ class StatementTable:
         self._add("let", name, value)
 
     def point(self, name: str, place: Any) -> None:
-        """State a point. name: its own; place: its three coordinates, each an expression or a
-        number (m)."""
+        """State the point `name` at `place`: coordinates, each an expression or a number (m)."""
         self._add("points", name, place)
 
     def _add(self, group: str, name: str, value: Any) -> Any:

@@ -44,10 +44,10 @@ def turned(rotations: str, moment, spin, damping: float, times) -> np.ndarray:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 2.0])
-@pytest.mark.parametrize("rotations", ["xz", "yz", "x", "z"])
+@pytest.mark.parametrize("rotations", ["xz", "yz"])
 def test_what_is_held_does_not_turn_and_the_rest_does_as_it_should(rotations, damping):
-    """About one axis the tip stays in its plane to rounding; about two it is right to the second
-    order, as turns of free bodies are: 1e-3 of its way at this step, a quarter at half of it."""
+    """The tip stays in its plane to rounding; it is right to the second order, as turns of free
+    bodies are: 1e-3 of its way at this step, a quarter at half of it."""
     moment, spin, errors = np.array([0.3, 0.5, -0.4]), np.array([2.0, 3.0, -1.0]), []
     for step in (2e-3, 1e-3):
         scene = body(rotations, damping=damping)
@@ -58,9 +58,8 @@ def test_what_is_held_does_not_turn_and_the_rest_does_as_it_should(rotations, da
         tip = outcome.points["tip"][0]
         right = turned(rotations, moment, spin, damping, outcome.time)
         errors.append(np.abs(tip - right).max())
-        if len(rotations) == 2:
-            axis = next(k for k, a in enumerate("xyz") if a not in rotations)
-            np.testing.assert_allclose(tip[:, axis], tip[0, axis], atol=1e-13)
+        axis = next(k for k, a in enumerate("xyz") if a not in rotations)
+        np.testing.assert_allclose(tip[:, axis], tip[0, axis], atol=1e-13)
     assert np.abs(np.diff(right, axis=0)).sum() > 0.1
     assert errors[0] < 1e-3
     assert errors[1] < 0.27 * errors[0] + 1e-9
@@ -84,15 +83,14 @@ def test_what_holds_it_bears_what_its_turning_takes():
         np.testing.assert_allclose(got[[0, 2]], change[[0, 2]], atol=1e-3 * abs(change).max())
 
 
-@pytest.mark.parametrize("rotations", ["x", "xz"])
-def test_the_stable_step_knows_which_own_axes_are_held(rotations):
+def test_the_stable_step_knows_which_own_axes_are_held():
     """A bar along z in a plane is one along x in another."""
 
     def step(turn: int) -> float:
         scene = fpm.Scene()
         ends, normal = np.roll([[0.0, 0, 0], [1.0, 0, 0]], turn, axis=1), np.roll([0.0, 0, 1], turn)
         bar = scene.add_link(*ends, normal, SECTION, MATERIAL, 4)
-        letters = "".join("xyz"[("xyz".index(a) + turn) % 3] for a in rotations)
+        letters = "".join("xyz"[("xyz".index(a) + turn) % 3] for a in "xz")
         scene.fix(bar.particles, "", letters)
         return fpm.find_stable_step(scene).step
 
@@ -100,11 +98,9 @@ def test_the_stable_step_knows_which_own_axes_are_held(rotations):
     assert step(2) == pytest.approx(step(0), rel=1e-9)
 
 
-def test_in_a_joint_a_body_turns_about_two_axes_only_if_its_inertias_are_alike():
+def test_a_body_turns_about_two_axes_only_if_its_inertias_are_alike():
     scene = body("x")
-    other = scene.add_particles((1.0, 0.0, 0.0), 1.0, 0.1)[0]
-    scene.add_hinge("H", (0, other), (0.5, 0.0, 0.0), (0, 0, 1))
-    with pytest.raises(fpm.SceneError, match="rotations of particle 0 in a joint, held about x"):
+    with pytest.raises(fpm.SceneError, match="rotations of particle 0, held about x alone"):
         fpm.find_stable_step(scene)
     scene.inertia[0] = 0.1
     fpm.find_stable_step(scene)

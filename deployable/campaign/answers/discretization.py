@@ -53,13 +53,11 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """Add errors by time step and mesh to a campaign's response bounds: runs at a few points where
-    these are attained are simulated again with half the step, then on a finer mesh. Returns a copy
-    of the dataset with error components (`intervals.add_errors`). folder: of the results, with plan
-    and samples; bounds: the dataset; jobs: section of the config; notify: called with each message;
-    threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
-    gets ``quantity_error_<component>`` (quantity), in their units. Attributes `check_runs`,
-    `check_ids`: how many runs that took, and their ids, divided by blanks."""
+    """Add errors by time step and mesh (`components`) to response bounds: runs at a few points
+    where these are attained are repeated with half the step, then on a finer mesh. Returns a copy
+    of the dataset with error components (`intervals.add_errors`), with an `accuracy` also
+    ``quantity_error_<component>`` (quantity), and attributes `check_runs` and `check_ids`, the ids
+    divided by blanks. folder: of the results, with plan and samples."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     known_ids = set(model.account.ids)
     if model.experiment.is_adaptive:
@@ -84,8 +82,7 @@ def check_bounds(
 class RefinementLevel(NamedTuple):
     """Plans whose runs show the error by one component, time step or mesh. finer: plan with half
     the step, or half the step and a mesh twice as fine; third: one that shows the order of the
-    error, None if there is none; ends_finest: whether `third` is finer still (a quarter of the
-    step) or coarser (half the mesh)."""
+    error, None without one; ends_finest: whether `third` is finer still or coarser."""
 
     finer: Plan
     third: Plan | None
@@ -103,13 +100,11 @@ class RefinementLevel(NamedTuple):
 def estimate_discretization_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], components: tuple = COMPONENTS
 ) -> dict[str, np.ndarray]:
-    """Estimate the errors by time step and mesh of the bounds of all q quantities: a dict of arrays
-    (q, 2), for lower and upper bound, in their units, by "step" and "mesh". They are the changes
-    when the runs at the bounds are refined, extrapolated by the order at the bound that changes
-    most. model: holds the runs, and simulates finer ones; bounds: of each quantity, as
-    `converge_bounds` returns them; components: "step", "mesh" or both. Where an event does not
-    occur in the refined run at a bound, the nearest run with it is taken. NaN for quantities
-    without a value; no "mesh" if no parameter sets it."""
+    """Estimate the errors by time step and mesh of the bounds of all q quantities: arrays (q, 2),
+    for lower and upper bound, by "step" and "mesh". They are the changes when the runs at the
+    bounds (or the nearest that have the quantity when refined) are refined, extrapolated by the
+    order at the bound that changes most. NaN for quantities without a value; no "mesh" if no
+    parameter sets it."""
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}
@@ -143,10 +138,9 @@ def estimate_discretization_errors(
 def _find_nearest_values(
     model: ModelEvaluator, plan: Plan, indices: np.ndarray, points: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
-    nearest to points at which they do not, on the way to the next of a few runs that have them by
-    this plan, too; NaN where none of these does. values (P): those of the bounds, near which the
-    search ends."""
+    """Unit points (P, k) and numbers (P) of the planned runs that have quantities `indices` (P),
+    also when refined, nearest to points at which they do not; NaN where there is none. values (P):
+    those of the bounds."""
     row, starts = np.arange(len(indices)), np.empty((len(_NEIGHBOURS), *points.shape))
     for i, q in enumerate(indices):
         present = model.points[np.isfinite(model.numbers[:, q])]
@@ -172,11 +166,9 @@ def _find_nearest_values(
 def estimate_fraction_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], errors: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return two errors by mesh and step, (q) each, by which fractions of the box's volume are
-    uncertain: of each quantity's values, in its unit, and of the decision function, whose sign
-    tells whether it exists; infinite where refined runs disagree on that by an unknown amount, 0 if
-    `errors` is empty. model: holds the runs, and simulates finer ones; bounds: as `converge_bounds`
-    returns them; errors: as `estimate_discretization_errors` returns them."""
+    """Errors by mesh and step, (q) each, by which fractions of the box's volume are uncertain: of
+    each quantity's values, and of the decision function, whose sign tells whether it exists;
+    infinite where refined runs disagree on that by an unknown amount, 0 if `errors` is empty."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:
         return numbers, shifts

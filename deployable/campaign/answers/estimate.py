@@ -86,13 +86,11 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 @dataclass(frozen=True)
 class Estimate:
-    """What one call of `run` for a campaign takes, estimated before; `str()` is a sentence for
-    users. runs: largest possible number of planned runs, further ones at bounds and limit-state
-    surfaces not counted; seconds: likely wall-clock time on all cores, `compile_time` (s) of it to
-    compile kernels; core_time: core time (s) of all runs; bytes: on disk; answers: what adds
-    further runs, in words, such as "quantities"; longest: of an `accuracy` the largest likely
-    wall-clock time (s), where `seconds` is the smallest, and ceiling: that of its whole budget;
-    both None for others."""
+    """What one call of `run` takes; `str()` is a sentence for users. runs: most planned runs;
+    seconds: likely wall-clock time on all cores, `compile_time` of it for kernels; core_time (s) of
+    all runs; bytes: on disk; answers: what adds further runs, in words; longest: of an `accuracy`
+    the largest likely wall-clock time, where `seconds` is the smallest, and ceiling: that of its
+    whole budget; both None for others."""
 
     runs: int
     seconds: float
@@ -120,11 +118,10 @@ class Estimate:
 def estimate(
     campaign: Campaign, stages: Collection[str] | None = None, missing: float = 1.0
 ) -> Estimate:
-    """Estimate runs, time and disk of one call of `run` for a campaign, with its page. The time is
-    accurate to a factor of 1.5, or of about two where simulating takes most of it
-    (`fpm.scenes.effort`). With cases it is of all of them, one after another. stages: names of
-    those that are to be done, None for all; missing: fraction of the planned runs that are not
-    stored."""
+    """Estimate runs, time and disk of one call of `run` for a campaign, all its cases and its page.
+    Time is accurate to a factor of 1.5, or of two where simulating takes most
+    (`fpm.scenes.effort`). stages: to be done, None for all; missing: fraction of the planned runs
+    that are not stored."""
     if campaign.cases:
         return _sum([estimate(case, stages, missing) for case in campaign.case_campaigns.values()])
     experiment, solver = campaign.experiment, campaign.experiment.solver
@@ -298,9 +295,8 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
 def describe_work(
     campaign: Campaign, folder: Folder, find_stages: Callable[[bool], Collection[str]]
 ) -> str:
-    """Return a text for users on what one call of `run` for a campaign takes: all, or what is left
-    where some is there. folder: of its results; find_stages: function that returns the names of the
-    stages that are to be done, called with whether runs are to be simulated."""
+    """Text for users on what one call of `run` takes: all, or what is left. find_stages: returns
+    the names of the stages to be done, called with whether runs are to be simulated."""
     notes, share = "", 1.0
     if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
         is_planned = "plan" not in find_stages(False)

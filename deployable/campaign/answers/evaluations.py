@@ -40,9 +40,8 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
 class FurtherRuns:
-    """Runs that answers made, beside those of the plan, within the box of an `experiment` and at
-    its values of all other parameters: `values`, of the interval parameters in each; `records`,
-    what each gave."""
+    """Runs that answers made within the box of an `experiment`: `values`, of the interval
+    parameters in each; `records`, what each gave."""
 
     def __init__(self, experiment: Experiment) -> None:
         self.experiment = experiment
@@ -72,18 +71,15 @@ class FurtherRuns:
 
 class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
-    box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
-    absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
-    NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
-    `account`: of all runs that it makes, which are no more than that allows;
-    `finest_step`: the shortest (s) of its runs, below the plan's where some had to be repeated;
-    `further_runs`: takes note of each run by its plan, None: nothing does;
-    `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
-    some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
-    quantity. `planned_failures` and `failures`: runs of the plan, and further ones, that failed.
+    box. `points` (R, k): -1 to 1; `numbers` (R, q): values of quantities, NaN if absent; `margins`
+    (R, q): by how much each event occurs (above 0) or is missed, NaN if not known. `refinements`:
+    planned runs that were added, at most `max_refinements`; `account`: counts all runs that it
+    makes; `finest_step` (s): of runs that had to be repeated; `further_runs`: takes note of each
+    run by its plan, or None; `simulated`: runs that were not stored before. Of a scan only some
+    runs are taken: `rest_count` counts the others, `rest_counts` (q) those with each quantity.
+    `planned_failures`, `failures`: planned and further runs that failed.
 
-    plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
-    called with each message; threads: how many. It has no runs yet (but see `from_folder`)."""
+    It has no runs yet (but see `from_folder`)."""
 
     max_refinements: float = math.inf
     planned_failures: Sequence[FailedRun] = ()
@@ -110,11 +106,9 @@ class ModelEvaluator:
     def from_folder(
         cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, refinements: bool = False
     ) -> "ModelEvaluator":
-        """Make an evaluator that has the runs of a folder of results, with event margins, from its
-        plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
-        runs it has those that `fitted_rows` chooses to fit surrogates to. refinements: whether to
-        add the runs in `refinement.nc`, which must exist. jobs: section of the config; notify:
-        called with each message; threads: number that simulate further runs."""
+        """Make an evaluator with the runs of a folder of results, from its plan and `samples.nc`;
+        of a scan of more than 10,000 runs those that `fitted_rows` chooses; with `refinements` also
+        those in `refinement.nc`, which must exist."""
         model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
         if len(plan.runs) <= MAX_FIT_RUNS:
             model.account = RunAccount(known_ids=[run.id for run in plan.runs])
@@ -163,10 +157,9 @@ class ModelEvaluator:
         return [x for x in points if np.abs(runs - x).max(axis=1).min() > SAME_POINT]
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
-        """Describe a normalized point (k) as a dict for JSON: `at`, parameter values by name, in
-        their units, None for a point that there is none of; `ran`, whether a run was made there;
-        `simulated`, the value in it of the quantity of index `q`, None without run or value; and
-        `failed`, True, where the run that was made failed."""
+        """Describe a normalized point (k), None for no point, for JSON: `at`, parameter values by
+        name; `ran`, whether a run was made there; `simulated`, the value in it of quantity `q`, or
+        None; and `failed`, True, where that run failed."""
         box = self.experiment.box
         values = dict(zip(box.names, map(number, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
@@ -246,10 +239,9 @@ class ModelEvaluator:
     def evaluate(
         self, plan: Plan, points: Sequence[np.ndarray] | np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
-        with mesh and step of `plan`, which may be finer than the evaluator's own. They are
-        simulated unless stored, and do not become the evaluator's own runs. NaN of runs that its
-        `account` does not allow, and of those that fail."""
+        """Quantities and event margins, (P, q) each, of runs at normalized points (P, k) with mesh
+        and step of `plan`, simulated unless stored; they do not become the evaluator's own. NaN of
+        runs that its `account` does not allow, and of those that fail."""
         runs = runs_at(plan, points)
         rows = np.flatnonzero(self.account.count_runs([run.id for run in runs]))
         numbers, margins = np.full((2, len(runs), len(self.experiment.quantities)), np.nan)
@@ -261,9 +253,8 @@ class ModelEvaluator:
         return numbers, margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord | None]:
-        """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in their
-        order, simulated unless stored and counted by the `account`, whatever it allows; None of one
-        that fails. Raises `CampaignError` if too many fail of all that the evaluator has."""
+        """The `RunRecord` of each of a plan's runs, simulated unless stored, whatever the `account`
+        allows; None of one that fails. Raises `CampaignError` if too many of all runs fail."""
         self.account.count_runs([run.id for run in runs])
         store = open_store(self.keep, self.store, plan.experiment)
         records: dict = {}

@@ -22,12 +22,10 @@ _HALVINGS = 3  # of the stretch on which a border lies
 def estimate_limit_state_error(
     model: ModelEvaluator, q: int, occurrence: Any, finest: Plan
 ) -> tuple[float, float]:
-    """Estimate two errors by step and mesh near the limit-state surface that divides the box by
-    whether the quantity of index `q` exists, by refined runs near it: of the decision function,
-    whose sign tells the side, and of the quantity's value, NaN if no run has it. model: holds the
-    runs, and simulates finer ones; occurrence: `intervals.scalars.Occurrence` of the quantity's
-    surrogate; finest: plan with the finest step and mesh. If the quantity exists in all runs, or
-    none, the first is the change of their event margins; 0 and NaN where these are not known."""
+    """Estimate two errors by step and mesh near the border of where quantity `q` exists, by refined
+    runs near it: of the decision function, whose sign tells the side, and of the quantity's value,
+    NaN if no run has it. finest: plan with the finest step and mesh. If all runs have the quantity,
+    or none, the first is the change of their event margins; 0 and NaN where these are not known."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
         scores, score = occurrence.decision(model.points), occurrence.run_decision

@@ -49,10 +49,9 @@ def answer(
     further_runs: FurtherRuns,
 ) -> None:
     """Find the part of a campaign's box that explains its measured curves, with further runs, and
-    write `measured.json` into `folder`, which has the campaign's `samples.nc`. measured,
-    requirements, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate; further_runs: counts the runs. Raises `CampaignError`, also if a file of
-    measured curves has changed."""
+    write `measured.json` into `folder`, which has `samples.nc`. measured, requirements, verify,
+    jobs: sections of the config. Raises `CampaignError`, also if a file of measured curves has
+    changed."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     model.further_runs = further_runs
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]

@@ -39,9 +39,8 @@ def answer(
     further_runs: FurtherRuns,
 ) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
-    need them, and write `quantities.nc` and `refinement.nc` into `folder`, that of a campaign's
-    results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
-    with each message; threads: how many simulate; further_runs: takes note of the runs."""
+    need them, and write `quantities.nc` and `refinement.nc` into `folder`, which has `samples.nc`.
+    requirements, verify, jobs: sections of the config."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     model.further_runs = further_runs
     attributes = read_bounds(folder, of_design=True).attributes
@@ -88,9 +87,8 @@ def _write(model: ModelEvaluator, result: str, columns: dict, path: Path, title:
 def _describe_ends(
     model: ModelEvaluator, bounds: list[QuantityBounds], tolerances: list[float]
 ) -> list[str]:
-    """Describe why the search for the bounds of each quantity ended although an error was too
-    large, and where in the box the runs are predicted worst; empty texts for the other
-    quantities."""
+    """Why the search for each quantity's bounds ended although an error was too large, and where
+    runs are predicted worst; empty texts for the other quantities."""
     box, types = model.experiment.box, model.experiment.scene_type.parameters
     units = [{"name": name, "units": types[name].unit} for name in box.names]
     is_spent = min(model.max_refinements - len(model.refinements), model.account.allowance) < 1
@@ -109,9 +107,8 @@ def _describe_ends(
 def _columns(
     model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
 ) -> dict[str, Any]:
-    """Return the columns of `quantities.nc` by name: bounds and errors of all quantities. bounds:
-    of each; finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", empty if not
-    estimated."""
+    """Columns of `quantities.nc` by name. finer: errors (q, 2) of lower and upper bounds by "step"
+    and "mesh", empty if not estimated."""
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
     design = slice(len(model.points) - len(model.refinements))
     runs = FittedRuns(model.points[design], model.numbers[design], model.margins[design])

@@ -29,9 +29,8 @@ _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets wit
 
 
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
-    """Assess in which part of the box a campaign's requirements are met, and write
-    `requirements.json` into `folder`, its results with `quantities.nc` and `refinement.nc`; nothing
-    is simulated. requirements, jobs: sections of the config; notify: gets messages."""
+    """Assess in which part of the box the requirements are met, and write `requirements.json` into
+    `folder`, which has `quantities.nc` and `refinement.nc`; nothing is simulated."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     rows = judge(model, requirements, QuantityResults.read(folder).errors)
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
@@ -40,9 +39,8 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
 def judge(
     model: ModelEvaluator, requirements: Mapping[str, Mapping], errors: np.ndarray | None = None
 ) -> dict[str, Any]:
-    """Find where in the box the requirements are met, from the runs of `model`; the result has the
-    form of `requirements.json`. errors (2, q): by mesh and step, of values and of decision
-    functions, or None."""
+    """Find where in the box the requirements are met, in the form of `requirements.json`. errors
+    (2, q): by mesh and step, of values and of decision functions, or None."""
     specs = list_limits(requirements, list(model.experiment.quantities))
     result = assess_limits(model, model.surrogates(), specs, errors)
     shares = _find_shares(model, result)

@@ -85,11 +85,10 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 
 def campaign_of(path: Path, name: str) -> str:
-    """Return the YAML text of a first campaign for the structure in the file `path`, called `name`
-    in it. The first real parameter with a value other than 0 gets an interval of 1 %; the speeds of
-    all points and the openings of all hinges are recorded for as long as it may take to open;
-    quantities ask when its latches catch, requirements whether all do. Raises `CampaignError` if
-    the structure cannot be read, or has no such parameter."""
+    """YAML text of a first campaign for the structure in the file `path`, called `name` in it: an
+    interval of 1 % for the first real parameter that is not 0, speeds of all points and openings of
+    all hinges, the times of its latches as quantities, and a requirement that all catch. Raises
+    `CampaignError` if the structure cannot be read, or has no such parameter."""
     from fpm.structures.plausible import run_duration  # 0.3 s, which no other command needs
 
     try:

@@ -55,8 +55,7 @@ def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> 
 
 def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple[dict, dict]:
     """Return the raw config of one case, without what the case changes, and the changes, to be
-    merged into it. case_lists: names of cases by requirement; one without a list is of all
-    cases."""
+    merged into it. case_lists: names of cases by requirement; one without is of all."""
     case = raw["cases"][name]
     rest = {key: copy.deepcopy(value) for key, value in raw.items() if key != "cases"}
     rest["campaign"] = folder_name(name)

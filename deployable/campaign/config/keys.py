@@ -56,9 +56,8 @@ class Rule(Key, NumberLimits):
         return self.children.get(name, self.entry)
 
     def take(self, value: Any) -> Any:
-        """Return a value that is no mapping of keys as the type of the key has it (a number is a
-        float, a list a tuple), or NO_VALUE if it is of no type that is allowed, or not within the
-        limits."""
+        """A value that is no mapping of keys as the type of the key has it (a number is a float, a
+        list a tuple), or NO_VALUE if it is not allowed."""
         values = (_take(option, value) for option in self.options)
         value = next((x for x in values if x is not NO_VALUE), NO_VALUE)
         return value if value is NO_VALUE or self.fits(value) else NO_VALUE

@@ -65,11 +65,10 @@ def read_file(path: str | Path) -> Text:
 
 
 def check_snakemake_arguments(arguments: Sequence[str] | None = None) -> None:
-    """Check the files that Snakemake's arguments name (None: the arguments of this process), and
-    end the process with status 1 and a message if one cannot be read, is not YAML, or asks for
-    Python in it to be run, or if the working folder cannot be written to. Snakemake reads them
-    before any rule of ours, tells neither the line of an error nor which file is missing, and would
-    run what a key `__use_yte__` holds; so workflow/profiles/default calls this."""
+    """Check the files that Snakemake's arguments name (None: of this process) before it reads them,
+    since it tells neither line nor missing file and would run what `__use_yte__` holds: end the
+    process with status 1 and a message if one cannot be read or asks for that, or if the working
+    folder cannot be written to. Called by workflow/profiles/default."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
     parser.add_argument("--directory", "-d", default=".")

@@ -85,10 +85,9 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
-    """Turn the section `margins` of a config into responses, quantities of their least values, and
-    requirements that these be at least 0, unless the config requires something of them itself;
-    returns the new config and a sentence for each problem. solver: as the user wrote it; without a
-    duration and other responses or quantities runs simulate 1 ms only."""
+    """Turn `margins` into responses, quantities of their least values, and requirements that these
+    be at least 0 unless the config requires something else; returns the new config and problems.
+    solver: as the user wrote it; without a duration and other responses runs simulate 1 ms."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief: dict[str, Any] = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))

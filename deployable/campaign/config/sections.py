@@ -91,9 +91,8 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval]) -> Iterator[dict[str, float]]:
-    """Yield parameter values by name at which to check the structure: the nominal point, then
-    all corners of the box of up to four `intervals`, or both ends of each interval if there are
-    more."""
+    """Yield parameter values at which to check the structure: the nominal point, then all corners
+    of up to four `intervals`, or both ends of each if there are more."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if len(intervals) <= 4:
@@ -118,9 +117,8 @@ class SceneChoice:
 
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
-    """Section `design` of the config with what an `accuracy` adds: the polynomial `order` of the
-    surrogate, None for none; points: normalized (n, k), of an adaptive design's runs; digest: of
-    the `file`."""
+    """Section `design` of the config, and what an `accuracy` adds: polynomial `order`, None for
+    none; points: normalized (n, k), of an adaptive design's runs; digest: of the `file`."""
 
     order: Any = 3
     points: tuple = ()
@@ -143,10 +141,9 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All settings that determine the runs of a campaign, and what is evaluated of each run.
-    intervals: of the uncertain parameters, by name; held_out: number of validation runs; responses,
-    quantities: definitions by name, as in the config; accuracy: target of runs in rounds; display:
-    units in which people see results, which changes no run."""
+    """All settings that determine the runs of a campaign, and what is evaluated of each. held_out:
+    number of validation runs; responses, quantities: definitions by name, as in the config;
+    display: units in which people see results, which changes no run."""
 
     name: str
     scene: SceneChoice
@@ -161,9 +158,8 @@ class Experiment:
 
     @classmethod
     def read(cls, config: str | Mapping) -> Experiment:
-        """Make the experiment from its nested dicts in a result file, or from their JSON, as in the
-        attribute `config`. They may come from anybody: names, after which files are called, are
-        checked. Raises `HeldConfigError`."""
+        """Make the experiment from its nested dicts, or their JSON, in a result file. They may come
+        from anybody: names, after which files are called, are checked. Raises `HeldConfigError`."""
         try:
             experiment = from_data(cls, json.loads(config) if isinstance(config, str) else config)
             names = [*experiment.responses, *experiment.quantities]
@@ -334,11 +330,10 @@ class ResolvedTest(MeasuredTest):
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole config, checked and resolved: the experiment, and the sections on what is made of the
-    runs. published: largest width in the literature, by response; review: name of the standard of
-    the review sheet; requirements: limits by requirement, quantity and kind; cases: what each case
-    changes; case_campaigns: the campaigns of the cases, which are run in the place of this one;
-    sources: paths of the files it was read from."""
+    """A whole config, checked and resolved. published: largest width in the literature, by
+    response; review: name of the standard of the review sheet; requirements: limits by requirement,
+    quantity and kind; cases: what each case changes; case_campaigns: run in the place of this one;
+    sources: files it was read from."""
 
     experiment: Experiment
     bounds: BoundsChoice

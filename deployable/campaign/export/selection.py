@@ -204,9 +204,8 @@ def _select_structure(source: str, settings: Mapping[str, str], duration: float)
 
 
 def parse_values(settings: Mapping[str, str], structure: Any) -> dict[str, Any]:
-    """Parse values of a structure's parameters, texts by name, as in a YAML file: `"2.5"` as 2.5,
-    `"true"` as True, `"3 mm"` in the parameter's unit; returns the values by name. Raises
-    `ConfigError` for a text that is no YAML."""
+    """Parse values of a structure's parameters, texts by name, as in a YAML file: `"2.5"`,
+    `"true"`, `"3 mm"` in the parameter's unit. Raises `ConfigError` for a text that is no YAML."""
     values = {}
     for name, text in settings.items():
         value = read(f"value: {text}", f"--set {name}").data["value"]

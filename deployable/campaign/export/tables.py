@@ -26,9 +26,8 @@ _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
 def write_tables(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    """Simulate a run, write its curves as `<run.name>.csv` into `folder`, and return the paths of
-    all files. For a run of results these are also `bounds.csv`, `runs.csv` and, if there are
-    quantities, `quantities.csv`. Raises `CampaignError` if the run fails."""
+    """Simulate a run, and write its curves as `<run.name>.csv` into `folder`, for a run of results
+    also `bounds.csv`, `runs.csv` and `quantities.csv`; returns the paths."""
     tables = {f"{run.name}.csv": _columns(tabulate_curves(run.outcome(), run.responses))}
     if run.folder:
         bounds = read_bounds(run.folder)

@@ -30,9 +30,8 @@ WIDTH, _DPI = 4.8, 100  # width of the picture, in inches, and pixels of an inch
 
 
 def write_moving(motion: xarray.Dataset, path: Path, by_stress: bool = False) -> Path:
-    """Write all frames of a whole motion as a moving picture of five seconds to `path` (.gif, .webp
-    or .mp4), and return it. by_stress: colour elements by their equivalent stress, not by bar.
-    Raises `CampaignError` for .mp4 where ffmpeg is not installed."""
+    """Write a whole motion as a moving picture of five seconds to `path` (.gif, .webp or .mp4);
+    by_stress: coloured by it. Raises `CampaignError` for .mp4 without ffmpeg."""
     from PIL import Image
 
     if path.suffix == ".mp4":

@@ -76,9 +76,8 @@ def _place(scene: Any, beam: Any) -> np.ndarray:
 
 
 def telling_moments(motion: Any, count: int) -> np.ndarray:
-    """Choose `count` frames of a whole motion, evenly along the particles' paths, from the start to
-    the first closure of a contact, or to the end. Length along the paths is the sum of the root
-    mean square of the particles' displacements."""
+    """Choose `count` frames of a whole motion, evenly along the particles' mean paths, from the
+    start to the first closure of a contact, or to the end."""
     time, position = values_in(motion, "time"), values_in(motion, "position")
     is_closing = values_in(motion, "contact_event_closing") == 1
     closures = values_in(motion, "contact_event_time")[is_closing]

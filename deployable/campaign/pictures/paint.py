@@ -48,9 +48,8 @@ _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 def paint_solid(
     ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> Any:
-    """Paint a structure's visible faces into matplotlib axes (`ax`) and return their
-    PolyCollection. solid: the structure at some moments; moment: index of one; view: direction to
-    the eye; colours (m, 3): of its elements, red, green, blue, 0 to 1; None: one for each bar."""
+    """Paint a structure's visible faces into matplotlib axes and return their PolyCollection. view:
+    direction to the eye; colours (m, 3): of its elements; None: one for each bar."""
     from matplotlib.collections import PolyCollection
 
     faces, shades = visible_faces(solid, moment, view, colours)
@@ -110,9 +109,8 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
 
 
 def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
-    """Set the limits of matplotlib axes (`ax`) to a structure's, with a strip below in which the
-    directions x, y, z and a length scale are drawn. limits (2, 2): lowest and highest corner in the
-    plane of the picture (m); view: direction to the eye; signs: False leaves the strip empty."""
+    """Set the limits (2, 2), m, of matplotlib axes, with a strip below for the directions x, y, z
+    and a length scale; signs: False leaves it empty. view: direction to the eye."""
     low, high = limits
     width, height = high - low
     size = max(width, height)

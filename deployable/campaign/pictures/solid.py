@@ -39,10 +39,9 @@ NO_CABLES = CablePoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
 
 @dataclass(frozen=True)
 class Solid:
-    """The m elements of a structure with n particles at T moments, each a hexahedron between the
-    sections at its two ends. nodes (m, 2): particles at the ends; sections (m, 2, 4, 3): the
-    sections' corners from the particle, in its rotating frame (m); position (T, n, 3); frame (T, n,
-    3, 3): the particles' rotation matrices; elements (m): names."""
+    """The m elements of a structure with n particles at T moments, each a hexahedron. nodes (m, 2):
+    particles at its ends; sections (m, 2, 4, 3): corners from the particle, in its frame (m);
+    position (T, n, 3); frame (T, n, 3, 3): rotation matrices; elements (m): names."""
 
     nodes: np.ndarray
     sections: np.ndarray

@@ -47,10 +47,9 @@ beside its integration."""
 @dataclass(frozen=True)
 class Resources:
     """What the rounds of an `accuracy` have spent, and what the next actions would take. runs,
-    seconds: spent so far, checks included, the time (s of one core) by estimate; nodes: runs that
-    surrogates are fitted to; next_runs: how many would be added; check_runs: repeated in a check
-    of step or of mesh; run_seconds: of one core, for a run; elements: number set by the mesh's
-    parameter; reserve: runs kept for the bounds of quantities after the rounds."""
+    seconds (of one core, estimated): spent so far; nodes: runs that are fitted; next_runs: would be
+    added; check_runs: repeated in a check; run_seconds: of one run; elements: of the mesh; reserve:
+    runs kept for the bounds of quantities."""
 
     runs: int
     seconds: float
@@ -76,10 +75,9 @@ class Resources:
 
 @dataclass(frozen=True)
 class Decision:
-    """The next action towards the errors that an `accuracy` allows, with the `reason` as a
-    sentence. action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors
-    by both); "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: errors,
-    of "step" and "mesh", for which the next round repeats runs; met: whether all are tolerable."""
+    """The next action of an `accuracy`, with the `reason` as a sentence: "stop", "check", "runs"
+    (add some), "mesh" or "step" (halve it and repeat all). check: errors, of "step" and "mesh", for
+    which the next round repeats runs; met: whether all are tolerable."""
 
     action: str
     reason: str
@@ -132,10 +130,9 @@ class Errors:
 
 @dataclass(frozen=True)
 class RefinementState:
-    """State after a finished round, from which `decide` takes the next action. accuracy: of the
-    config; shares: errors by name and component, as fractions of widths; state: earlier rounds, and
-    the errors that this one was checked for; cost: spent and needed; is_step_free: whether the step
-    may be halved."""
+    """State after a finished round, from which `decide` takes the next action. shares: errors by
+    name and component, as fractions of widths; state: earlier rounds, and the errors that this one
+    was checked for; is_step_free: whether the step may be halved."""
 
     accuracy: Accuracy
     shares: Shares
@@ -207,9 +204,8 @@ class RefinementState:
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
-        """Return the factor (1.25 to 4) by which to increase the number of runs that surrogates are
-        fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
-        to three quarters of their allowance, at the rate at which they fell last."""
+        """Factor (1.25 to 4) for the number of fitted runs, so that the surrogate's errors that can
+        be met fall to three quarters of their allowance, at the rate at which they fell last."""
         ratios = [(e.surrogate / (_SPARE * e.allowance), self._rate(e)) for e in self.reducible]
         return min(max([_LEAST, *(ratio ** (1 / rate) for ratio, rate in ratios)]), _MOST)
 

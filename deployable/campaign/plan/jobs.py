@@ -18,9 +18,8 @@ PROGRAM, PROCESS = 600.0, 150.0
 
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
-    """Estimate the core seconds of a run that is one of eight side by side, on the reference core
-    of `fpm.scenes.effort`, so that the rounds of an `accuracy` are the same everywhere. Runs whose
-    curves of time differ take as long as eight."""
+    """Estimated core seconds of a run that is one of eight side by side, on the reference core of
+    `fpm.scenes.effort`, so that the rounds of an `accuracy` are the same everywhere."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
     places = corners(experiment.intervals) if scene.curves else ()
     differs = any(curve_bytes(experiment.build(x)) != curve_bytes(scene) for x in places)
@@ -38,9 +37,8 @@ def runs_in_job(campaign: Campaign) -> int:
 
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
-    """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: 5 to
-    start the program, and twice the estimated core minutes over `jobs.processes` (config); with an
-    `accuracy` its whole budget is the estimate. time: step of the plan; None: chosen here."""
+    """Minutes to ask a queue for, for a job of `runs` runs: 5, and twice the estimated core minutes
+    (of an `accuracy` its budget) over `jobs.processes`. time: step of the plan; None: chosen."""
     if campaign.experiment.is_adaptive:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:

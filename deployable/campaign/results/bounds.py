@@ -84,9 +84,8 @@ def _design(samples: Any, experiment: Experiment) -> Any:
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
-    """Write an `xarray.Dataset` as compressed netCDF with a seal (checksum, origin), whole or not
-    at all. dataset: its attribute `campaign` is the campaign's name; path: of the file; title: what
-    the dataset holds, in words. Title, history and provenance become attributes of the file."""
+    """Write an `xarray.Dataset`, whose attribute `campaign` is the name, as compressed netCDF with
+    a seal and provenance, whole or not at all. title: what it holds, in words."""
     heading = f"{title}, campaign {dataset.attrs['campaign']}"
     history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
     dataset = dataset.assign_attrs(title=heading, history=history, provenance=as_attribute())

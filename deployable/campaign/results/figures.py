@@ -141,11 +141,9 @@ def _unit(bounds: ResponseBounds) -> str:
 
 
 def shares(bounds: CampaignBounds, width: float = 7.0) -> Any:
-    """Make a matplotlib figure of what each parameter contributes to each response, of `bounds`
-    that have that; width: of the figure (inches). The left plot of a response shows how wide its
-    range is over time when one parameter varies alone, the right one these widths integrated over
-    time, in per cent of their sum over all parameters. Widths that are not above the error of the
-    fit are grey, and count as 0."""
+    """Matplotlib figure of what each parameter contributes to each response: left its width over
+    time when one parameter varies alone, right these integrated, in per cent of their sum. Widths
+    not above the error of the fit are grey, and count as 0. width: of the figure (inches)."""
     responses = bounds.responses
     parameters = [parameter["name"] for parameter in bounds.parameters]
     labels = [_abscissa(response)[1] for response in responses]
@@ -224,9 +222,8 @@ def save(
     dpi: int = 200,
     file: Any = result_file,
 ) -> None:
-    """Save a matplotlib figure in some `kinds` of `DATELESS`, without dates, so that equal data
-    give equal files. path: without suffix; file: context manager that gives a temporary path for
-    each; by default it seals them."""
+    """Save a matplotlib figure in some `kinds` of `DATELESS`, without dates: equal data give equal
+    files. path: without suffix; file: context manager of a temporary path, by default sealed."""
     from matplotlib import rc_context
     from matplotlib.text import Text
 

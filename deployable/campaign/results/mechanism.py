@@ -44,9 +44,8 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Energies (J) of a campaign's nominal run: `change`, the largest change over the run of any
-    one kind of energy, `largest`, the largest size of one, `imbalance`, the largest error of their
-    balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
+    """Energies (J) of the nominal run: largest `change` of any one kind over the run, `largest`
+    size of one, `imbalance`; None where its trajectory was not stored."""
     run, paths = plan.runs[0].id, sorted(folder.runs("trajectories").glob("*.nc"))
     path = next((path for path in paths if run in read_seal(path)[0].get("runs", "")), None)
     if path is None:
@@ -63,10 +62,9 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
 def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
-    """Collect the facts of a torque margin (a `Response`) for its review sheet. scenes: the nominal
-    structure, then those at corners of the box; row: dict of its least value in the facts; sweep:
-    function of parameter values (k) and the margin that returns curves of the work of all
-    components along the travel."""
+    """Facts of a torque margin (a `Response`) for its review sheet. scenes: the nominal structure,
+    then corners of the box; row: its least value in the facts; sweep: function of parameter values
+    and the margin that returns curves of the work of all components."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
@@ -154,10 +152,9 @@ def evidence_of(margin: Any) -> str:
 def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, is_stowed: bool
 ) -> list[float] | None:
-    """First and last opening (rad, or m of a slide) of the whole travel of the joint that a margin
-    follows; None where no latch and no stop ends it. It reaches from the start to the farthest
-    latch, or without one to the nearest stop, and covers all scenes. openings: joints that move
-    together, first the one followed; positions: the margin's; is_stowed: whether it begins at
+    """First and last opening (rad, m) of the travel of the joint that a margin follows, from the
+    start to the farthest latch, else the nearest stop, of all scenes; None without either.
+    openings: joints that move together, first the one followed; is_stowed: whether it begins at
     `first`."""
     sign = 1.0 if positions.last > positions.first else -1.0
     side = "above" if sign > 0 else "below"
@@ -177,9 +174,8 @@ def travel_of(
 
 
 def list_deviations(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
-    """List the factors and classes in a margin's config that differ from those of the standard or
-    the structure, a text each, own before other: `HM 2 for 3` (class of motors). scene:
-    `fpm.Scene`; definition: the margin's part of the config; response: the margin (`Response`)."""
+    """List the factors and classes of a margin that differ from those of the standard or the
+    structure, a text each, own before other: `HM 2 for 3` (class of motors)."""
     standard = STANDARDS[standard_of(response)]
     resists, parts = standard.resists[evidence_of(response)], component_classes(scene)
     return [

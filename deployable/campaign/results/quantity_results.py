@@ -115,9 +115,8 @@ def number(value: float) -> float | None:
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Choose the runs that surrogates of quantities are fitted to, of all runs' `numbers` (R, q):
-    all of up to `MAX_FIT_RUNS`; of more the first 4000, which fill the box, and for each quantity
-    the runs with its least and largest value and the first without it."""
+    """Choose the runs that surrogates of quantities are fitted to, of `numbers` (R, q): all of up
+    to `MAX_FIT_RUNS`; else the first 4000, and each quantity's extremes and first absence."""
     if len(numbers) <= MAX_FIT_RUNS:
         return np.arange(len(numbers))
     rows = set(range(_MAX_FITTED_RUNS))
@@ -131,11 +130,10 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
 
 
 class FittedRuns(NamedTuple):
-    """The R runs that surrogates (fitted functions) of quantities rest on: `points`, `numbers` and
-    `margins` as of `RunTable`. Margins are continuous where a quantity comes and goes in the box,
-    and so locate that border. rest (S, q): quantities of the other runs of a large scan;
-    refinement_count: how many of the R runs, the last ones, the search for bounds added; failures:
-    the planned runs, and those that the search added, that failed, and are not among the R."""
+    """The R runs that surrogates of quantities rest on: `points`, `numbers`, `margins` as of
+    `RunTable`. rest (S, q): quantities of the other runs of a large scan; refinement_count: how
+    many of the R runs, the last ones, the search for bounds added; failures: those runs that
+    failed, not among the R."""
 
     points: np.ndarray
     numbers: np.ndarray

@@ -18,9 +18,8 @@ from deployable.campaign.plan.plan import FailedRun, PlannedRun, namer
 
 
 class RunTable(NamedTuple):
-    """R runs in a table: `points` (R, k), parameters scaled to -1 to 1; `values` (R, k), the same
-    in their units; `numbers` (R, q), quantities, NaN for one that does not occur; `margins` (R, q),
-    event margins, above 0 where the run has the quantity, NaN where not known."""
+    """R runs: `points` (R, k), -1 to 1; `values` (R, k), in the parameters' units; `numbers` (R,
+    q), NaN for one that does not occur; `margins` (R, q) of events, NaN where not known."""
 
     points: np.ndarray
     values: np.ndarray
@@ -136,9 +135,8 @@ class RunSamples:
         return [name(tuple(values)) for values in self.table.values[rows].tolist()]
 
     def count(self) -> dict[str, Any]:
-        """Count the different runs, of which equal parameters count once: all `runs`; `nodes`, that
-        were fitted; `held_out`, kept back to test the fit (and no nodes); `nominal_among_them`,
-        whether the nominal run is one of these two, so that it is not counted once more."""
+        """Count the different runs: all `runs`; `nodes`, that were fitted; `held_out`, which test
+        the fit; `nominal_among_them`, whether the nominal run is a node or held out."""
         if self.keeps_extremes:
             counts = len(self) - 1, 0, len(self), False
         else:

@@ -19,10 +19,9 @@ def summarise(
     folder: Folder, published: Mapping[str, float], answers: Iterable[str] = (),
     review: str | None = None, **sections: Any,
 ) -> str:  # fmt: skip
-    """Write a campaign's results as `summary.json` and `summary.md` into its folder, and return the
-    latter's text. published, answers: as in `facts_of`; review: key of the standard for
-    `review.csv` and `review.md`; None: these are not written; sections: further ones of the
-    config that decide the results beside those of the plan."""
+    """Write `summary.json` and `summary.md` into a campaign's folder, and return the latter's text.
+    published, answers: as in `facts_of`; review: standard of the review sheet, None: not written;
+    sections: further ones of the config that decide the results."""
     facts, experiment = facts_of(folder, published, answers), read_plan(folder.plan).experiment
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])

@@ -56,11 +56,9 @@ def run_batch(
     processes: int = 1,
 ) -> None:
     """Simulate a batch of a plan's runs into a store, but for those that it has, then write the
-    batch's manifest. The number of processes and threads changes no result. batch: its number, from
-    0, of `batches`; jobs: section of the config; folder: of the store; manifest: path of the JSON
-    file with numbers of runs and seconds; threads share a group of runs, processes the groups.
-    Raises `CampaignError` if too many runs fail, after all others were written; then there is no
-    manifest."""
+    JSON file `manifest` with numbers of runs and seconds. batch: its number, from 0, of `batches`;
+    threads share a group of runs, processes the groups: no result depends on them. Raises
+    `CampaignError` if too many runs fail, after all others were written; then without manifest."""
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
@@ -202,9 +200,8 @@ class Simulation:
             yield from results
 
     def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
-        """Simulate several lots of runs, and yield for each an iterator of its `Result` objects, to
-        be consumed in order; meanwhile the threads integrate the next group. lots: pairs of runs,
-        and columns (variable, label) to record besides what responses need."""
+        """Simulate several lots, pairs of runs and columns (variable, label) to record, and yield
+        for each an iterator of `Result`, to be consumed in order, while threads go on."""
         with ThreadPoolExecutor(self.threads) as pool:
 
             def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
@@ -243,9 +240,8 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[FailedRun], np.ndarray]:
-    """Simulate runs of a plan side by side in this thread: returns a `Result` for each that
-    succeeds, a `FailedRun` for each other, and seconds (2) of integration, wall-clock and
-    processor time. columns: (variable, label) pairs to record besides what responses need."""
+    """Simulate runs side by side in this thread: a `Result` or `FailedRun` each, and seconds (2) of
+    integration, wall-clock and processor. columns: (variable, label), further ones to record."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
     with _BUILD_LOCK:

@@ -51,9 +51,8 @@ class MessagePrinter:
             self.log_time = self.message_time + FIRST
 
     def move(self, text: str) -> None:
-        """Replace the line that the last call wrote by `text`. On terminals an empty text clears
-        the line. Other files get a changed text as a new line, at the earliest five seconds after
-        the last message, and then after pauses (`PAUSE`)."""
+        """Replace the line that the last call wrote by `text`, or clear it; what is no terminal
+        gets a changed text as a new line, after pauses (`PAUSE`)."""
         if not LOGGER.isEnabledFor(logging.INFO):
             return
         with self.lock:
@@ -89,10 +88,9 @@ def is_terminal(file: TextIO | Notify) -> bool:
 def report_step(
     find_text: Callable[[float], str], notify: Notify, is_alone: bool = True
 ) -> Iterator[None]:
-    """Report the work in progress while the block runs: once a second as one updated line on a
-    terminal, and now and then in a log. Of nested steps the innermost is reported. find_text:
-    function of the seconds so far; is_alone: False while processes are forked, when no thread may
-    run: the text is then only for the message after Ctrl-C."""
+    """Report the (innermost) work in progress while the block runs: once a second on a terminal,
+    now and then in a log. find_text: of the seconds so far; is_alone: False while processes are
+    forked, when no thread may run: only for the message after Ctrl-C."""
     printer = notify if isinstance(notify, MessagePrinter) else MessagePrinter(notify)
     start, end = time.monotonic(), threading.Event()
 

@@ -42,10 +42,9 @@ class Result:
 @dataclass(frozen=True)
 class RunRecord:
     """What `samples.nc` holds of one run. time (T): s; values (n, T): responses; events (e, 3):
-    time (s), index into `contacts`, 1 if it closes and 0 if it opens; numbers (q): quantities, NaN
-    if absent; margins (q): above 0 if it exists, NaN if not known; event_margins (c): of the first
-    event at each of `contacts`, likewise; overlap: largest one of the faces of a contact (rad), 0
-    without contacts; step (s): below that of the plan where the run failed with it."""
+    time (s), index into `contacts`, 1 if it closes; numbers (q): quantities, NaN if absent; margins
+    (q), event_margins (c; of the first event at each contact): NaN if not known; overlap: largest
+    of faces (rad), 0 without; step (s): finer than the plan's where the run failed with that."""
 
     time: np.ndarray
     values: np.ndarray
@@ -59,11 +58,10 @@ class RunRecord:
 
 
 class Store:
-    """Base of the stores: a folder of results of runs in files named by a digest of their content,
-    so that a restarted campaign finds them again. experiment: its responses are kept, and
-    `quantities`, but for expressions of others. A file that is damaged counts as absent, and is
-    noted in `damage` (errors by path); `absences`: by run id, the columns (variable, label) that
-    its file lacks. A run that failed has a note, `<run id>.failed.json`, and is never missing."""
+    """Base of the stores of runs, in files named by a digest of their content, so that a restarted
+    campaign finds them. `quantities`: those of the experiment but for expressions of others. A
+    damaged file counts as absent (`damage`: errors by path); `absences`: columns that a run's file
+    lacks, by id. A run that failed has a note, `<run id>.failed.json`, and is never missing."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -202,9 +200,8 @@ def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
-    """Return the largest overlap (rad) of the faces of hinge contacts, below 0 where all stay
-    apart, 0 without contacts. openings: curves (T) of the gap (rad) by name of contact; contacts:
-    names, of which those without a curve are skipped."""
+    """Largest overlap (rad) of the faces of hinge contacts, below 0 where all stay apart, 0 without
+    contacts. openings: gap (T, rad) by contact; contacts without one are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 

@@ -26,10 +26,9 @@ from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
-    """Store of runs for `jobs.keep: trajectories`: one netCDF file for each group of runs that were
-    written together, with energies, openings, events, and what responses read. Its seal names the
-    runs, so that each is found in whichever file has it. Changed responses are evaluated from it,
-    unless they read other points or variables."""
+    """Store for `jobs.keep: trajectories`: one netCDF file for each group of runs, with energies,
+    openings, events, and what responses read, whose seal names the runs. Changed responses are
+    evaluated from it, unless they read other points or variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)

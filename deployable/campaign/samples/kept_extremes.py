@@ -27,9 +27,8 @@ _FILE = "extremes"
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
-    """Write `samples.nc` to `path` from the stored chunks of a scan. One chunk at a time is in
-    memory. Missing or damaged ones are simulated again; runs that failed are listed apart. Raises
-    `CampaignError` if too many did."""
+    """Write `samples.nc` to `path` from the chunks of a scan, one at a time; missing or damaged
+    ones are made again, failed runs listed apart. Raises `CampaignError` if too many failed."""
     import netCDF4
 
     store, unique = open_store("extremes", folder, plan.experiment), plan.unique_runs

@@ -25,9 +25,8 @@ _FILE = "samples.nc"
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
-    """Write the responses and quantities of all runs of a plan, from their store, to `path`. One
-    group of runs at a time is in memory. Missing or damaged runs are simulated again; those that
-    failed are listed apart. Raises `CampaignError` if too many did."""
+    """Write responses and quantities of all runs to `path`, one group at a time; missing or damaged
+    runs are made again, failed ones listed apart. Raises `CampaignError` if too many failed."""
     import netCDF4
 
     store, unique = open_store(jobs.keep, folder, plan.experiment), plan.unique_runs

@@ -17,13 +17,7 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
     """A body as two that are fixed to each other, each with a share of its mass; together with all
     their points where that share has the same centre, or side by side along x."""
     drives = {entry["part"] for entry in entries(structure, "drives").values()}
-    # What is held about one axis alone may be in no joint, and the two would be joined.
-    ties = {
-        entry["part"]
-        for entry in entries(structure, "supports").values()
-        if entry["rotations"] == "x"
-    }
-    bodies = [name for name in entries(structure, "bodies") if name not in drives | ties]
+    bodies = [name for name in entries(structure, "bodies") if name not in drives]
     if not bodies or any(map(_is_damped_for_its_parts, entries(structure, "actions").values())):
         return None
     name = rng.choice(bodies)

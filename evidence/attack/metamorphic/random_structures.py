@@ -170,7 +170,7 @@ class Draw(StructureDraft):
             loose = self.chance(0.5)
             self.add("supports", "s0", part=name, at=centre,
                      translations=self.rng.choice(["xy", "z", "none"]) if loose else "xyz",
-                     rotations=self.rng.choice(["x", "yz", "none"]) if loose else "xyz"
+                     rotations=self.rng.choice(["yz", "none"]) if loose else "xyz"
                      )  # fmt: skip
 
     def loop(self) -> None:

@@ -1,33 +1,12 @@
 """Damping of bars: in proportion to their stiffness, and by the bulk viscosity of their mesh.
 
-By Rayleigh's beta, a time of the material, an element is a Kelvin-Voigt solid: with q its six
-deformations (stretch, twist, sum and difference of its ends' angles in both planes; beam.py), its
-forces are the gradient of U along them plus
+Theory: docs/mechanics.md, "Beams". Sources: Rayleigh, Theory of Sound I, § 102; Clough, Penzien,
+Dynamics of Structures, § 12-5. Bulk viscosity: von Neumann, Richtmyer, J. Appl. Phys. 21 (1950) 232
+for the idea; Landshoff, LA-1930 (1955) for the linear term b1 rho c_d l de/dt; Abaqus Analysis
+User's Guide, Explicit dynamic analysis, with b1 = 0.06.
 
-    beta K dq/dt,   U = q K q/2,
-
-so that a mode of angular frequency w has the share beta w/2 of critical damping (Rayleigh, Theory
-of Sound I, § 102; Clough, Penzien, Dynamics of Structures, § 12-5), and rigid motions none. What
-is left of an impact does not change as the mesh is refined, once elements are shorter than the way
-of a wave in the time beta.
-
-Bulk viscosity is of the mesh. Leapfrog damps nothing, least of all the last modes of a mesh, in
-which the front of a wave rings: a quarter too high in a rod that is pulled at once, and more the
-more elements it has. With a tension of c dl/dt beside EA (l - l0)/l0,
-
-    c = share A sqrt(E rho),
-
-an element's own highest mode along its axis (its halves of the mass against each other) has that
-share of critical damping, and modes that are long against elements next to none: linear bulk
-viscosity, b1 rho c_d l de/dt (von Neumann, Richtmyer, J. Appl. Phys. 21 (1950) 232 for the idea;
-Landshoff, LA-1930 (1955) for the linear term; Abaqus Analysis User's Guide, Explicit dynamic
-analysis, with b1 = 0.06). As the mesh is refined it vanishes. What bounds the step of slender
-elements is their bending, so that a share of 0.2 costs no step there; 0.5 a third of it.
-
-Rates are extrapolated from the last two steps: the stable step falls to (2/w) (sqrt(1 + 4 z²) - 2
-z), z = beta w/2, of the highest w (timestep.py). Sections, stresses and strain energy have no part
-of either.
-"""
+Rates are extrapolated from the last two steps, which shortens the stable step (timestep.py).
+Sections, stresses and strain energy have no part of either."""
 
 from dataclasses import dataclass
 
@@ -68,8 +47,7 @@ class BarDamping(ElementType):
 
     @classmethod
     def viscosity(cls, scene) -> float:
-        """Return the share of critical damping that bulk viscosity gives the elements of a scene in
-        their highest axial vibrations."""
+        """Return the share of critical damping by bulk viscosity in a scene."""
         return sum(element.share for element in scene.kinds.get(cls, []))
 
     @classmethod

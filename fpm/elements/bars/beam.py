@@ -1,17 +1,7 @@
 """Euler-Bernoulli beam elements between two particles.
 
-Theory. The rigid motion of an element is taken out by a fictitious reverse motion: turned back
-with the rotation of particle a, the chord n of the element shows the deflection angles of that end,
-``s = n . a2`` and ``n . a3`` (a1, a2, a3: the triad carried by particle a; undeformed, a1 = n).
-What is left is small, and linear Euler-Bernoulli theory holds for it::
-
-    U = EA/(2 l0) (l - l0)^2 + GJ/(2 l0) t^2
-      + sum over both planes of 2 EI/l0 (th_a^2 + th_a th_b + th_b^2),
-    th = s + s^3/6 (the angle of which s is the sine),   t = (b2 . a3 - b3 . a2) / 2.
-
-The end forces are the exact gradient of U with respect to the particles' positions and rotations.
-So they vanish in any rigid motion, carry no net force or moment (momentum is kept to rounding) and
-are conservative. Source of the concept: Ting, Shih, Wang, J. Mech. 20 (2004) 113 (vector form
+Theory: docs/mechanics.md, "Beams". End forces are the exact gradient of the strain energy, from
+which the rigid motion is taken out. Sources: Ting, Shih, Wang, J. Mech. 20 (2004) 113 (vector form
 intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17."""
 
 from collections.abc import Sequence

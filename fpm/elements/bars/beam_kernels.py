@@ -32,14 +32,12 @@ BEND, STRAIN = 0, 1  # watched
 
 class StraightElements(NamedTuple):
     """Arrays of m beam elements (lanes: samples) whose local axes are their particles' axes, as on
-    straight bars. nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes):
-    undeformed length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2,
-    lanes): largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J)."""
+    straight bars."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
-    peaks: np.ndarray  # (1, 2, lanes)
-    rows: np.ndarray  # (m, 1, lanes)
+    peaks: np.ndarray  # (1, 2, lanes) largest bend (sine) and strain so far
+    rows: np.ndarray  # (m, 1, lanes) energy of each (J)
 
 
 class FramedElements(NamedTuple):

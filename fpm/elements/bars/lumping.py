@@ -1,18 +1,11 @@
 """Masses of the particles of a straight link.
 
-Half of each element's mass at either end (the trapezium rule) overstates the transverse inertia of
-a link of n elements by 2/n². The masses are the weights of a quadrature of the inertia forces along
-the link, and the rule's error comes from the ends. Gregory's end corrections remove it, in
-differences up to the fourth, or as many as find room on half of the link, but two at least: mass,
-centre and inertia M L²/12 of the slender bar are exact for every n >= 2 (n = 2: Simpson's rule, n =
-3: his 3/8 rule), and 8 elements do better than 16 with half-and-half masses (docs/accuracy.md).
-More differences do not pay: the elements themselves are of fourth order. Source: Hildebrand,
-Introduction to Numerical Analysis, 2nd ed., § 5.9.
-
-Rotational inertia of the section: each element brings rho Ip l about the bar's axis and f rho I l
-about the others, shared by its ends. f = 1 is the physical value. f > 1 spares the time step; the
-excess (f - 1) rho I L of the link's inertia is taken back by moving a further ``(f - 1) (r/l)² n /
-(2 (n - 1))`` from the ends, as long as the end particle keeps some mass."""
+Theory: docs/mechanics.md, "Masses of a link": the trapezium rule with Gregory's end corrections
+(Hildebrand, Introduction to Numerical Analysis, 2nd ed., § 5.9), in differences up to the fourth,
+or as many as find room on half of the link, but two at least; more do not pay, as elements are of
+fourth order. The excess (f - 1) rho I L of a factor f on the inertia of sections is taken back by
+moving a further ``(f - 1) (r/l)² n / (2 (n - 1))`` from the ends, as long as the end particle keeps
+some mass."""
 
 import math
 from functools import lru_cache

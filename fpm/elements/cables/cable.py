@@ -1,23 +1,9 @@
-"""Cables: tension only, between two points or running through several without friction.
+"""Cables: tension only, between two points or running through several, which may rub.
 
-A cable of unstrained length R and stiffness EA runs straight from each of its points to the next;
-with the length L of them all,
-
-    strain e = (L - R) / R,   tension T = EA max(e, 0),   energy EA R max(e, 0)²/2
-
-Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
-length may change with a curve of time, as when a winch takes cable in; the winch gives -T (1 + e/2)
-dR/dt, the pull on the strained cable less the strain energy that leaves it, at the first point.
-
-A drum of radius r on a joint winds it: R falls by r times the opening psi from the start on, and
-the cable turns the joint by -r T (1 + e/2), the derivative of its energy by psi, so that nothing is
-given or lost. Its point stays where it is: the cable leaves the drum at a point that does not move
-along with the winding, and on the drum lies no mass and no strain energy of it.
-
-A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
-over a point, where the cable turns by the angle a, as soon as T' on one side is more than T exp(mu
-a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves T' (1 +
-e'/2) - T (1 + e/2) to friction. Cables from point to point have none."""
+Theory: docs/mechanics.md, "Cables": one tension all along without friction; with it one in each
+stretch, by Eytelwein's law of the capstan. A winch takes cable in by a curve of time, a drum by the
+opening of its joint. The point at which a cable leaves a drum does not move along with the
+winding."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -188,8 +174,7 @@ class Cable(ElementType):
             yield Piece(self.beams[i : i + 2], stiffness, drum, self.radius)
 
     def pulls(self, scene) -> Iterator[tuple[VirtualBeam, float]]:
-        """Yield the virtual beam of every point and the largest force (N) there at the start: the
-        tension, twice it between the ends."""
+        """Yield the arm to every point and the force (N) there at the start."""
         strain = self.lengths(scene).sum() / self.rest_at(scene, 0.0) - 1
         for i, beam in enumerate(self.beams):
             is_end = i in (0, len(self.beams) - 1)
@@ -215,8 +200,7 @@ class Cable(ElementType):
 
     @classmethod
     def eventful(cls, scene):
-        """Return what has events: all cables of a scene, then points between the ends of those with
-        friction, as "cable hoist point 2", counted from 1."""
+        """Return all cables of a scene, then inner points of those with friction, from 2 on."""
         points = [
             Eventful(f"{cable.title(scene)} point {i}", ("sticks", "slips"))
             for cable in cls.find(scene) if cable.has_friction
@@ -311,8 +295,7 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
 
 
 def _with_friction(part, batch):
-    """Return the arrays of cables of which some rub: unstrained lengths of all stretches as
-    well."""
+    """Return the arrays of cables of which some rub."""
     from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE

@@ -1,14 +1,9 @@
 """How stiff cables can be at most, wherever their points move to: their part in the stable step.
 
-A cable's length changes by sum c_i · y_i with the motions y_i of its points, |c_i| = 1 at the ends
-and at most 2 between (there and back again). By Cauchy and Schwarz (sum c_i · y_i)² is at most the
-sum of |c_i|² |y_i|²/s_i for any shares s_i that add up to 1: springs from each point to the ground,
-along all axes. With s_i ~ |c_i|² w_i, w_i being the inverse masses, nothing is lost for free
-points. These springs bear the tension's stiffness across, T/l for a stretch l, as well, as long as
-T/l <= EA/R: what is watched as crowding.
-
-A cable that rubs is at most as stiff as its stretches, each stuck at both ends. Their unstrained
-lengths are those at the start; where one becomes much shorter, the balance of energies tells."""
+Theory: docs/mechanics.md, "Cables": springs from each point to the ground, with shares s_i ~ |c_i|²
+w_i by the inverse masses w_i, so that nothing is lost for free points. A cable that rubs is at most
+as stiff as its stretches, each stuck at both ends, with their unstrained lengths at the start;
+where one becomes much shorter, the balance of energies tells."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple

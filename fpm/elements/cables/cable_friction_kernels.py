@@ -23,14 +23,8 @@ STICK = 10 * slips.CLOSE
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all c cables, with p points, where some have friction (lanes: samples). start,
-    particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track,
-    stretch_track, drum, openings: as in Cables; has_friction (c,): 1 where a cable has friction;
-    friction (c, 1, lanes): its coefficient; slip (p, 9, lanes): of each point and the stretch that
-    begins there, unstrained length (m) before slipping in this step, strain if nothing slipped over
-    the point at its end, largest ratio of tensions, its inverse, unstrained length (m), tension
-    (N), tension a step ago (N), unstrained length slipped over the point (m), size of that a step
-    ago; loss: index of friction's loss in World.accounts."""
+    """Arrays of all c cables, with p points, where some have friction (lanes: samples): those of
+    Cables, and further ones."""
 
     start: np.ndarray
     particle: np.ndarray
@@ -48,9 +42,9 @@ class RubbingCables(NamedTuple):
     drum: np.ndarray
     openings: Openings | None
     has_friction: np.ndarray  # (c,) whether each has friction
-    friction: np.ndarray  # (c, 1, lanes) its coefficient
-    slip: np.ndarray  # (p, SLIP_SIZE, lanes)
-    loss: int  # number of the account of what friction takes
+    friction: np.ndarray  # (c, 1, lanes) coefficient
+    slip: np.ndarray  # (p, SLIP_SIZE, lanes) m, N, by cable_slip_kernels.py
+    loss: int  # index of friction's loss in World.accounts
 
 
 @kernel
@@ -202,8 +196,7 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Store tension (N), of the first stretch, and strained length (m) of each cable in
-    part.track."""
+    """Store tension (N), of the first stretch, and strained length (m) of each cable."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.has_friction[c]:

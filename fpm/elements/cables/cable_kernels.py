@@ -14,7 +14,7 @@ from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, larger, put3, to_global
 from fpm.kernels.world import Log
 
-# Constants of a cable.
+# Constants of a cable: N, m, m, m, rad, m (fields of cable.py).
 NUMBERS = "stiffness", "rest", "reel", "radius", "start", "least"
 EA, REST, REEL, RADIUS, OPENING, LEAST = range(6)
 CABLE = 6
@@ -23,15 +23,15 @@ CABLE = 6
 DIRECTION = 0  # of the stretch (3)
 LENGTH = 3  # of the stretch
 GLOBAL_ARM = 4  # (3)
-PULL = 7  # force of the stretch that moves the points
+PULL = 7  # force (N) of the stretch that moves the points
 STRETCH = 8
 
 # Of a cable, at the last forces and a step before.
-LONGER = 0  # length less unstrained length
+LONGER = 0  # length less unstrained length (m)
 LONGER_BEFORE = 1
 UNSTRAINED = 2  # its length
 UNSTRAINED_BEFORE = 3
-WINCH, WINCH_BEFORE = 4, 5  # force that the winch works against
+WINCH, WINCH_BEFORE = 4, 5  # force (N) that the winch works against
 SURPLUS, SURPLUS_BEFORE = 6, 7  # unstrained length at the instant, less its mean over the kick
 STATE = 8
 
@@ -44,35 +44,23 @@ TINY = 1e-30
 
 class Cables(NamedTuple):
     """Arrays of all c cables (lanes: samples), one after the other, with p points; a stretch runs
-    from a point to the next. start (c + 1,): first point of each cable; particle (p,): particle of
-    each point; curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles
-    to points, in the particles' frames (m); cables (c, 6, lanes): EA (N), unstrained length, length
-    that the winch takes in where its curve is 1 (m), radius of the drum (m), opening at which the
-    unstrained length is outside it (rad), length down to which it winds (m); stretches (p, 8,
-    lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 8, lanes):
-    elongation, unstrained length, as a mean over the kick (m), winch force (N), that length at the
-    instant less the mean (m), each now and a step ago; account: index of the winches' work in
-    World.accounts; peaks (1, 2, lanes): largest crowding and drum ratio so far; rows (c, 1, lanes):
-    the larger one of each; log: of events; track ((instants + 1) c, 2, lanes): recorded tension (N)
-    and length (m); stretch_track ((instants + 1) p, 2, lanes): those of the stretch that begins at
-    each point; drum (c,): hinge of the drum, -1: none; openings: joint coordinates, None: no
-    drums."""
+    from a point to the next. The fields of CABLE, STRETCH and STATE stand above."""
 
     start: np.ndarray  # (c + 1,) first point of each
     particle: np.ndarray  # (p,) particles
-    curve: np.ndarray  # (c,)
-    arms: np.ndarray  # (p, 3, lanes)
+    curve: np.ndarray  # (c,) index of the winch's curve; -1: none
+    arms: np.ndarray  # (p, 3, lanes) from particles to points, in their frames (m)
     cables: np.ndarray  # (c, CABLE, lanes)
     stretches: np.ndarray  # (p, STRETCH, lanes)
     state: np.ndarray  # (c, STATE, lanes)
-    account: int  # number of that of the winches' work
-    peaks: np.ndarray  # (1, 2, lanes)
-    rows: np.ndarray  # (c, 1, lanes)
+    account: int  # of the winches' work, in World.accounts
+    peaks: np.ndarray  # (1, 2, lanes) largest crowding and drum ratio so far
+    rows: np.ndarray  # (c, 1, lanes) the larger of both, of each
     log: Log
     track: np.ndarray  # ((instants + 1) c, 2, lanes) recorded tension (N) and length (m)
     stretch_track: np.ndarray  # ((instants + 1) p, 2, lanes) those of stretches
-    drum: np.ndarray  # (c,) hinges
-    openings: Openings | None
+    drum: np.ndarray  # (c,) hinge of the drum; -1: none
+    openings: Openings | None  # None: no drums
 
 
 @kernel
@@ -263,8 +251,7 @@ def record_cable(part, c, row):
 
 @hook(Cables)
 def record(part, world, row):
-    """Store tensions (N) and lengths (m) of cables and stretches; raise part.peaks to their largest
-    crowding and drum ratio."""
+    """Store tensions (N) and lengths (m); raise part.peaks to crowding and drum ratio."""
     for c in range(part.curve.shape[0]):
         record_cable(part, c, row)
 

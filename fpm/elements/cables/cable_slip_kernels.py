@@ -1,11 +1,7 @@
 """How a cable slips over the points through which it runs: Euler and Eytelwein's law as a whole.
 
-Stretch j with its unstrained length n and its length l is strained by e = l/n - 1. After the points
-have moved, s slips over the point at which it begins and which turns the cable by the angle a:
-
-    s > 0: e(j) = r e(j-1),   s < 0: e(j-1) = r e(j),   s = 0: neither more than r = exp(mu a) times
-
-docs/mechanics.md shows that there is one solution, and that these steps find it."""
+Theory: docs/mechanics.md, "Cables", where it is shown that there is one solution, and that these
+steps find it."""
 
 from fpm.elements.cables.cable_kernels import LENGTH, TINY
 from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative

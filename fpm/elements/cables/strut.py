@@ -74,8 +74,7 @@ class Strut(ElementType):
 
     @property
     def numbers(self) -> list[float]:
-        """Constants for the kernels: the force at the first distance (N), the slope below it (N/m),
-        the energy there (J), the damping (N s/m)."""
+        """Force (N), slope below (N/m), energy (J) at the first distance, and damping (N s/m)."""
         lengths, slopes, force = np.array(self.lengths), self.all_slopes, np.array(self.forces)
         works = np.cumsum([0.0, *np.diff(lengths) * (force[1:] + force[:-1]) / 2])
         starts, works = np.concatenate([force[:1], force]), np.concatenate([works[:1], works])
@@ -174,8 +173,7 @@ def gas_table(force: float, length: float, stroke: float, ratio: float, exponent
 
 
 def _start(scene) -> np.ndarray:
-    """Return the state of a scene's struts at t = 0: lengths (m), mean rate in the step before
-    (m/s)."""
+    """Return the state of struts at t = 0: lengths (m), mean rate in the step before (m/s)."""
     from fpm.elements.cables.strut_kernels import LENGTH, RATE, STATE
 
     motion = moving_at_start(scene)

@@ -23,23 +23,18 @@ TRACK = 2
 
 
 class Struts(NamedTuple):
-    """Arrays of all s struts. particle (s, 2): particles of its points; arms (2 s, 3, lanes): from
-    these to the points, in their axes (m); start (s + 1,): first point of the table of each; points
-    (p, 2, lanes): length (m) and change of slope (N/m) at all points; numbers (s, 4, lanes): force
-    (N), slope below (N/m) and energy (J) at the first point, damping (N s/m); state (s, 4, lanes):
-    length (m), rate (m/s), damper's and whole force (N) of the last step; account: index of the
-    loss in World.accounts; rows (s, 1, lanes): energy of each; track ((instants + 1) s, 2, lanes):
-    recorded force (N) and length (m)."""
+    """Arrays of all s struts (lanes: samples); what stands in `numbers` and `state` is told
+    above."""
 
-    particle: np.ndarray
-    arms: np.ndarray
-    start: np.ndarray
-    points: np.ndarray
-    numbers: np.ndarray
-    state: np.ndarray
-    account: int
-    rows: np.ndarray
-    track: np.ndarray
+    particle: np.ndarray  # (s, 2) particles of its points
+    arms: np.ndarray  # (2 s, 3, lanes) from these to the points, in their axes (m)
+    start: np.ndarray  # (s + 1,) first point of the table of each
+    points: np.ndarray  # (p, 2, lanes) m, N/m
+    numbers: np.ndarray  # (s, 4, lanes) N, N/m, J, N s/m: the first three at the first point
+    state: np.ndarray  # (s, STATE, lanes)
+    account: int  # index of the loss in World.accounts
+    rows: np.ndarray  # (s, 1, lanes) energy of each (J)
+    track: np.ndarray  # ((instants + 1) s, TRACK, lanes) recorded force (N) and length (m)
 
 
 @hook(Struts)

@@ -101,8 +101,7 @@ def coarse(time, size):
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise part.peaks to the roots of gap2 (m²) and tilt2 (squared sine), and return these (m,
-    sine)."""
+    """Raise part.peaks to the roots of gap2 (m²) and tilt2 (squared sine); return these."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, hinge.GAP, larger(load(part.peaks, 0, hinge.GAP), gap))
     store(part.peaks, 0, hinge.TILT, larger(load(part.peaks, 0, hinge.TILT), tilt))

@@ -1,18 +1,14 @@
 """Revolute hinges: two particles share a point and an axis, and turn freely about it.
 
-The hinge point lies at the end of a virtual beam of either particle. The five
-conditions (three for the point, two for the axis) hold at the end of every step, by impulses found
-from the positions there: SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327),
-here for rigid arms and rotations. The impulses are equal and opposite, so momentum is kept, the
-scheme stays symplectic, and no drift builds up. A hinge point may be held along global axes
-(`support`), e.g. "z" lets it slide in a plane.
+Theory: docs/mechanics.md, "Virtual beams and hinges": impulses close hinges at the end of every
+step (SHAKE: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327). A hinge point may be
+held along global axes (`support`).
 
 All other openings of joints (joint_types.py) are hinges too, on which all that acts on hinges acts;
-what joints of other types keep together is solved with the coupled joints (joint.py).
-A universal joint is two: the angle about its axis on the first particle, from a reference of the
-first to the axis on the second; and that about the axis on the second, from the axis on the first
-to a reference of the second. The rate of each is the relative spin about its axis, as of any hinge,
-since the two axes stay normal to each other."""
+what joints of other types keep together is solved with the coupled joints (joint.py). A universal
+joint is two: the angle about its axis on the first particle, from a reference of the first to the
+axis on the second; and that about the axis on the second, from the axis on the first to a reference
+of the second."""
 
 import math
 from collections import Counter
@@ -154,8 +150,7 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, opening, support) -> "Hinge":
-        """Return a revolute hinge between two particles of a scene, as placed now
-        (`Scene.add_hinge`)."""
+        """Return a revolute hinge between two particles of a scene (`Scene.add_hinge`)."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -241,8 +236,7 @@ class Hinge(JointBase):
 
 
 def list_names(scene) -> set[str]:
-    """Return the names in use by all hinges and joints of a scene, including the two angles of
-    universal joints. A new joint needs another name."""
+    """Return all names of hinges and joints of a scene; a new joint needs another."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {name for hinge in scene.hinges for name in (hinge.name, hinge.joint)}
 

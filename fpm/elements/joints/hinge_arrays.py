@@ -46,33 +46,23 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Arrays of the h hinges solved alone, with movable bodies in no other joint; lanes: samples.
-
-    Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
-    lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,
-    place of the point; fixed_axes (h, 3): 1 where the hinge point is held along global x, y, z;
-    has_supports: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): for
-    work; open (h,): whether a hinge needs another round of this step; peaks (1, 2, lanes):
-    largest gap (m) and tilt (sine) so far; names (h,): row of each hinge in `excess`; excess (h, 1,
-    lanes): gap and tilt squared, as shares of what is allowed, summed, to name the worst hinge;
-    gaps (instants + 1, 2, lanes): largest gap (m) and tilt (sine) recorded at each instant; sums
-    (h, 12, lanes): impulses (N s, N m s) of the step on both bodies; forces ((instants + 1) h, 12,
-    lanes): their forces (N) and moments (N m), recorded. Both are None if nothing reads them."""
+    """Arrays of the h hinges solved alone, with movable bodies in no other joint (lanes: samples).
+    Hinge i has the bodies 2 i and 2 i + 1."""
 
     ends: np.ndarray  # (2h,) particles of the bodies
-    bodies: np.ndarray  # (2h, BODY, lanes)
-    hinges: np.ndarray  # (h, HINGE, lanes)
+    bodies: np.ndarray  # (2h, BODY, lanes) arm, axis, reference, normal, inverse masses
+    hinges: np.ndarray  # (h, HINGE, lanes) held axes, place of the point
     fixed_axes: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
     has_supports: bool  # whether any is
     body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
     hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
-    open: np.ndarray  # (h,) scratch
-    peaks: np.ndarray  # (1, 2, lanes)
-    names: np.ndarray  # (h,) number of each among them
-    excess: np.ndarray  # (h, 1, lanes) size of each hinge's watched quantity
+    open: np.ndarray  # (h,) whether it needs another round of this step
+    peaks: np.ndarray  # (1, 2, lanes) largest gap (m) and tilt (sine) so far
+    names: np.ndarray  # (h,) row of each in `excess`
+    excess: np.ndarray  # (h, 1, lanes) gap and tilt squared, as shares of those allowed, summed
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
-    sums: np.ndarray | None = None  # (h, SUMS, lanes) impulses of this step, where they are counted
-    forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes) recorded
+    sums: np.ndarray | None = None  # (h, SUMS, lanes) impulses of the step, if read
+    forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes), N, N m
 
 
 SIDE_FORCE1, SIDE_MOMENT1, SIDE_FORCE2, SIDE_MOMENT2 = 0, 3, 6, 9

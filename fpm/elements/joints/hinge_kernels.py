@@ -1,17 +1,9 @@
 """Revolute hinges: impulses that close every hinge at the end of the step (hinge.py).
 
-The matrix of impulses (hinge_matrix.py) is built at the start of a step and serves three times:
-
-1. `aim`: impulses that would close the hinge if the rates of its gaps stayed as they are over the
-   step, less what was missing so in the step before. What is left is the change from step to step
-   of a term of second order in the angle turned.
-2. `move`, in rounds, only where that is much: particles move, and their gaps are closed. Each
-   round gains a factor of about the angle turned in a step: three digits.
-3. `move`, at the end, always: the gaps found then are closed by small turns on top, which gains
-   three digits more, down to rounding.
-
-A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
-not depend on theirs."""
+The matrix of impulses (hinge_matrix.py) serves three times: `aim`, by the rates of the gaps, less
+what was missing so in the step before; `move` in rounds, only where gaps are large, each of which
+gains three digits; and `move` at the end, always, by small turns on top. A sample whose gaps are
+small is left alone in the rounds that others need: its numbers do not depend on theirs."""
 
 from fpm.elements.joints import closure, hinge_matrix
 from fpm.elements.joints import hinge_arrays as hinge
@@ -121,8 +113,7 @@ def move_bodies(part, world, repeat, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Do as `push`, and shift and rotate particle i by the effect over a step (s), to close small
-    gaps."""
+    """Do as `push`, and move particle i by its effect over a step (s), to close small gaps."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, hinge.DV) + get3(state, i, X))
     closure.turn_little(state, i, step * symmetric(get6(b, r, hinge.INVERSE), get3(b, r, hinge.DP)))
@@ -182,8 +173,7 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges also one step before the start, by the momenta in world.start_state (why:
-    joint_kernels.look_back)."""
+    """Close the hinges also one step before the start (why: joint_kernels.look_back)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for r in range(ends.shape[0]):

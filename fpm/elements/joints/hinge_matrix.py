@@ -221,8 +221,7 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise the matrix (5 by 5) of each hinge, by which impulses change the rates of
-    its gap and tilts."""
+    """Build and factorise the matrix (5 by 5) by which impulses change gap and tilts."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1

@@ -1,11 +1,7 @@
 """Joints that are solved together: those that share bodies, and those that are no hinges.
 
-A hinge whose two particles nothing else uses is solved alone (hinge.py), which is cheaper. All
-other hinges, and joints of all other types (joint_types.py), go here: their impulses are found from
-one system of equations for the whole structure (joint_matrix.py). A particle is a rigid body with a
-mass and three inertias, and joints sit at the ends of its virtual beams; so these are the joints of
-rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where they agree;
-the impulses are then the smallest that keep the joints closed."""
+Theory: docs/mechanics.md, "Joints that are solved together". A hinge whose two particles nothing
+else uses is solved alone (hinge.py), which is cheaper."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -136,16 +132,6 @@ class Joint(JointBase):
         )
 
     @staticmethod
-    def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """Return a slide (prismatic joint) between two particles of a scene, not added to it, as a
-        Hinge whose opening is a length. Arguments: as of `Scene.add_slide`."""
-        joint = Joint.create(scene, name, "prismatic", particles, point, axis)
-        NumberLimits(unit="m").check(f"opening of slide {name}", opening)
-        frames = joint.beams, joint.axes, joint.references
-        hinge = Hinge(name, *frames, 0.0, "", "prismatic", float(opening))
-        return replace(hinge, opening=opening_at(scene, hinge))
-
-    @staticmethod
     def create_openings(scene, name, type, particles, point, axis, x, openings, lead=0.0) -> tuple:
         """Return all openings (joint coordinates) of a joint between two particles of a scene as
         placed now, each a Hinge, not added to it. Arguments: as of `Scene.add_sliding_joint`."""
@@ -162,9 +148,9 @@ class Joint(JointBase):
             opening = float(openings[number])
             unit_text = "m" if direction else "rad"
             NumberLimits(unit=unit_text).check(f"opening of joint {name}{suffix}", opening)
-            ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
-            if direction in ("x", "y"):
-                ends = axis, axis
+            ends = (x, x) if direction == "axis" else (axis, axis)
+            if not direction:
+                ends = x, np.cos(opening) * x + np.sin(opening) * directions["y"]
             hinge = Hinge(
                 name + suffix,
                 beams,
@@ -182,8 +168,7 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, ...]:
-        """Return both angles of a universal joint, each a Hinge, not added to the scene. Arguments:
-        as of `Scene.add_universal`."""
+        """Return both angles of a universal joint, each a Hinge (`Scene.add_universal`)."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []

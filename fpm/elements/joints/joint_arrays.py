@@ -64,13 +64,7 @@ GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which s
 
 class Pattern(NamedTuple):
     """Which blocks of the coupled joints' matrix are not zero, and where, in the order of
-    elimination; block (j, k) stands row by row from an `offset` in the matrix. All integers.
-
-    first, count (j,): first constraint equation of each joint, and how many; diagonal (j,): offsets
-    of blocks (j, j); meets (m, 5): two joints, side of each at which they share a body, offset of
-    the block to which that adds; below_start (j + 1,): where each joint's rows begin in followers
-    (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the same in
-    updates (u, 5): joint, other, offsets of both factors and of the block they change."""
+    elimination; block (j, k) stands row by row from an `offset` in the matrix. All integers."""
 
     first: np.ndarray  # (j,) first row of each joint
     count: np.ndarray  # type: ignore[assignment]  # not tuple.count; (j,) and how many it has
@@ -84,56 +78,39 @@ class Pattern(NamedTuple):
 
 class Turns(NamedTuple):
     """Openings (joint coordinates) held exactly, t of them: shared by the joints' solver and the
-    elements that hold. state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s),
-    impulse of the step, that of the last solution (N m s; N s); impact (1, 1, lanes): time of an
-    impact as a share of this step, below 0 if it came in the step before; 0: none; hinge (t,):
-    index of each one's hinge; angles: of all hinges, Openings.angles."""
+    elements that hold."""
 
-    state: np.ndarray  # (t, TURN, lanes)
-    impact: np.ndarray  # (1, 1, lanes) when an impact comes, in steps from the start of this one
-    hinge: np.ndarray  # (t,)
-    angles: np.ndarray  # (h, 2, lanes) with whole turns
+    state: np.ndarray  # (t, TURN, lanes); of slides m, m/s, N s
+    impact: np.ndarray  # (1, 1, lanes) when an impact comes, as a share of this step; 0: none
+    hinge: np.ndarray  # (t,) index of each one's hinge
+    angles: np.ndarray  # (h, 2, lanes) of all hinges, as of Openings
 
 
 class Joints(NamedTuple):
     """Arrays of all joints solved together (lanes: samples): j joints in order of elimination, with
     two sides each (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t joint
-    coordinates that are held.
+    coordinates that are held."""
 
-    types (j,): sums of the constants POINT to SLIDE; names (j,): the joint's index in the scene;
-    slots (2j,): body of each side, -1 for none; sides (2j, 10, lanes): arm (m), axis, reference, in
-    particles' axes, lead (m/rad); places (j, 3, lanes), m, and fixed_axes (j, 3): where, and along
-    which axes, a point is held; particle (b,): particle of each body; is_driven (b,): whether a
-    drive moves it; bodies (b, 12, lanes): inverse masses and inertias, their roots, axes about
-    which it turns; body_scratch (b, 37, lanes), rows (r, 19, lanes), matrix (entries, 1, lanes):
-    working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
-    of the drives' work in World.accounts; peaks (1, 2, lanes): largest gap (m) and tilt (sine) so
-    far; excess (j, 1, lanes): gap and tilt squared over those allowed, summed, once a run has
-    failed; gaps (instants + 1, 2, lanes): gap and tilt at each instant; sums (r, 1, lanes):
-    impulses of this step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m),
-    None if not read; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, index by joint or
-    -1, joints."""
-
-    types: np.ndarray  # (j,)
+    types: np.ndarray  # (j,) sums of the constants POINT to SLIDE
     names: np.ndarray  # (j,) number of each in the scene
     slots: np.ndarray  # (2j,) bodies of the sides; -1: none
     sides: np.ndarray  # (2j, SIDE, lanes)
-    places: np.ndarray  # (j, 3, lanes) where a held point is
+    places: np.ndarray  # (j, 3, lanes) where a held point is (m)
     fixed_axes: np.ndarray  # (j, 3) 1 where it is, along a global axis
     particle: np.ndarray  # (b,) particles of the bodies
     is_driven: np.ndarray  # (b,) 1 if another kind moves the body
     bodies: np.ndarray  # (b, BODY, lanes)
     body_scratch: np.ndarray  # (b, BODY_SCRATCH, lanes)
     rows: np.ndarray  # (r, ROW, lanes)
-    matrix: np.ndarray  # (entries, 1, lanes)
+    matrix: np.ndarray  # (entries, 1, lanes) in blocks
     pattern: Pattern
     ease: float  # share of the diagonal by which the matrix is eased where conditions are redundant
-    account: int  # of the work of what drives bodies
-    peaks: np.ndarray  # (1, 2, lanes)
-    excess: np.ndarray  # (j, 1, lanes) size of each joint's watched quantity
+    account: int  # of the drives' work, in World.accounts
+    peaks: np.ndarray  # (1, 2, lanes) largest gap (m) and tilt (sine) so far
+    excess: np.ndarray  # (j, 1, lanes) gap and tilt squared, as shares of those allowed, summed
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
     turns: Turns  # openings that are held exactly
     turn_of: np.ndarray  # (j,) number of the opening that a joint holds; -1: none
     turn_at: np.ndarray  # (t,) and the joints that hold openings
-    sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the conditions in this step
-    forces: np.ndarray | None = None  # ((instants + 1) j, SUMS of hinges, lanes) recorded
+    sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the step, if read
+    forces: np.ndarray | None = None  # ((instants + 1) j, SUMS of hinges, lanes), N, N m

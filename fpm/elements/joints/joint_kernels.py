@@ -36,8 +36,7 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints, and set world.undecided: `solve` finds the joints'
-    impulses."""
+    """Kick the bodies of all joints, and let `solve` find the joints' impulses."""
     closure.clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -47,8 +46,7 @@ def prepare(part, world, timing):
 
 @hook(Joints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the joint coordinates that are held now, and store the
-    rates they would give (`store_rates`)."""
+    """Find the impulses of all joints, with what is held now, and the rates they would give."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -340,8 +338,7 @@ def close_before(part, start, step):
 
 @hook(Joints)
 def work_after(part, world, timing):
-    """Add the work (J) that drives do against the joints' impulses on driven bodies in this
-    step."""
+    """Add the work (J) that drives do against the joints' impulses in this step."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.particle.shape[0]):

@@ -1,12 +1,8 @@
-"""The matrix of coupled joints: how impulses at them change the rates of all their gaps.
+"""The matrix A = G M^-1 G^T of coupled joints: how impulses change the rates of all their gaps.
 
-A = G M^-1 G^T over the conditions (rows) of all joints. It is built in blocks of joints, factorised
-by Cholesky's method in the order of joint_pattern.py, and solved by substitution.
-
-Conditions that others imply, as in a loop of rigid bodies or where all is held, would make it
-singular. Its diagonal is raised by a share of 1e-10, which is nothing to independent conditions and
-makes the impulses of redundant ones the smallest that do it: they differ by what moves nothing. A
-condition on which no impulse can act gets none."""
+Theory: docs/mechanics.md, "Joints that are solved together". It is factorised by Cholesky's method
+in the order of joint_pattern.py. Its diagonal is raised by a share of 1e-10, for redundant
+conditions; a condition on which no impulse can act gets none."""
 
 from fpm.elements.joints.joint_arrays import AXIS_IM, DIRECTION, IMPULSE, PIVOT, ROOT1
 from fpm.kernels.lanes import load, sqrt, store, where_negative

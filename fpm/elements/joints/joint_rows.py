@@ -35,8 +35,7 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Return where joint j stands on one `side` (0, 1): position of the particle (m, 3), its axes,
-    and the joint's point on it (m, 3), all global."""
+    """Return position (m), axes, and joint's point (m) on one `side` (0, 1) of joint j, global."""
     i = part.particle[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)

@@ -1,16 +1,10 @@
 """Openings that are held exactly: one more condition, of a joint of its own beside the hinge.
 
-What holds an opening without a spring, as a rigid latch does, takes away the one motion that the
-hinge leaves. While it holds, psi = target is a row of the joints solved together (joint.py), closed
-at the end of every step like all others; while it does not, the row is empty, so that no impulse
-can act on it. Its impulse is the moment of what holds times the step.
-
-Whether a row holds is decided in the step, when all forces are known (kernels/run.py): the joints
-are solved without it, the rate that the opening would have is told to the kinds that hold
-(`decide`), and where that changes something, all joints are solved again. So a latch catches at its
-angle and not beyond: in the step from t to t + h in which it is reached after the share s, the
-opening is taken to the angle and no further, by a share 1 - s of the impulse that stops it; the
-step after gives the rest. Their mean is at t + s h: the order of the scheme is kept."""
+Theory: docs/mechanics.md, "Openings that are held exactly". While it holds, psi = target is a row
+of the joints solved together (joint.py); while it does not, the row is empty. Which it is is
+decided in the step, when all forces are known (kernels/run.py): the joints are solved without it,
+the kinds that hold are told the rate that the opening would have (`decide`), and where that changes
+something, all joints are solved again."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -80,8 +74,7 @@ class ExactConnector(Connector):
         return None
 
     def check(self, scene):
-        """Check the fields, and that nothing is stated of a spring that is not there, before the
-        element is added to a scene; raises SceneError if not."""
+        """Check the fields, and that nothing is stated of a spring that is not there."""
         super().check(scene)
         for name in ("damping", "backlash", "holds") if self.is_exact else ():
             value = getattr(self, name, None)

@@ -77,8 +77,7 @@ def register_work_due(arrays, first):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add half of the work (J) of the moments found in this step. first: field HOLD_MOMENT in
-    part.state; sign: 1 for work, -1 for losses."""
+    """Add half of the work (J, times sign) of the moments found; first: field HOLD_MOMENT."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
             moment = moment_of(part.turns, part.turn[i], timing, world)

@@ -1,26 +1,12 @@
 """Coulomb friction on hinges that really sticks: an elastoplastic bristle, or without one.
 
-A bristle of stiffness k between the opening psi and its foot z gives the moment -k (psi - z). It
-bears at most `moment`, M; beyond, its foot slips, so that k |psi - z| = M, and M |dz| is lost.
-Below, the foot stays where it is for ever: nothing creeps. The bristle is bent by M/k
-(`bristle_deflection`) when it begins to slip. While it sticks, a damper c on dpsi/dt brings it to
-rest; both together never exceed M.
+Theory: docs/mechanics.md, "On hinges: dampers, friction" and "Openings that are held exactly"
+(Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787).
 
-M may go with the force that the joint bears, as of the step before (`load`), or by a table of the
-opening: a curve that is another on the way back is the mean of both, of a spring by a table, beside
-friction with half of their difference (hysteresis). Source: Dupont, Hayward, Armstrong, Altpeter,
-IEEE Trans. Automatic Control 47 (2002) 787.
-
-Without a bristle, what is needed to stick (joints/turn.py) is looked at in every step. If it is
-more than M, the joint slips in this step already, braked by M. While it slips at a rate r that
-would fall by d > r in a step, it stands after the share s = r/d of that: M brakes it until then,
-and pushes it from then on, (1 - 2 s) M in all. Where it then goes back, it was a turn. Where not,
-it sticks, at the angle where M brings it to rest: the last way is the rest of the parabola, h (r -
-d/2)²/(2 d), or h r²/(2 d) where it is braked only now. So a body of inertia J that slides at w
-stops after J w²/(2 M), and one that swings loses as much at each turn as friction takes, to the
-second order in the step. An impact, of a latch or at a bend of a motor's curve, after the share s
-of a step comes after 1/2 + s of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s)
-M in that kick."""
+Without a bristle, at a rate r that would fall by d in a step, what sticks does so where M brings it
+to rest: the last way is the rest of the parabola, h (r - d/2)²/(2 d), or h r²/(2 d) where it is
+braked only now. An impact after the share s of a step comes after 1/2 + s of its kick: friction
+that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick."""
 
 from dataclasses import dataclass, replace
 
@@ -186,8 +172,7 @@ class Friction(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Frictions; None for tables or joint forces that no
-        element has."""
+        """Return the array for a field `name` of Frictions; None for what no element has."""
 
         def bristle(f, scene):
             if f.is_exact:

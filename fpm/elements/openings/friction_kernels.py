@@ -60,34 +60,22 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all f friction elements (lanes: samples). hinge (f,): index of its hinge; turn
-    (f,): index of its condition in turns.state, -1: it has a bristle; numbers (f, 5, lanes):
-    bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
-    the joint's force counts, else 0, friction moment (N m); openings, turns: joint coordinates, and
-    those held exactly; rates (f, 2, lanes): their rate and damper's moment of the last step, of
-    what sticks exactly the rates (rad/s) of the last two steps, the last first; state (f, 14,
-    lanes): foot (coordinate, rad, of the straight bristle), deflection (rad), then what joint
-    forces and self-locking need; of what sticks exactly moment in the last step (N m), the half of
-    its work (J) that was added to the account after an instant was recorded but is due before it,
-    sign of the slip's rate, brake moment now and before the joints were solved (N m), changes left
-    in this step; account: index of the loss in World.accounts; rows (f, 1, lanes): energy or
-    self-locking of each; peaks: largest self-locking; start (f + 1,): first point of its table;
-    points (p, 2, lanes): angle (rad) and change of slope of all points; bearing: joint forces.
-    None: unused."""
+    """Arrays of all f friction elements (lanes: samples); what stands in `numbers` and `state` is
+    told above."""
 
-    hinge: np.ndarray
-    turn: np.ndarray
-    numbers: np.ndarray
-    openings: Openings
-    turns: Turns
-    rates: np.ndarray
-    state: np.ndarray
-    account: int
-    rows: np.ndarray
-    peaks: np.ndarray  # (1, 1, lanes)
+    hinge: np.ndarray  # (f,) index of its hinge
+    turn: np.ndarray  # (f,) of its condition in turns.state; -1: it has a bristle
+    numbers: np.ndarray  # (f, 5, lanes) N m/rad, rad, N m s/rad, 1/rad (else 0), N m
+    openings: Openings  # of all hinges
+    turns: Turns  # those held exactly
+    rates: np.ndarray  # (f, 2, lanes) rad/s; and that before, or the damper's moment (N m)
+    state: np.ndarray  # (f, STATE, lanes) rad, N m, J
+    account: int  # index of the loss in World.accounts
+    rows: np.ndarray  # (f, 1, lanes) energy or self-locking of each
+    peaks: np.ndarray  # (1, 1, lanes) largest self-locking
     start: np.ndarray | None = None  # (f + 1,) where the points of each begin,
-    points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table
-    bearing: JointForce | None = None
+    points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table: rad, 1/rad
+    bearing: JointForce | None = None  # forces of joints, where they count
 
 
 @kernel
@@ -300,8 +288,7 @@ def slip_moment(part, i, full, timing):
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
-    """Let element i slip, reverse or stick in lanes where `slips`, `turns` or `sticks` is below 0,
-    and have the joints solved again."""
+    """Let element i slip, reverse or stick where `slips`, `turns` or `sticks` is below 0."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, FRICTION)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(find_holding_moment(part, world, i, timing), -1.0, 1.0)

@@ -1,17 +1,9 @@
 """Pins with play: a journal that moves in a bearing with clearance, touches it, and rubs on it.
 
-The journal's centre is at (x, y) from the bearing's axis, openings of its joint. With e = |(x, y)|
-and the depth d = e - clearance, where d > 0, the bearing pushes it back to the axis with
+Theory: docs/mechanics.md, "Pins with play" (Hertz; Lankarani and Nikravesh, Nonlinear Dynamics 5
+(1994) 193; Flores, Ambrosio et al., J. Comput. Nonlinear Dyn. 1 (2006) 240). The damping follows
+from the restitution exactly, at any speed; 3 (1 - r²)/4, as often used, is its limit at r = 1.
 
-    N = S (1 + c e'/v), at least 0,    S = load (d / depth)^n,
-
-n = 3/2 (Hertz) or 1, v being the largest |e'| since it touched (Lankarani and Nikravesh, Nonlinear
-Dynamics 5 (1994) 193; Flores, Ambrosio et al., J. Comput. Nonlinear Dyn. 1 (2006) 240). A free
-impact then has the restitution r where c solves (1 + r) c = ln((1 + c)/(1 - r c)), exactly, at any
-speed: the integral of u/(1 + c u) from -r to 1 is 0. (3 (1 - r²)/4, as often used, is its limit at
-r = 1.)
-
-The surfaces slide on each other at e times the turn of (x, y) plus radius times that of the pin.
 Friction is a bristle (friction.py), bent by `bristle_deflection` where it slips at `load`; it bears
 at most friction N, with a damper of 0.3 of critical, and is straight where nothing touches."""
 
@@ -100,8 +92,7 @@ class Journal(Connector):
         return self.hinge, self.hinge + 1, self.hinge + 2
 
     def check(self, scene):
-        """Check the fields, and how the pin starts, at most `clearance` + `depth` (m) off the axis;
-        else SceneError."""
+        """Check the fields, and that the pin starts at most its depth at `load` in the bearing."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -183,8 +174,7 @@ class Journal(Connector):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return "pin_force" (N) and "pin_eccentricity" (m) of one sample's pins, Series (t,
-        pins)."""
+        """Return "pin_force" (N) and "pin_eccentricity" (m) of pins, Series (t, pins)."""
         names = tuple(pin.label(scene) for pin in cls.find(scene))
         force, distance = part.track[:, :, lane].T.reshape(2, -1, len(names))
         text = "distance of the pins from the axes of their bearings"

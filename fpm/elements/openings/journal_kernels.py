@@ -28,24 +28,18 @@ TOUCH = 1e-6
 
 
 class Journals(NamedTuple):
-    """Arrays of all p pins with play. hinge (p,): index of the turn of its joint, after which come
-    x and y; numbers (p, 10, lanes): clearance (m), load (N), 1/depth (1/m), 1 for Hertz's law and 0
-    for a linear one, factor of damping; coefficient of friction, radius of the pin (m), stiffness
-    (N/m) and damping (N s/m) of its bristle, deflection for each N (m/N); state (p, 7, lanes):
-    rates of eccentricity and slip, largest since it touched (m/s), damper's force (N), deflection
-    of the bristle (m), force of friction, force of the press (N); openings: of all joints; account:
-    index of the loss in World.accounts; rows (p, 1, lanes): energy of each; peaks: largest force
-    over load; log: of events; track ((instants + 1) p, 2, lanes): force (N), eccentricity (m)."""
+    """Arrays of all p pins with play (lanes: samples); what stands in `numbers` and `state` is told
+    above."""
 
-    hinge: np.ndarray
-    numbers: np.ndarray
-    state: np.ndarray
-    openings: Openings
-    account: int
-    rows: np.ndarray
-    peaks: np.ndarray
+    hinge: np.ndarray  # (p,) index of the turn of its joint, after which come x and y
+    numbers: np.ndarray  # (p, NUMBERS, lanes) m, N, 1/m, 1, 1; 1, m, N/m, N s/m, m/N
+    state: np.ndarray  # (p, STATE, lanes) m/s, m/s, m/s, N, m, N, N
+    openings: Openings  # of all joints
+    account: int  # index of the loss in World.accounts
+    rows: np.ndarray  # (p, 1, lanes) energy of each (J)
+    peaks: np.ndarray  # (1, 1, lanes) largest force over load
     log: Log
-    track: np.ndarray
+    track: np.ndarray  # ((instants + 1) p, TRACK, lanes) force (N), eccentricity (m)
 
 
 @kernel
@@ -99,8 +93,7 @@ def press(part, i, change, timing):
 
 @kernel
 def rub(part, i, slip, normal, timing):
-    """Return the force (N) of friction on pin i by its `slip` in the step (m), limited to that of
-    `normal` (N)."""
+    """Return the force (N) of friction by the `slip` in the step (m), limited by `normal` (N)."""
     rate = extrapolate(part, i, SLIP_RATE, slip, timing)
     most = load(part.numbers, i, SOFTNESS) * normal
     bend = load(part.state, i, BEND) + slip
@@ -115,8 +108,7 @@ def rub(part, i, slip, normal, timing):
 
 @hook(Journals)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) between pins and their bearings, and their losses
-    (J)."""
+    """Add the forces (N) and moments (N m) of pins on bearings, and their losses (J)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         h, angles, state = part.hinge[i], part.openings.angles, part.state

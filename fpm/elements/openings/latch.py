@@ -3,18 +3,11 @@
 A latch catches when the opening comes within `capture_range` of its `angle` from the `side` it
 looks to, if it turns no faster than `max_capture_rate` then; if it is faster, as soon as it has
 become slower while still within that range; and if it leaves there too fast, the latch has missed.
-Where a run starts within that range, or at the very angle, it catches at the start.
-It holds at the opening psi_c at which it caught, so that nothing jumps: no moment before; then
+Where a run starts within that range, or at the very angle, it catches at the start. It holds at the
+opening psi_c at which it caught, so that nothing jumps.
 
-    -k (psi - psi_c) - c dpsi/dt                  both ways, or
-    k s + max(c ds/dt, -k s),  s = psi_c - psi    `one way`: only against going back, where s > 0
-
-(for one that catches on the way up).
-
-What a latch without stiffness catches stands still at once: an inelastic impact. Its impulse comes
-from all masses that the joints couple to the opening, and the kinetic energy taken is lost; a
-single body of inertia J that turns at w leaves the impulse -J w and loses J w²/2
-(joints/turn.py)."""
+Theory: docs/mechanics.md, "On hinges: dampers, friction" and, without stiffness, "Openings that are
+held exactly"."""
 
 from dataclasses import dataclass
 
@@ -92,8 +85,7 @@ class Latch(ExactConnector):
     noun = "latch"
 
     def check(self, scene):
-        """Check the latch's fields, and that its name (that of its hinge by default) is no other
-        latch's in `scene`; raises SceneError if not."""
+        """Check the fields, and that no other latch of the scene has its name."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in Latch.find(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")

@@ -47,31 +47,20 @@ AT_START = 1e-9
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches (lanes: samples). hinge (l,): index of each one's hinge; turn (l,):
-    index of its condition in turns.state, -1: it holds by a spring; numbers (l, 7, lanes): angle,
-    capture range (rad), sign of the rate at which it catches (0: both), largest rate (rad/s),
-    stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all hinges; turns: joint
-    coordinates held exactly; rates (l, 2, lanes): rate and damper's moment of the last step; state
-    (l, 17, lanes): 1 once it has caught, joint coordinate (rad) and sign of the rate then, news of
-    this step (1 caught, 2 missed), their time (s), rate at the catch (rad/s), moment (N m), impulse
-    so far (N m s); of those that hold exactly moment held (N m), its work due (J), steps held,
-    impulse of the catch (N m s), coordinates foreseen at the step's end, and searched so far (rad),
-    share of the step for that, coordinate foreseen without the catch (rad), impulse of the catch
-    alone (N m s); account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each;
-    log: of events; track ((instants + 1) l, 4, lanes): recorded moment (N m), impulse (N m s) so
-    far, rate (rad/s) and impulse (N m s) of the catch."""
+    """Arrays of all l latches (lanes: samples); what stands in `numbers`, `state` and `track` is
+    told above."""
 
-    hinge: np.ndarray
-    turn: np.ndarray
-    numbers: np.ndarray
-    openings: Openings
-    turns: Turns
-    rates: np.ndarray
-    state: np.ndarray
-    account: int
-    rows: np.ndarray
+    hinge: np.ndarray  # (l,) index of its hinge
+    turn: np.ndarray  # (l,) of its condition in turns.state; -1: it holds by a spring
+    numbers: np.ndarray  # (l, 7, lanes) rad, rad, sign, rad/s, N m/rad, N m s/rad, sign
+    openings: Openings  # of all hinges
+    turns: Turns  # those held exactly
+    rates: np.ndarray  # (l, 2, lanes) rate (rad/s) and damper's moment (N m) of the last step
+    state: np.ndarray  # (l, STATE, lanes) rad, s, rad/s, N m, N m s, J
+    account: int  # index of the loss in World.accounts
+    rows: np.ndarray  # (l, 1, lanes) energy of each (J)
     log: Log
-    track: np.ndarray  # ((instants + 1) l, TRACK, lanes)
+    track: np.ndarray  # ((instants + 1) l, TRACK, lanes) N m, N m s, rad/s, N m s
 
 
 @kernel
@@ -163,8 +152,7 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Find out which latches catch in the step, and add the moments (N m) of their springs, which
-    act at once, and the losses of their dampers (J)."""
+    """Find which latches catch, and add moments (N m) of springs, and losses of dampers (J)."""
     for i in range(part.hinge.shape[0]):
         if part.turn[i] >= 0:
             continue

@@ -19,20 +19,16 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """Impulses of joints in the last step (lanes: samples), by which friction finds its joint's
-    force. share (f, 1, lanes): deflection at slip for each N of that force (rad/N), of f friction
-    elements, 0 where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges
-    (h, 12, lanes): impulses (N s, N m s) of hinges solved alone; first, count (f,): first of its
-    joint's equations, and their number, in `rows` and `impulses`; rows (r, 19, lanes): equations of
-    joints solved together, with their directions; impulses (r, 1, lanes): N s, N m s."""
+    """Impulses of joints in the last step (lanes: samples), by which f friction elements find their
+    joint's force."""
 
-    share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
-    lone: np.ndarray  # (f,)
-    first: np.ndarray  # (f,)
-    count: np.ndarray  # type: ignore[assignment]  # not tuple.count; (f,)
-    hinges: np.ndarray  # (h, SUMS, lanes)
-    rows: np.ndarray  # (r, ROW, lanes)
-    impulses: np.ndarray  # (r, 1, lanes)
+    share: np.ndarray  # (f, 1, lanes) deflection at slip for each N (rad/N); 0: it is constant
+    lone: np.ndarray  # (f,) row of each one's hinge in `hinges`; -1: not solved alone
+    first: np.ndarray  # (f,) first row of its joint
+    count: np.ndarray  # type: ignore[assignment]  # not tuple.count; (f,) how many
+    hinges: np.ndarray  # (h, SUMS, lanes) impulses of hinges solved alone (N s, N m s)
+    rows: np.ndarray  # (r, ROW, lanes) of joints solved together
+    impulses: np.ndarray  # (r, 1, lanes) N s, N m s
 
 
 @kernel
@@ -71,8 +67,7 @@ def add_loss(world, account, openings, history, i, h, moment):
 
 @kernel
 def force_of(bearing, i, timing, resistance):
-    """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. resistance: World.resistance."""
+    """Return the size (N, lanes) of the force in the joint of friction element i."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:

@@ -1,19 +1,9 @@
 """Motors on hinges that prescribe the opening, through their drive trains or exactly.
 
-A motor turns its own side of an elastic and damped drive train to target(t) = start + turn f(t), f
-being a curve of time, or the integral of one from t = 0 on, and the hinge follows:
-
-    moment M = k (target - psi) + c (target' - psi'),   work given M target'
-
-of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there. With
-backlash b, target - psi is less by b/2 on either side: within, no moment acts, and outside the
-damper never pulls the drive train's teeth apart.
-
-One without a drive train of its own that gives turns the hinge to its target exactly
-(joints/turn.py), whatever moment M that takes. Its work is that of M on the hinge: where f bends,
-an impact changes the rate at once, and does half of what a force would over the same way (the mean
-of the rates before and after it). Its first rate is that of the start of a run
-(solver/start.py)."""
+Theory: docs/mechanics.md, "Loops, motors and releases" and "Openings that are held exactly". The
+target is start + turn f(t), f being a curve of time, or the integral of one from t = 0 on. With
+backlash b it is less by b/2 on either side: within, no moment acts, and outside the damper never
+pulls the drive train's teeth apart."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -39,8 +29,7 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(Connector):
-    """Base class of motors that prescribe an opening (Motor) and torque motors. variable: name of
-    their recorded moment in trajectory files."""
+    """Base class of motors. variable: name of their recorded moment in files."""
 
     gives = MOTOR_WORK
     acts_as = "motor"

@@ -33,33 +33,23 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors (lanes: samples). hinge (m,): index of its hinge; turn (m,): index of
-    its condition in turns.state, -1: it has a drive train; curve (m,): index of its curve of time,
-    -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes): stiffness
-    (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes): first, rate of the last
-    step; state (m, 11, lanes): moment, a step ago, moment of damping, a step ago (N m), target less
-    opening, change of the target, target, what of the first is outside the backlash (rad), all with
-    the mean target over a kick, moment with that of the instant (N m), of one that prescribes
-    exactly its moment (N m) at the last positions, and work (J) of the half step up
-    to them; openings, turns: all joint coordinates, and those held exactly; account, loss_account:
-    indices in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track
-    ((instants + 1) m, 1, lanes): recorded moment (N m); backlash (m, 1, lanes): of each (rad),
-    None: of none."""
+    """Arrays of all m motors (lanes: samples); what stands in `numbers` and `state` is told
+    above."""
 
-    hinge: np.ndarray
-    turn: np.ndarray
-    curve: np.ndarray
-    by_rate: np.ndarray
-    numbers: np.ndarray
-    rates: np.ndarray
-    state: np.ndarray
-    openings: Openings
-    turns: Turns
-    account: int
-    loss_account: int
-    rows: np.ndarray
-    track: np.ndarray
-    backlash: np.ndarray | None = None
+    hinge: np.ndarray  # (m,) index of its hinge
+    turn: np.ndarray  # (m,) of its condition in turns.state; -1: it has a drive train
+    curve: np.ndarray  # (m,) of its curve of time; -1: constant 1
+    by_rate: np.ndarray  # (m,) 1 where the curve gives the rate
+    numbers: np.ndarray  # (m, 4, lanes) N m/rad, N m s/rad, rad, rad
+    rates: np.ndarray  # (m, 2, lanes) first: rate of the last step (rad/s)
+    state: np.ndarray  # (m, STATE, lanes) N m and rad, with the mean target over a kick
+    openings: Openings  # of all hinges
+    turns: Turns  # those held exactly
+    account: int  # index of their work in World.accounts
+    loss_account: int  # and of the loss in drive trains
+    rows: np.ndarray  # (m, 1, lanes) energy of each (J)
+    track: np.ndarray  # ((instants + 1) m, 1, lanes) recorded moment (N m)
+    backlash: np.ndarray | None = None  # (m, 1, lanes) rad
 
 
 @kernel

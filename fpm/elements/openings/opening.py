@@ -1,11 +1,7 @@
 """Openings of hinges: the angles, and ways of slides, that springs, stops and their like act on.
 
-An opening is the angle about a hinge's axis between a reference direction of either particle. It
-grows when the second turns by the right-hand rule about the axis against the first, and it counts
-full turns: of all angles that differ by them it is the one closest to the last and the way by the
-rate of the step. Joints may have several openings (joint_types.py). That of a slide is a length:
-the way of a point of the second particle from one of the first, along an axis of it. What acts on
-hinges acts on it likewise, with forces for moments, m for rad: SLIDE_UNITS has the units."""
+Theory: docs/mechanics.md, "Virtual beams and hinges". What acts on hinges acts on slides likewise,
+with forces for moments, m for rad: SLIDE_UNITS has the units."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -81,14 +77,12 @@ class Opening(ElementType):
 
     @classmethod
     def get_arrays(cls, kind: type[ElementType], batch):
-        """Return Openings for the kernels of an element type `kind`, whose moments are recorded
-        under the index `part` in PARTS."""
+        """Return Openings for kernels of `kind`, with its index `part` in PARTS."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded joint coordinates (t, hinges) of one sample: `opening` (rad) and, of
-        slides, `slide_opening` (m)."""
+        """Return `opening` (rad) and, of slides, `slide_opening` (m) of one sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -100,8 +94,7 @@ class ConnectorElement(ElementType):
     reads: ClassVar[tuple[type, ...]] = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that a hinge index exists in the scene, and that the hinge is one that the field
-        allows (`types`, `only_angles`); else SceneError."""
+        """Check that a hinge exists, and is one that the field allows."""
         super().check_index(scene, field, value)
         if not (field.types or field.only_angles):
             return
@@ -119,8 +112,7 @@ class ConnectorElement(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple: "openings": Openings; others
-        as ElementType.array."""
+        """Return an array for the kernels: "openings", or as ElementType.array."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -192,8 +184,7 @@ class Connector(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple: "rates": `pack_past`; others
-        as ConnectorElement.array."""
+        """Return an array for the kernels: "rates" (`pack_past`), or as ConnectorElement.array."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)
@@ -238,8 +229,7 @@ def _sides(scene) -> np.ndarray:
 
 
 def backlashes(batch, kind: type[ElementType]) -> np.ndarray | None:
-    """Return the widths (elements, 1, lanes) of dead bands (field `backlash`, rad or m) of a type's
-    elements; None: no element has one."""
+    """Return the widths (elements, 1, lanes) of dead bands (rad or m); None: no element has one."""
     if all(element.backlash is None for element in kind.find(batch.scene)):
         return None
     return batch.table(kind, 1, lambda element: [element.backlash or 0.0])
@@ -302,8 +292,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def struck_stiffness(element) -> float:
-    """Return the stiffness (N m/rad) with which what is struck, a stop or its like, limits the
-    stable step: FINER² times its own."""
+    """Return FINER² times the stiffness of what is struck, as a stop, for the stable step."""
     return FINER[bool(getattr(element, "damping", 0.0))] ** 2 * element.stiffness
 
 

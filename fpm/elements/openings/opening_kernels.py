@@ -36,25 +36,18 @@ PART_FIELDS = 3
 
 class Openings(NamedTuple):
     """Arrays of all h openings (joint coordinates), for kernels. Hinge i has the sides 2 i and 2 i
-    + 1, one on each of its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes):
-    axis, reference direction (of slides a point), normal to both, in the particle's axes; axes (h,
-    3, lanes): global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); track
-    ((instants + 1) h, 1, lanes): recorded openings; slides (h,): 1 for a slide. moments (h parts,
-    3, lanes): moment now, a step ago (N m), work (J) of each component (springs, dampers, ...:
-    PARTS); part_track ((instants + 1) h parts, 2, lanes): recorded moment and work of each; parts:
-    number of components, 0: none are recorded; part: the component of the element type that takes
-    these arrays."""
+    + 1, one on each of its particles."""
 
     ends: np.ndarray  # (2h,) particles of the sides
-    sides: np.ndarray  # (2h, SIDE, lanes)
+    sides: np.ndarray  # (2h, SIDE, lanes) in the particles' axes
     axes: np.ndarray  # (h, 3, lanes) axis now, in global components
-    angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
-    track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
+    angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad, m)
+    track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded openings
     slides: np.ndarray  # (h,) 1 where the opening is a length
     moments: np.ndarray  # (h parts, PART_FIELDS, lanes) of each component, if recorded
     part_track: np.ndarray  # ((instants + 1) h parts, 2, lanes): moment, work
     parts: int  # number of components, 0: none are recorded
-    part: int = 0  # of them is the kind's own that sees these openings
+    part: int = 0  # which of them is the kind's own that takes these arrays
 
 
 @kernel
@@ -65,8 +58,7 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Compute all joint coordinates and axes, in every step, as full turns are counted, and begin
-    the recorded moments by component anew."""
+    """Compute joint coordinates and axes in every step, as full turns count; begin moments anew."""
     update(part, world, timing)
     begin_parts(part.moments)
 
@@ -152,8 +144,7 @@ def push(openings, state, h, impulse):
 
 @kernel
 def add_moment(moments, openings, h, moment):
-    """Add a moment (N m, lanes) on hinge h (on a slide a force, N) to the component
-    openings.part."""
+    """Add a moment (N m; on a slide N) on hinge h to the component openings.part."""
     if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -161,8 +152,7 @@ def add_moment(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add the work (J) of the last step to that of each component: the mean of its moments at both
-    ends times the change of the opening."""
+    """Add the work (J) of each component in the last step, by the mean of its moments."""
     moments = part.moments
     for r in range(moments.shape[0]):
         h = r // part.parts
@@ -173,8 +163,7 @@ def work_before(part, world, timing):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the joint coordinates of all hinges, and moment (N m) and work (J) of all
-    components."""
+    """Record the joint coordinates of all hinges, and moment and work of all components."""
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NEW))

@@ -1,9 +1,7 @@
 """Releases: hinges held until a time, until another hinge has opened so far, or a latch has caught.
 
-Until then a release has the moment k (hold - psi) - c psi' of a spring and a damper; from then on
-it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut. One
-without stiffness holds its hinge exactly, where it is at the start (joints/turn.py); nothing is
-stored or lost."""
+Theory: docs/mechanics.md, "Loops, motors and releases". What its spring has stored at that moment
+is lost, as that of a bolt that is cut."""
 
 from dataclasses import dataclass
 

@@ -1,10 +1,8 @@
-"""Moments, energies and events of releases (theory: release.py).
+"""Moments, energies and events of releases (theory: docs/mechanics.md, "Loops, motors and
+releases").
 
-A kick at time t stands for the moment from half a step before t to half a step after. A release in
-the step before t leaves a share of -1/2 to 1/2 of the moment to the kick at t: what the kick before
-had too much is taken back. The motion depends smoothly on the time of release. A latch with a
-spring catches after the releases of a step were looked at: what watches it lets go a step later,
-with a share of -3/2 to -1/2. Of a release that holds exactly, that is a share of what held it."""
+A kick at time t stands for the moment from half a step before t to half a step after: what the kick
+before had too much is taken back."""
 
 from typing import NamedTuple
 
@@ -41,30 +39,21 @@ STATE = 8
 
 
 class Releases(NamedTuple):
-    """Arrays of all r releases. hinge (r,): index of its hinge; turn (r,): of its condition in
-    turns.state, -1: it holds by a spring; watch (r,): of the hinge whose opening frees it, -1:
-    none; latch_row (r,): of the latch whose catch frees it, -1: none; latches (l, n, lanes): states
-    of the scene's latches, None where no release watches one; numbers (r, 5, lanes): time (s) and
-    level (rad) at which it lets go, stiffness (N m/rad), damping (N m s/rad), opening held (rad);
-    rates (r, 2, lanes): the hinge's rate (rad/s) in the last step, and 0; state (r, 8, lanes):
-    moment now and a step ago (N m), steps since it let go (below 0: it did not in this step),
-    energy now and a step ago (J), -1 while it holds and then 1; of one that holds exactly its last
-    moment (N m), and the loss of the half step up to it (J); openings: of all hinges; turns: those
-    held exactly; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each
-    (J), to name the worst; log: of events (Log)."""
+    """Arrays of all r releases (lanes: samples); what stands in `numbers` and `state` is told
+    above."""
 
-    hinge: np.ndarray
-    turn: np.ndarray
-    watch: np.ndarray
-    latch_row: np.ndarray
-    latches: np.ndarray | None
-    numbers: np.ndarray
-    rates: np.ndarray
-    state: np.ndarray
-    openings: Openings
-    turns: Turns
-    account: int
-    rows: np.ndarray
+    hinge: np.ndarray  # (r,) index of its hinge
+    turn: np.ndarray  # (r,) of its condition in turns.state; -1: it holds by a spring
+    watch: np.ndarray  # (r,) of the hinge whose opening frees it; -1: none
+    latch_row: np.ndarray  # (r,) of the latch whose catch frees it; -1: none
+    latches: np.ndarray | None  # (l, n, lanes) Latches.state; None: none is watched
+    numbers: np.ndarray  # (r, 5, lanes) s, rad, N m/rad, N m s/rad, rad
+    rates: np.ndarray  # (r, 2, lanes) rate of the hinge (rad/s) in the last step, and 0
+    state: np.ndarray  # (r, STATE, lanes) N m, steps, J
+    openings: Openings  # of all hinges
+    turns: Turns  # those held exactly
+    account: int  # index of the loss in World.accounts
+    rows: np.ndarray  # (r, 1, lanes) energy of each (J)
     log: Log
 
 
@@ -142,8 +131,7 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """Add the energy (J) lost in dampers, and in springs let go: the drop of the stored energy less
-    the work on the hinge."""
+    """Add the energy (J) lost in dampers, and in springs let go."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         angles, h = part.openings.angles, part.hinge[i]

@@ -1,10 +1,6 @@
 """Stops on hinges: a spring and a damper that begin at an opening and act on one side of it.
 
-With the overlap s = psi - angle (or angle - psi for a stop below), where s > 0, the moment is
-
-    k s + max(c ds/dt, -k s)
-
-so that a stop never pulls."""
+Theory: docs/mechanics.md, "On hinges: dampers, friction". A stop never pulls."""
 
 from dataclasses import dataclass
 

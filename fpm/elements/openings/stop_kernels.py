@@ -21,17 +21,14 @@ hinges leave open is below it; faces that meet at 1 rad/s reach it within 1 ns."
 
 
 class Stops(NamedTuple):
-    """Arrays of all s stops. hinge (s,): index of its hinge; numbers (s, 4, lanes): angle (rad),
-    side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad); openings: of all hinges;
-    rates (s, 2, lanes): the hinge's rate (rad/s) and the damper's moment (N m) in the last step;
-    account: index in World.accounts of the loss; rows (s, 1, lanes): energies; log: of events."""
+    """Arrays of all s stops (lanes: samples)."""
 
-    hinge: np.ndarray
-    numbers: np.ndarray
-    openings: Openings
-    rates: np.ndarray
-    account: int
-    rows: np.ndarray
+    hinge: np.ndarray  # (s,) index of its hinge
+    numbers: np.ndarray  # (s, 4, lanes) rad, 1 above or -1 below, N m/rad, N m s/rad
+    openings: Openings  # of all hinges
+    rates: np.ndarray  # (s, 2, lanes) rate (rad/s) and damper's moment (N m) of the last step
+    account: int  # index of the loss in World.accounts
+    rows: np.ndarray  # (s, 1, lanes) energy of each (J)
     log: Log
 
 

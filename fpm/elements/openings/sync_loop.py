@@ -1,12 +1,6 @@
 """Synchronising loops: closed cables over pulleys on two hinges, so that these open together.
 
-With pulleys of radii r1 and r2 on the hinges, one strand becomes longer by the slip
-
-    e = r1 (psi1 - rest1) - r2 (psi2 - rest2)
-
-and the other shorter. Both strands are preloaded with P and have the stiffness EA/l each; together
-they pull at the rims with k e, k = 2 EA/l, and store k e²/2, until one of them is slack, where the
-pull is 2 P. Beyond, the other one is alone, with k/2."""
+Theory: docs/mechanics.md, "Loops, motors and releases"."""
 
 from dataclasses import dataclass
 

@@ -29,22 +29,17 @@ TOUCH = 1e-9
 
 
 class Loops(NamedTuple):
-    """Arrays of all l synchronising loops. hinge (l, 2): indices of both hinges; numbers (l, 6,
-    lanes): stiffness (N/m), radii of both pulleys (m), openings of both hinges without slip (rad),
-    slip at which a strand turns slack (m); state (l, 5, lanes): slip outside the backlash, slip
-    that is left until a strand is slack, the same a step before, slip with the backlash, slip by
-    which it pulls (m); openings: arrays of all openings; rows (l, 1, lanes): energy of each (J), to
-    find the worst one for a message; log: of events; track ((instants + 1) l, 1, lanes): recorded
-    pull (N), l rows for each instant; backlash (l, 1, lanes): of each (m), None: of none."""
+    """Arrays of all l synchronising loops (lanes: samples); what stands in `numbers` and `state` is
+    told above."""
 
-    hinge: np.ndarray
-    numbers: np.ndarray
-    state: np.ndarray
-    openings: Openings
-    rows: np.ndarray
+    hinge: np.ndarray  # (l, 2) indices of both hinges
+    numbers: np.ndarray  # (l, 6, lanes) N/m, m (2), rad (2), m
+    state: np.ndarray  # (l, STATE, lanes) m
+    openings: Openings  # of all hinges
+    rows: np.ndarray  # (l, 1, lanes) energy of each (J)
     log: Log
-    track: np.ndarray
-    backlash: np.ndarray | None = None
+    track: np.ndarray  # ((instants + 1) l, TRACK, lanes) recorded pull (N)
+    backlash: np.ndarray | None = None  # (l, 1, lanes) m
 
 
 @kernel
@@ -64,8 +59,7 @@ def pull(part, i):
 
 @hook(Loops)
 def forces(part, world, timing):
-    """Add the moments (N m) of loops on both hinges; store slip, and what is left until a strand is
-    slack."""
+    """Add the moments (N m) of loops on both hinges; store slip, and what is left to slack."""
     for i in range(part.hinge.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.hinge[i, 0], part.hinge[i, 1]
@@ -102,8 +96,7 @@ def energy_of(part, world, i):
 
 @hook(Loops)
 def record(part, world, row):
-    """Record the difference of the strands' tensions (N) of each loop, above 0 where the first
-    hinge's pulley has turned farther than the second's."""
+    """Record the difference of the strands' tensions (N), above 0 where the first turns farther."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

@@ -1,9 +1,7 @@
 """Torsion springs by a table: the moment over the opening, straight between the points given.
 
-What tape springs need: a moment that rises to a peak, falls, and stays on a plateau. The moment
-turns the hinge open where it is positive, on the second particle as all openings count; beyond the
-ends of the table it keeps its last value. The energy is the exact integral, zero where it is least
-within the table. One curve for both ways: hysteresis is friction by a table beside it."""
+Beyond the ends of the table the moment keeps its last value. The energy is the exact integral, zero
+where it is least within the table. Hysteresis is friction by a table beside it."""
 
 from dataclasses import dataclass
 
@@ -41,8 +39,7 @@ class TableSpring(Connector):
 
     @property
     def slopes(self) -> np.ndarray:
-        """Slopes (n - 1,) of the moment between the table's points, N m/rad (N/m on a slide), below
-        0 where the spring resists."""
+        """Slopes (n - 1,), N m/rad (N/m), of the moment; below 0 where it resists."""
         return np.diff(self.moments) / np.diff(self.angles)
 
     @property

@@ -16,23 +16,19 @@ FIRST, LIFT = range(2)  # of a spring: moment up to the first point, and energy 
 
 
 class TableSprings(NamedTuple):
-    """Arrays of all s springs by tables, for their kernels. hinge (s,): index of each one's hinge;
-    start (s + 1,): index of each one's first point; points (p, 2, lanes): angle (rad) and change of
-    slope (N m/rad) of all points; numbers (s, 2, lanes): moment (N m) and energy (J) at the first
-    point; openings: of all hinges; rows (s, 1, lanes): energy of each, to name the worst."""
+    """Arrays of all s springs by tables (lanes: samples)."""
 
-    hinge: np.ndarray
-    start: np.ndarray
-    points: np.ndarray
-    numbers: np.ndarray
-    openings: Openings
-    rows: np.ndarray
+    hinge: np.ndarray  # (s,) index of its hinge
+    start: np.ndarray  # (s + 1,) first point of each
+    points: np.ndarray  # (p, 2, lanes) rad, N m/rad
+    numbers: np.ndarray  # (s, 2, lanes) N m, J
+    openings: Openings  # of all hinges
+    rows: np.ndarray  # (s, 1, lanes) energy of each (J)
 
 
 @hook(TableSprings)
 def forces(part, world, timing):
-    """Add the moments (N m) of springs by tables; where an opening passes a point, `edge` corrects
-    the work."""
+    """Add the moments (N m); where an opening passes a point, `edge` corrects the work."""
     angles = part.openings.angles
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]

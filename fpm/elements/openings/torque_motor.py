@@ -39,6 +39,5 @@ class TorqueMotor(AnyMotor):
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum of the absolute torques (N m; on slides N) of a scene's motors at rest,
-        not scaled by curves."""
+        """Return the sum of the absolute torques (N m; N) of motors at rest."""
         return float(sum(abs(motor.torque) for motor in cls.find(scene)))

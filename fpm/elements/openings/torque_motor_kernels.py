@@ -23,21 +23,16 @@ STATE = 3
 
 
 class TorqueMotors(NamedTuple):
-    """Arrays of all m torque motors. hinge (m,): index of its hinge; curve (m,): index of its curve
-    of time, -1: constant 1; numbers (m, 2, lanes): torque (N m), no-load speed (rad/s); rates (m,
-    2, lanes): the hinge's rate (rad/s) in the last step, and 0; state (m, 3, lanes): moment (N m),
-    a mean over the kick of now, and of a step ago, and that of the instant; openings: of all
-    hinges; work_account: index of their work in World.accounts; track ((instants + 1) m, 1, lanes):
-    recorded moment (N m)."""
+    """Arrays of all m torque motors (lanes: samples)."""
 
-    hinge: np.ndarray
-    curve: np.ndarray
-    numbers: np.ndarray
-    rates: np.ndarray
-    state: np.ndarray
-    openings: Openings
-    work_account: int
-    track: np.ndarray
+    hinge: np.ndarray  # (m,) index of its hinge
+    curve: np.ndarray  # (m,) of its curve of time; -1: constant 1
+    numbers: np.ndarray  # (m, 2, lanes) torque (N m), no-load speed (rad/s)
+    rates: np.ndarray  # (m, 2, lanes) rate of the hinge (rad/s) in the last step, and 0
+    state: np.ndarray  # (m, STATE, lanes) N m
+    openings: Openings  # of all hinges
+    work_account: int  # index of their work in World.accounts
+    track: np.ndarray  # ((instants + 1) m, 1, lanes) recorded moment (N m)
 
 
 @kernel

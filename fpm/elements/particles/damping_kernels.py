@@ -80,8 +80,7 @@ def move(part, world, timing):
 
 @hook(DampingState)
 def work_after(part, world, timing):
-    """Add the energy (J) that damping takes out of part.joint_particles in this step, by their
-    momenta after joints acted."""
+    """Add the energy (J) taken out of part.joint_particles, by momenta after joints acted."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.joint_particles.shape[0]):

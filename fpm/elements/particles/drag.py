@@ -1,9 +1,7 @@
 """Drag of air on points and lines of parts, by the square of the speed.
 
-F = -rho/2 Cd A |u| u, u being the velocity of a point of the part less that of the wind: all of it,
-or that across a rod (Hoerner, Fluid-Dynamic Drag, 1965, ch. III: the flow along a rod drags
-little), or that along the normal of a plate. The rate is extrapolated from the last two steps, as
-of dampers. Air that moves along with a part (added mass) and lift are left out."""
+Theory: docs/mechanics.md, "From outside" (Hoerner, Fluid-Dynamic Drag, 1965, ch. III: the flow
+along a rod drags little). Air that moves along with a part (added mass) and lift are left out."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -20,15 +20,12 @@ STATE = 9
 
 
 class Drags(NamedTuple):
-    """Arrays of all d drags. particle (d,): index of its particle; numbers (d, 11, lanes): arm (m)
-    and axis in the particle's axes, wind (m/s, global), force at 1 m/s (kg/m), 1 where the velocity
-    across the axis counts, 0 where that along it does; state (d, 9, lanes): place (m) and force (N)
-    a step ago, velocity (m/s) in its middle; account: index of the loss in World.accounts."""
+    """Arrays of all d drags (lanes: samples); what stands in `state` is told above."""
 
-    particle: np.ndarray
-    numbers: np.ndarray
-    state: np.ndarray
-    account: int
+    particle: np.ndarray  # (d,) index of its particle
+    numbers: np.ndarray  # (d, 11, lanes) m, 1, m/s, kg/m, 1: the wind in global axes
+    state: np.ndarray  # (d, STATE, lanes)
+    account: int  # index of the loss in World.accounts
 
 
 @hook(Drags)

@@ -16,18 +16,14 @@ LINEAR, SPIN = 0, 3
 
 
 class Drives(NamedTuple):
-    """Arrays of all d drives. particle (d,): index of its particle; curve (d,): index of its curve
-    of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes;
-    inertia (d, 3, lanes): of its particle (kg m²); kinetic (1, 1, lanes): energy of all driven
-    particles now (J); account: index of their work in World.accounts. Drives of one particle add
-    up."""
+    """Arrays of all d drives (lanes: samples). Drives of one particle add up."""
 
-    particle: np.ndarray
-    curve: np.ndarray
-    numbers: np.ndarray
-    inertia: np.ndarray
-    kinetic: np.ndarray
-    account: int
+    particle: np.ndarray  # (d,) index of its particle
+    curve: np.ndarray  # (d,) of its curve of time; -1: constant 1
+    numbers: np.ndarray  # (d, 6, lanes) m/s, rad/s, in global axes
+    inertia: np.ndarray  # (d, 3, lanes) of its particle (kg m²)
+    kinetic: np.ndarray  # (1, 1, lanes) energy of all driven particles now (J)
+    account: int  # index of their work in World.accounts
 
 
 @kernel
@@ -47,8 +43,7 @@ def add_work(part, world, timing, start):
 
 @hook(Drives)
 def forces(part, world, timing):
-    """Add the change of driven particles' kinetic energy (J) since the last step to their drives'
-    work."""
+    """Add the change of driven particles' kinetic energy (J) to their drives' work."""
     total = 0.0 * load(world.state, 0, X)
     for n in range(part.particle.shape[0]):
         i, is_first, zero = part.particle[n], True, 0.0 * get3(world.state, part.particle[n], X)

@@ -32,8 +32,7 @@ class Gravity(ElementType):
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     def check(self, scene):
-        """Check that the curve exists, and that gravity with one is the only one in the scene; if
-        not, raises SceneError."""
+        """Check that the curve exists, and that gravity with one is alone in the scene."""
         super().check(scene)
         curves = [g.curve for g in scene.kinds.get(Gravity, []) if np.any(g.acceleration)]
         if curves and max(self.curve, *curves) >= 0:
@@ -46,8 +45,7 @@ class Gravity(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return the index of the curve of gravity, or None without one: then scenes can be
-        simulated side by side whether they have weight or not."""
+        """Return the index of the curve of gravity, or None without one."""
         curve = cls.curve_of(scene)
         return None if curve < 0 else curve
 

@@ -30,8 +30,7 @@ def forces(part, world, timing):
 
 @hook(Weight)
 def work_of_place(part, world, energies, row):
-    """Add the work (J) of weight on all particles, from the global origin (minus the potential
-    energy)."""
+    """Add the work (J) of weight from the global origin (minus the potential energy)."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):
@@ -71,8 +70,7 @@ def varying_forces(part, world, timing):
 
 @hook(VaryingWeight)
 def work_after(part, world, timing):
-    """Add the work (J) of weight in this step, by the curve's means over the kicks, as with
-    loads."""
+    """Add the work (J) of weight in this step, by the curve's means, as with loads."""
     factor = kick_mean(world, part.curve[0], timing)
     factor = 0.5 * (factor + kick_mean(world, part.curve[0], timing, 1))
     change = first_moment(world) - get3(part.moment, 0, 0)

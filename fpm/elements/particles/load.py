@@ -11,8 +11,7 @@ from fpm.elements.particles.gravity import LOAD_WORK
 
 
 class ArmElement(ElementType):
-    """Base class of element types that act at the end of a rigid arm on a particle. A subclass has
-    the field `beam`, that arm (VirtualBeam)."""
+    """Base class of what acts at the end of a rigid arm, `beam` (VirtualBeam), of a particle."""
 
     beam: Any
 
@@ -23,8 +22,7 @@ class ArmElement(ElementType):
 
     @property
     def arm(self) -> np.ndarray:
-        """Return the vector (3,) m, in the particle's own axes, from the particle to the load's
-        point."""
+        """Return the arm (3,) m in the particle's own axes."""
         return self.beam.arm
 
 

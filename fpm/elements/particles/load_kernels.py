@@ -20,16 +20,13 @@ STATE = 12
 
 
 class Loads(NamedTuple):
-    """Arrays of all l loads. particle (l,): index of its particle; curve (l,): index of its curve
-    of time, -1: constant 1; numbers (l, 9, lanes): force (N) and moment (N m) in global axes, arm
-    (m) in the particle's; state (l, 12, lanes): position of the arm's end (m) and the particle's
-    three axes when forces were last computed; account: index of their work in World.accounts."""
+    """Arrays of all l loads (lanes: samples); what stands in `state` is told above."""
 
-    particle: np.ndarray
-    curve: np.ndarray
-    numbers: np.ndarray
-    state: np.ndarray
-    account: int
+    particle: np.ndarray  # (l,) index of its particle
+    curve: np.ndarray  # (l,) of its curve of time; -1: constant 1
+    numbers: np.ndarray  # (l, 9, lanes) N, N m, in global axes; m, in the particle's
+    state: np.ndarray  # (l, STATE, lanes)
+    account: int  # index of their work in World.accounts
 
 
 @hook(Loads)

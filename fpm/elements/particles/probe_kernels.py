@@ -20,16 +20,12 @@ FORCES = 18
 
 
 class Probes(NamedTuple):
-    """Arrays in which motion and forces of chosen particles are recorded. frames_of (p,), forces_of
-    (q,): their indices; frames ((instants + 1) p, 9, lanes): position (m), second and third axis of
-    each; forces ((instants + 1) q, 18, lanes): 3 each: velocity (m/s) and angular momentum (N m s),
-    means of the half steps before and after the instant; their changes by time over the step around
-    it (m/s², N m); force (N) and moment (N m) before those of supports, damping and joints."""
+    """Arrays in which motion and forces of chosen particles are recorded; columns: above."""
 
-    frames_of: np.ndarray
-    forces_of: np.ndarray
-    frames: np.ndarray
-    forces: np.ndarray
+    frames_of: np.ndarray  # (p,) indices of particles
+    forces_of: np.ndarray  # (q,)
+    frames: np.ndarray  # ((instants + 1) p, FRAME, lanes)
+    forces: np.ndarray  # ((instants + 1) q, FORCES, lanes) m/s, N m s, m/s², N m, N, N m
 
 
 @hook(Probes)

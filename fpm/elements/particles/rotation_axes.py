@@ -1,9 +1,4 @@
-"""How supports let particles turn.
-
-What is held about an axis does not turn about it; its angular momentum there is what that takes. A
-particle that turns about one axis n alone has the constant inertia n·Jn, whichever axes of its own
-are principal, and is one with that about all axes. One that turns about two has its momentum about
-the third found in every step (support_kernels.py)."""
+"""How supports let particles turn (theory: docs/mechanics.md, "Particles and the step")."""
 
 from typing import NamedTuple
 
@@ -18,17 +13,15 @@ TOLERANCE = 1e-12
 class RotationAxes(NamedTuple):
     """How supports let the n particles of a scene turn. inertia (n, 3): moments of inertia (kg m²)
     about own axes; of a particle that turns about a single global axis that about this, repeated;
-    no_turn (n, 3): whether it never turns about an own axis; about_two: indices of particles of
-    unequal inertias that turn about two global axes."""
+    no_turn (n, 3): whether it never turns about an own axis."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
-    about_two: list[int]
 
 
 def turns_of(scene) -> RotationAxes:
-    """Return how the supports of a scene let its particles turn (Turning). Raises SceneError where
-    a particle that turns about two axes, with unequal inertias, is in a joint."""
+    """Return how the supports of a scene let its particles turn. Raises SceneError for one that
+    turns about two axes with unequal inertias."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)
@@ -37,13 +30,11 @@ def turns_of(scene) -> RotationAxes:
         inertia[p] = squares @ inertia[p]
         no_turn[p] = (squares < TOLERANCE) & (squares.max() > 1 - TOLERANCE)
     is_unequal = inertia.max(axis=1) - inertia.min(axis=1) > TOLERANCE * inertia.max(axis=1)
-    about_two = np.flatnonzero((count == 1) & is_unequal).tolist()
-    joints = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
-    for p in [p for e in joints for p in e.particles if p in about_two] if about_two else ():
+    for p in np.flatnonzero((count == 1) & is_unequal):
         raise SceneError(
-            f"rotations of particle {p} in a joint, held about {'xyz'[fixed[p].argmax()]} alone",
+            f"rotations of particle {p}, held about {'xyz'[fixed[p].argmax()]} alone",
             inertia[p].tolist(),
-            "two or three axes, the same inertia about all of its own, or a joint to the ground "
-            "that holds them",
+            "two or three axes, the same inertia about all of its own, or a joint to the ground, "
+            "as a universal one, that holds them",
         )
-    return RotationAxes(inertia, no_turn, about_two)
+    return RotationAxes(inertia, no_turn)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.kind import AXES, ElementType
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 
@@ -43,15 +42,8 @@ class Support(ElementType):
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
-    def moved_particles(cls, scene):
-        """Return the indices of a scene's particles with unequal moments of inertia that can turn
-        about two global axes only; the kernels of supports move them."""
-        return turns_of(scene).about_two
-
-    @classmethod
     def topology_of(cls, scene):
-        """Return the indices of a scene's particles that can turn about two axes only."""
-        return tuple(cls.moved_particles(scene))
+        """Return nothing: held axes are compared elsewhere (solver/pack.py)."""
 
     @classmethod
     def pack(cls, batch):
@@ -59,6 +51,4 @@ class Support(ElementType):
 
         particles = cls.find(batch.scene)
         free = batch.stack(len(particles), 6, lambda s: ~s.fixed[particles])
-        about_two = batch.integers(cls.moved_particles(batch.scene))
-        axes = batch.stack(len(about_two), 3, lambda s: s.fixed[about_two, 3:])
-        return Supports(batch.integers(particles), free, about_two, axes)
+        return Supports(batch.integers(particles), free)

@@ -138,25 +138,6 @@ def universal(build, args):
     return build.scene.add_universal(args.name, particles, points, args.axis, axis2, openings)
 
 
-@statement(
-    "joints",
-    "prismatic",
-    parts=PAIR,
-    at=POINT,
-    axis=DirectionKey(text="axis along which the second part slides on the first"),
-    opening=Number(
-        0.0,
-        "position at the start; it grows as the second part slides along the axis relative to "
-        "the first",
-        unit="m",
-    ),
-)
-def prismatic(build, args):
-    """A slider: the second part moves along an axis of the first and does not turn."""
-    particles, points = _meet(build, args)
-    return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
-
-
 def _openings(type: str) -> dict[str, Number]:
     """Keys of the openings at the start of a joint with several, or of a screw."""
     texts = {
@@ -200,6 +181,12 @@ def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
     }
     keys = {"axis": replace(AXIS, text=axis), **keys, **openings}
     return statement("joints", type, parts=PAIR, at=POINT, **keys)
+
+
+@_slider("prismatic", "axis along which the second part slides on the first")
+def prismatic(build, args):
+    """A slider: the second part moves along an axis of the first and does not turn."""
+    return _add_slider(build, args, "prismatic")
 
 
 @_slider("cylindrical", f"{AXIS.text} and along which it slides")

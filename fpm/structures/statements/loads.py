@@ -341,8 +341,7 @@ SIDES = {"both ways": (1.0, 1.0), "push": (1.0, 0.0), "pull": (0.0, 1.0)}
 
 
 def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
-    """Add a Strut to the scene of `build`. args: values of an entry; lengths (m), forces (N),
-    slopes (N/m): of the Strut."""
+    """Add a Strut of lengths (m), forces (N) and slopes (N/m) to the scene."""
     points = [(part.particle(point.name), point.position) for part, point in args.between]
     if points[0][0] == points[1][0] or not _length(build, args) > 0:
         places = " and ".join(f"{point.name} of {part.name}" for part, point in args.between)

@@ -148,8 +148,7 @@ def _directions(build, names, points) -> list[np.ndarray]:
 
 
 def _height_axis(build, args, directions) -> np.ndarray:
-    """Return the vector in the plane of the section's height; a choice of ours where it is no
-    matter."""
+    """Return the direction of the section's height, chosen where it is no matter."""
     if args.up is not None:
         cosine = max(abs(direction @ args.up) for direction in directions)
         if cosine > 1 - 1e-12:

@@ -19,8 +19,11 @@ MARGIN_READS = ("opening", "slide_opening", "latch_rate", "slide_latch_rate")
 
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
-PEAKS = "largest", "smallest", "smallest_at", "overshoot"
+BETWEEN = {"largest", "smallest", "smallest_at", "overshoot", "mean", "rms", "settling", "crossing",
+           "value"}  # fmt: skip
 """Kinds of quantities that are read between instants, too."""
+
+_ABSENT = -1e30  # a number that a run does not have, as files hold finite ones
 
 _LAST, _ROWS = 0.1, 4  # share of the way, and least instants, over which deceleration is found
 
@@ -135,13 +138,28 @@ class Quantity:
 
     @property
     def peak_column(self) -> Column | None:
-        """Column of runs that have the number already; None of others than PEAKS."""
+        """Column of runs that have the number already, read between instants, too; None of others
+        than BETWEEN, and of values at another quantity."""
         response = self.response
-        if self.kind not in PEAKS or response.along:
+        if self.kind not in BETWEEN or response.along or isinstance(self.instant, Quantity):
             return None
-        target = () if self.target is None else (f"about {self.target!r}",)
-        parts = response.kind, *response.subjects, response.component, *target
+        details = {"about": self.target, "within": self.tolerance or None, "at": self.instant}
+        if self.kind == "crossing":
+            details = {"of": self.level, "way": self.direction, "number": self.number}
+        texts = (f"{key} {value}" for key, value in details.items() if value is not None)
+        parts = response.kind, *response.subjects, response.component, *texts
         return PEAK, " ".join((self.kind, *filter(None, parts)))
+
+    @property
+    def _margin_column(self) -> Column | None:
+        column = self.peak_column if self.has_margin else None
+        return column and (PEAK, f"margin of {column[1]}")
+
+    def readings(self, curves: Curves) -> dict[str, float]:
+        """Return the numbers of one run of a `peak_column` by label: value, and event margin."""
+        columns = (self.peak_column, self.evaluate), (self._margin_column, self.margin)
+        rows = {column[1]: read(curves) for column, read in columns if column}
+        return {label: _ABSENT if np.isnan(x) else x for label, x in rows.items()}
 
     @property
     def is_time(self) -> bool:
@@ -189,6 +207,8 @@ class Quantity:
         if self.kind == "event":
             elements = [e for e in curves.eventful if e.name in self.places]
             return float(np.max([gate_margin(curves, self.event, e) for e in elements]))
+        if (column := self._margin_column) in curves.columns:
+            return float(curves.columns[column][0])
         values = self.response.evaluate(curves)
         if self.kind == "settling":
             return float(self.tolerance - np.abs(values[-1] - self.target))
@@ -208,6 +228,7 @@ class Quantity:
         column = self.peak_column
         if column is not None and column in curves.columns:
             value = float(curves.columns[column][0])
+            value = np.nan if value < _ABSENT / 2 else value
         else:
             value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.

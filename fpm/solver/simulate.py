@@ -166,10 +166,10 @@ def _read_peaks(outcome: Outcome, peaks: Sequence[Quantity], times: np.ndarray) 
     if outcome.failure is None:
         kinks = np.unique([k for c in outcome.scene.curves for k in c.kinks if np.isfinite(k)])
         events = np.concatenate([outcome.events, stack_columns(kinks, 0, _KINK)])
-        whole, text = replace(outcome, events=events), "extreme values, also between instants"
-        values = np.array([[peak.evaluate(whole) for peak in peaks]])
-        labels = tuple(column[1] for peak in peaks if (column := peak.peak_column))
-        records[PEAK] = Series(values, "", text, "peak_of", labels, READING)
+        whole, text = replace(outcome, events=events), "quantities, read between instants, too"
+        rows = {k: x for peak in peaks for k, x in peak.readings(whole).items()}
+        values = np.array([[*rows.values()]])
+        records[PEAK] = Series(values, "", text, "peak_of", tuple(rows), READING)
     return replace(
         outcome,
         time=times,

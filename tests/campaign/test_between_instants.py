@@ -99,6 +99,32 @@ def test_peaks_that_recorded_instants_miss_are_exact(config, tmp_path, keep):
         assert len(open_store(keep, tmp_path, experiment).missing(runs)) == is_missing * len(runs)
 
 
+def test_times_and_means_of_what_recorded_instants_miss_are_right(config, tmp_path):
+    """Of a pulse of 10 r m/s with edges of 0.2 ms: no recorded instant lies within it."""
+    config["quantities"] = {
+        "rises": {"crossing": "pulse", "level": 5.0, "way": "rising"},
+        "again": {"crossing": "pulse", "level": 5.0, "way": "rising", "number": 2},
+        "falls": {"settling": "pulse", "within": 5.0, "about": 0.0},
+        "mean": {"mean": "pulse"},
+        "rms": {"rms": "pulse"},
+        "top": {"value": "pulse", "at": 0.0523},
+        "after": {"value": "pulse", "at": 0.3},
+    }
+    plan, records = simulated(config, "trajectories", tmp_path)
+    r = plan.unique_runs.values[:, 0]
+    edge, none = 0.2e-3 * 5 / (10 * r), np.full(len(r), np.nan)
+    rms = 10 * r * np.sqrt((2e-3 + 2 / 3 * 0.2e-3) / 0.12)
+    expected = [
+        0.0511 + edge, none, 0.0535 - edge, 10 * r * 2.2e-3 / 0.12, rms, 10 * r, none
+    ]  # fmt: skip
+    numbers = np.array([record.numbers for record in records])
+    np.testing.assert_allclose(numbers[:, :3], np.transpose(expected[:3]), rtol=0, atol=5e-5)
+    np.testing.assert_allclose(numbers[:, 3:], np.transpose(expected[3:]), rtol=2e-2)
+    margins = np.array([record.margins for record in records])
+    np.testing.assert_allclose(margins[:, 0], np.minimum(5.0, 10 * r - 5.0), rtol=1e-2)
+    assert (margins[:, 1] < 0).all()
+
+
 @pytest.mark.slow
 def test_a_rate_that_ends_at_once_is_read_just_before(config, tmp_path):
     """At an instant and beside it the rate is the mean of what it is before and after."""

@@ -111,6 +111,16 @@ def test_an_error_is_that_of_an_order_from_one_on(monkeypatch, finest, sizes, or
     assert ratio == pytest.approx(2.0**order, rel=1e-6)
 
 
+def test_a_change_that_is_small_by_accident_counts_as_the_next_one():
+    """Of a hinge that friction stops after a pulse, at steps of 0.1, 0.05 and 0.025 ms; the true
+    angle is that of an event-exact solution."""
+    runs, truth = np.array([[1.8430013e-3], [1.8407735e-3], [1.8262383e-3]]), 1.8253277e-3
+    level, change = discretization.RefinementLevel(None, None, True), np.abs(runs[0] - runs[1])
+    (error,) = level.extrapolate(change, level.ratio(*runs))
+    assert 1.0 < error / abs(runs[0, 0] - truth) < 2.0
+    assert level.extrapolate(change, np.array([4.0])) == pytest.approx(4 / 3 * change)
+
+
 def test_a_quantity_that_no_run_has_has_no_error_and_takes_no_run(monkeypatch):
     """Not zero; and the others keep theirs, whichever stands first."""
     at, none = np.array([0.5, -0.5]), np.full(2, np.nan)

@@ -30,6 +30,8 @@ from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 _HALVINGS, _NEIGHBOURS = 6, (1, 2, 4, 8, 16, 32, 64)
 """Of the way on which finer runs cease to have a number; to which of the next runs it may go."""
 
+_MOST_GROWTH = 16.0  # of a change under refinement, which then is next to none by accident
+
 _CLOSE = 0.01
 """Of the width: a number that near to the bound needs no nearer one."""
 
@@ -96,6 +98,16 @@ class RefinementLevel(NamedTuple):
         sizes = np.abs(np.diff(levels, axis=0))
         return refinement_ratio(*(sizes if sizes.ndim == 2 else sizes.mean(axis=-1)))
 
+    def extrapolate(self, change: np.ndarray, ratio: np.ndarray | None) -> np.ndarray:
+        """Return the error by all halvings from the `change` by the first and the `ratio`, of
+        successive changes. A change that is small by accident, as the next is larger, counts as
+        that."""
+        growth = 1.0
+        if self.ends_finest and ratio is not None:
+            with np.errstate(divide="ignore"):
+                growth = np.clip(1.0 / np.nan_to_num(ratio, nan=1.0), 1.0, _MOST_GROWTH)
+        return extrapolate_error(change * growth, ratio)
+
 
 def estimate_discretization_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], components: tuple = COMPONENTS
@@ -130,7 +142,7 @@ def estimate_discretization_errors(
         finest = np.where(lost_rows[worst], np.nan, finer_values[worst])
         evaluate = partial(numbers, rows=worst)
         ratio = _find_ratio(model, level, values[worst], finest, evaluate)
-        errors[name] = extrapolate_error(change, ratio)
+        errors[name] = level.extrapolate(change, ratio)
         values = finer_values
     return errors
 
@@ -209,7 +221,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
         worst = int(relative.sum(axis=1).argmax())
         evaluate = partial(_curves, model, points=test_points[[worst]])
         ratio = _find_ratio(model, level, curves[[worst]], finer_curves[[worst]], evaluate)
-        errors[name] = extrapolate_error(sites.errors(change), ratio)
+        errors[name] = level.extrapolate(sites.errors(change), ratio)
         curves = finer_curves
     return errors
 

@@ -93,8 +93,8 @@ class Solver:
     instants: Annotated[int, Rule(least=2, most=MOST_INSTANTS)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
     peak_instants: Annotated[int, Rule(least=2, most=MOST_INSTANTS)] = 5001
-    """Peaks (`largest`, `smallest`, `smallest_at`, `overshoot`) are also read between recorded
-    instants: at every time step, or at an equal share of the steps, if there are more than this.
+    """Quantities of curves, such as peaks and crossings, are also read between recorded instants:
+    at every time step, or at an equal share of the steps, if there are more than this.
     Curves of time get more instants if their pulses and kinks need them."""
     step: Annotated[float | OrAuto, Rule("`auto` or a number above 0", unit="s", above=0)] = "auto"
     """Time step. `auto` uses the largest step that is stable over the whole box, times `safety`,

@@ -10,11 +10,7 @@ import numpy as np
 from deployable.campaign.config.own_runs import CONSTANT_TEXT, own_points
 from deployable.campaign.text.numbers import code
 from fpm.elements import kinds_of
-from fpm.reading.quantities import PEAKS
 from fpm.scenes.timestep import find_curve_step
-
-AT_INSTANTS = "final", "value", "event", "event_margin", *PEAKS
-"""Kinds of quantities that do not depend on how many instants are recorded."""
 
 FEWEST = 20
 """Number of recorded instants below which curves are hardly resolved."""
@@ -120,21 +116,12 @@ def _design_texts(experiment: Any) -> Iterator[str]:
 
 
 def _instant_texts(experiment: Any) -> Iterator[str]:
-    """Too few instants for any curve, or for a curve of time, and instants beyond the end."""
+    """Too few instants for any curve, and instants beyond the end."""
     count, duration = experiment.solver.instants, experiment.solver.duration
     if count < FEWEST:
         yield (
             f"solver.instants: {count} for {duration:g} s are {duration / (count - 1):.4g} s "
             "apart, and curves between them are not seen: take 201 or more"
-        )
-    feature, spacing = find_curve_step(experiment.nominal_scene, duration), duration / (count - 1)
-    parts = {q.name: getattr(q, "parts", (q,)) for q in experiment.quantity_list}
-    missing = [name for name in parts if any(q.kind not in AT_INSTANTS for q in parts[name])]
-    if missing and feature < spacing * (1 - 1e-9):
-        yield (
-            f"solver.instants: {count} for {duration:g} s are {spacing:.4g} s apart, but a curve "
-            f"of time rises or falls in {feature:.3g} s: {', '.join(missing)} may miss it "
-            f"between two instants; take {int(np.ceil(duration / feature)) + 1} or more"
         )
     for quantity in experiment.quantity_list:
         if isinstance(quantity.instant, float | int) and not 0 <= quantity.instant <= duration:

@@ -207,7 +207,7 @@ class Quantity:
         if self.kind == "event":
             elements = [e for e in curves.eventful if e.name in self.places]
             return float(np.max([gate_margin(curves, self.event, e) for e in elements]))
-        if (column := self._margin_column) in curves.columns:
+        if (column := self._margin_column) and column in curves.columns:
             return float(curves.columns[column][0])
         values = self.response.evaluate(curves)
         if self.kind == "settling":

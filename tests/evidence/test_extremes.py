@@ -1,9 +1,8 @@
 """The judge of the extremes: right curves pass, wrong ones fail, refusals are told as such."""
 
-import numpy as np
 import pytest
 
-from evidence.extremes import parameters, runs
+from evidence.extremes import parameters
 from evidence.extremes.judge import LINE_ACCURACY, compare, judge
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
@@ -32,15 +31,3 @@ def test_values_that_make_no_structure_are_refused():
     rows = parameters.refusals()
     assert len(rows) > 10
     assert [row.name for row in rows if not row.passed] == []
-
-
-def test_the_damped_oscillator_solves_its_equation():
-    """Closed form against the equation of motion, below, at and beyond critical damping."""
-    times = np.linspace(0.0, 5.0, 2001)
-    for rate in (0.0, 0.5, 2.0, 6.0):
-        x = runs.oscillator(rate, 0.3, times)
-        v = np.gradient(x, times, edge_order=2)
-        residual = np.gradient(v, times, edge_order=2) + rate * v + x
-        assert x[0] == pytest.approx(0.3)
-        assert v[0] == pytest.approx(0.0, abs=1e-5)
-        assert np.abs(residual[5:-5]).max() < 5e-4

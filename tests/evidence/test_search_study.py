@@ -7,7 +7,6 @@ import pytest
 
 from evidence.search import fractions, mechanisms, mechanisms_carts
 from evidence.search.boxes import Box
-from evidence.search.study import report
 
 
 def test_true_bounds_are_those_of_the_closed_form():
@@ -21,29 +20,6 @@ def test_true_bounds_are_those_of_the_closed_form():
     assert (lower, upper) == (pytest.approx(np.arcsin(0.6)), pytest.approx(np.pi / 2, abs=1e-4))
 
 
-def a_check(off: float, error: float) -> dict:
-    """A mechanism whose only bound, and fraction, is off."""
-    bound = {"bound": "t upper", "off": off, "runs_off": 0.001, "error": error, "true": 1.0,
-             "said": 1.0, "attained": 1.0, "predicted": True, "partial": True,
-             "told_met": error < 0.05}  # fmt: skip
-    share = {
-        "true": 0.5,
-        "said": 0.5 + off,
-        "open": error,
-        "met": "all" if off > error else "some",
-        "all": False,
-    }
-    answer = {"box": "latch", "seconds": 3.0, "runs": mechanisms.MAX_RUNS + (off > error),
-              "accuracy_met": error < 0.05, "bounds": [bound], "shares": [share]}  # fmt: skip
-    return {"accuracy": answer, "default": answer}
-
-
-@pytest.mark.parametrize(("off", "error", "count"), [(0.001, 0.002, 0), (0.1, 0.03, 15)])
-def test_rows_of_mechanisms_tell_what_is_wrong(off, error, count):
-    rows = report({"carts": [a_check(off, error)]}).rows
-    assert sum(row.is_failed for row in rows) == count
-
-
 @pytest.mark.slow  # compiles
 def test_carts_move_as_their_closed_forms():
     box = mechanisms_carts.BOXES[4]
@@ -54,19 +30,6 @@ def test_carts_move_as_their_closed_forms():
     )
     # As near as a search goes on, a thousandth of the width.
     assert max(bound["runs_off"] for bound in answer["bounds"] if "rate" in bound["bound"]) < 1e-3
-
-
-def test_rows_of_fractions_count_what_lies_within():
-    """Of 1 %, 3 % and, where no run fails, 0.5 %, said with 2 % each: the second does not."""
-    answers = [
-        {"box": "b", "by": "default", "runs": 30, "fraction": "f", "kind": "fraction", "met": met,
-         "true": true, "said": said, "open": open_}
-        for met, true, said, open_ in
-        (("some", 0.5, 0.51, 0.02), ("some", 0.5, 0.53, 0.02), ("all", 0.995, 1.0, 0.0))
-    ]  # fmt: skip
-    row, ratio, *_ = fractions.report(answers).rows
-    assert row.note == "2 of 3" and row.is_failed
-    assert ratio.value == pytest.approx(2 / 3) and not ratio.is_failed
 
 
 @pytest.mark.parametrize("name", ["step 1", "both", "rare"])

@@ -12,7 +12,6 @@ from evidence.extremes.true_limit import disturb, true_limit
 
 STEEL = fpm.Material(2.1e11, 0.3, 7850.0)
 WOOD = fpm.Material(1e10, 0.3, 600.0)
-Z = fpm.responses.Response("z", "position", ("tip",), "z", "m", "height of the tip")
 
 
 def two_bars(steel=STEEL) -> fpm.Scene:
@@ -59,11 +58,6 @@ def test_above_the_limit_a_run_stops_within_a_few_hundred_steps(factor):
     assert "nan" not in text
 
 
-def test_the_remedy_helps():
-    failed = run(two_bars(), factor=1.5)[0].failure
-    assert run(two_bars(), step=0.999 * failed.limit, steps=5000)[0].failure is None
-
-
 def test_slow_growth_is_caught_while_all_numbers_are_finite():
     """At 1.005 times the limit: long before anything overflows, by the balance of the energies."""
     (outcome,) = run(two_bars(), factor=1.005, steps=20_000, instants=201)
@@ -93,7 +87,7 @@ def test_a_contact_sets_a_step_that_its_impacts_need():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stiffness", np.geomspace(50.0, 5e6, 7))
+@pytest.mark.parametrize("stiffness", [50.0, 1.6e4, 5e6])
 def test_what_strikes_a_contact_comes_back_as_fast_and_the_energy_balances(stiffness):
     """A body of 1/3 kg m² at 1 rad/s, at the default step and a campaign's tolerance."""
     scene = fpm.Scene("flap")
@@ -197,21 +191,6 @@ def test_an_unstable_lane_does_not_harm_the_others(place):
         assert same(outcomes[i], run(scenes[i], step=step)[0])
 
 
-def test_no_trajectory_file_appears(tmp_path):
-    """The failure is raised where a dataset is asked for; numbers that are not finite stay out."""
-    stable, unstable = run(two_bars(), factor=0.9)[0], run(two_bars(), factor=1.2)[0]
-    path = tmp_path / "run.nc"
-    with pytest.raises(fpm.InstabilityError):
-        fpm.trajectory.write(unstable.dataset([Z]), path)
-    broken = stable.dataset([Z]).copy(deep=True)
-    broken["response_values"].values[0, -1] = np.inf
-    with pytest.raises(ValueError, match="response_values has values that are not finite"):
-        fpm.trajectory.write(broken, path)
-    assert list(tmp_path.iterdir()) == []
-    fpm.trajectory.write(stable.dataset([Z]), path)
-    assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
-
-
 @pytest.mark.slow
 def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     """No element limits the step of two rigid bodies; their hinge does."""
@@ -253,21 +232,6 @@ def test_the_programs_own_step_is_halved_until_joints_close(rate):
     assert told == pytest.approx(rate, rel=0.1)
     assert step == pytest.approx(0.25 / rate, rel=0.1)
     assert fpm.simulate(scene, step=step, **times)[0].failure is None
-
-
-@pytest.mark.slow
-def test_a_hinge_that_leaves_where_it_is_held_is_refused():
-    """Two equal bodies swing as one about a held point: nothing between them can open."""
-    scene = fpm.Scene("twins")
-    spin = (0.0, 0.0, 40.0)
-    twins = scene.add_particles([(0.3, 0, 0)] * 2, 1.0, (0.1, 0.2, 0.25), spin=spin)
-    scene.velocity[twins] = np.cross(spin, (0.3, 0.0, 0.0))
-    scene.add_hinge("pivot", tuple(map(int, twins)), (0, 0, 0), (0.0, 0.6, 0.8), support="xyz")
-    fine, coarse = run(scene, step=1e-3, steps=500), run(scene, step=0.5 / 30, steps=30)
-    assert fine[0].failure is None
-    assert fine[0].gap.max() < 1e-10
-    assert coarse[0].failure.largest["gap"] > 1e-6
-    assert "hinge pivot" in str(coarse[0].failure)
 
 
 @pytest.mark.slow

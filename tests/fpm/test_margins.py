@@ -13,7 +13,6 @@ from fpm.reading.quantities import KINDS
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.reading.variables import VARIABLES
-from fpm.travel import component_classes
 
 HARNESS = {"classes": {"spring h1": "HA"}}
 
@@ -105,10 +104,6 @@ def test_where_nothing_acts_is_refused():
         responses.parse("m", definition, hinged(0.0))
 
 
-def test_a_table_without_a_class_is_a_harness():
-    assert component_classes(panel())["spring h1"] == "HA"
-
-
 def test_a_reeled_cable_is_left_out_or_refused():
     """A curve of time winds it in, and a travel has no time."""
     scene = panel()
@@ -166,12 +161,6 @@ def test_labels_are_read_as_they_are_written():
     led = margins.OpeningPath(("a", "b", "c"), 0.1, -2 / 3, ("d", "e"))
     assert margins.read_label(led.label("loop x y")) == (led, "loop x y")
     assert margins.read_label(margins.OpeningPath(("a",), 0.0, 1.0).label())[1] == ""
-
-
-def test_every_class_has_its_factors():
-    for standard in STANDARDS.values():
-        for factors in (standard.drives, *standard.resists.values()):
-            assert factors.keys() == CLASSES.keys()
 
 
 def ecss(I, S, HM, FR, HY, HA, HD, TD, TL):

@@ -64,17 +64,6 @@ def events_of(outcome) -> list[str]:
 
 
 @pytest.mark.slow
-def test_energy_is_stored_lost_or_kinetic(ran):
-    """Exactly but for where a spring begins, which is third order in ω h (here 3e-3)."""
-    for name, outcome in ran.items():
-        scale = max(outcome.energies["kinetic"].max(), 0.1)
-        worst = np.abs(outcome.energies["balance"]).max() / scale
-        assert worst < (1e-5 if outcome.events.size or name == "tape" else 1e-10), name
-        if name in ("undamped", "missed", "slow enough", "wrong side", "bounces", "tape"):
-            assert np.array_equal(outcome.energies["joint_loss"], np.zeros(4001)), name
-
-
-@pytest.mark.slow
 def test_a_one_sided_latch_resists_going_back_only(ran):
     outcome = ran["one-sided"]
     assert events_of(outcome) == ["latches"]
@@ -121,8 +110,7 @@ def test_a_damper_is_of_second_order():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ratio", [0.0, 0.01, 0.1, 0.6])
-@pytest.mark.parametrize("stiffness", [1e3, 1e6])
+@pytest.mark.parametrize(("ratio", "stiffness"), [(0.0, 1e6), (0.1, 1e3), (0.6, 1e6)])
 def test_what_strikes_a_stop_at_the_step_of_its_own_comes_back_right(ratio, stiffness):
     """To 1 % of its speed, wherever in a step it strikes; its parts have no slack in the bound."""
     rate, omega = 3.0, np.sqrt(stiffness / J)
@@ -227,12 +215,6 @@ def test_where_a_run_starts_in_its_range_a_latch_catches_at_once():
         assert opening(outcome) == pytest.approx(0.3 + swing, abs=1e-6)
         assert outcome.events[0, 0] == 0.0
     assert opening(off)[-1] == pytest.approx(0.1, abs=1e-9), "it comes from above"
-
-
-@pytest.mark.slow
-def test_turns_are_counted_on_a_hinge_that_nothing_acts_on():
-    (outcome,) = fpm.simulate(bare(rate=10.0), duration=2.0, instants=3, step=1e-3)
-    assert opening(outcome) == pytest.approx([0.0, 10.0, 20.0], abs=1e-9)
 
 
 def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():

@@ -1,7 +1,6 @@
 """A kind that the mechanics has never heard of: two files beside this one, added by `Scene.add`."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,6 @@ from ground_spring import GroundSpring
 
 import fpm
 from fpm.elements.kind import ElementType, Energy
-from fpm.kernels import compiled_loop
 from fpm.scenes.scene_type import SceneType
 
 pytestmark = pytest.mark.slow  # a time loop of its own
@@ -31,12 +29,6 @@ def body(start=0.7, sideways=0.0, **more) -> fpm.Scene:
 @pytest.fixture(scope="module")
 def outcome():
     return fpm.simulate(body(), duration=2.0, instants=101, step=1e-3)[0]
-
-
-def test_the_mechanics_does_not_name_it():
-    sources = [path.read_text().lower() for path in Path(fpm.__file__).parent.rglob("*.py")]
-    assert not [name for name in ("groundspring", "ground_spring") for s in sources if name in s]
-    assert GroundSpring not in fpm.elements.KINDS
 
 
 def test_it_moves_as_it_should(outcome):
@@ -101,29 +93,6 @@ def test_what_it_refuses_and_its_topology():
         fpm.simulate([body(), other], duration=0.1, instants=2)
 
 
-def test_its_code_is_not_kept(outcome):
-    assert "GroundSprings" in compiled_loop.COMPILED_NAMES
-    assert not list(compiled_loop.cache_folder().glob("GroundSprings-*"))
-
-
-def test_hooks_that_do_not_exist_are_refused():
-    from ground_spring_kernels import GroundSprings
-
-    from fpm.kernels.hooks import hook
-
-    with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
-        hook(GroundSprings, "forcse")(lambda part, world, timing: None)
-
-
-def test_a_kernel_is_not_replaced_in_silence():
-    from ground_spring_kernels import GroundSprings
-
-    from fpm.kernels.hooks import hook
-
-    with pytest.raises(ValueError, match="GroundSprings has a kernel for forces already"):
-        hook(GroundSprings, "forces")(lambda part, world, timing: None)
-
-
 def test_its_energy_can_be_a_response(outcome):
     scene = SceneType("body", "a body on a spring", {}, ("body",), (), body)
     assert scene.energies[0] == "kinetic" and scene.energies[-1] == "balance"
@@ -154,3 +123,21 @@ def test_a_kind_that_stores_energy_has_a_kernel_for_it():
     scene.add(Boast())
     with pytest.raises(TypeError, match="kind Boast has `stores` and not a kernel"):
         fpm.simulate(scene, duration=1e-3, instants=2, step=1e-3)
+
+
+def test_hooks_that_do_not_exist_are_refused():
+    from ground_spring_kernels import GroundSprings
+
+    from fpm.kernels.hooks import hook
+
+    with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
+        hook(GroundSprings, "forcse")(lambda part, world, timing: None)
+
+
+def test_a_kernel_is_not_replaced_in_silence():
+    from ground_spring_kernels import GroundSprings
+
+    from fpm.kernels.hooks import hook
+
+    with pytest.raises(ValueError, match="GroundSprings has a kernel for forces already"):
+        hook(GroundSprings, "forces")(lambda part, world, timing: None)

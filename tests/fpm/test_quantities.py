@@ -163,15 +163,6 @@ def test_a_peak_at_a_blow_whose_instants_lie_between_both_sides_is_that_before_i
     assert read({least: "x"}, slowed, **options) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_value_at_an_event_is_the_one_before_it():
-    """The curve breaks at 0.9025 s, between two instants."""
-    events = EVENTS.copy()
-    curve = np.where(TIME < 0.9025, TIME**2, 7.0)
-    assert events[2, 0] == 0.9
-    definition = {"value": "x", "at": "shut"}
-    assert read(definition, curve) == pytest.approx(0.25, abs=1e-12)
-
-
 def test_a_value_at_an_event_is_of_one_side_and_knows_nothing_of_others():
     """The impulse of a blow comes half in the step of the event and half in the next, so that the
     velocities of two or three instants lie between; and what was before another event goes on

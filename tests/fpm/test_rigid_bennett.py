@@ -1,7 +1,6 @@
 """The rigid reference linkage against published states, and its own energy."""
 
 import math
-from itertools import product
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from evidence.linkage.rigid import RigidBennett
 
 # (lambda, mu) in degrees
-FRAMES = [(45.0, 45.0), (30.0, 30.0), (30.0, 60.0), (45.0, 22.5), (65.0, 35.0)]
+FRAMES = [(45.0, 45.0), (30.0, 60.0), (65.0, 35.0)]
 EACH_FRAME = pytest.mark.parametrize("angles", FRAMES, ids=lambda a: f"lambda{a[0]:g}-mu{a[1]:g}")
 
 
@@ -50,14 +49,6 @@ def test_published_states_of_the_square_frame(row):
     assert min(worst) < 0.6
 
 
-def test_hinge_lines_and_folded_openings_of_the_square_frame():
-    rigid = linkage()
-    assert rigid.hinge_length_a == pytest.approx(math.sqrt(1.5) * rigid.side)
-    assert rigid.hinge_length_b == pytest.approx(math.sqrt(1.5) * rigid.side)
-    assert rigid.axis_a @ rigid.axis_b == pytest.approx(1.0 / 3.0)
-    assert math.degrees(rigid.folded_opening_b) == pytest.approx(120.0)
-
-
 def slope_at(function, place, step=1e-4):
     """Derivative by the five-point central difference."""
     near = function(place + step) - function(place - step)
@@ -85,27 +76,7 @@ def test_derivatives_are_those_of_the_motion(angles, supports):
         assert rigid.potential(here)[2] == pytest.approx(slope, rel=1e-8)
 
 
-@EACH_FRAME
-def test_inertia_is_that_of_the_moving_bars(angles):
-    """Sum over a cloud of points that has the bar's mass, centre and second moments (Gauss)."""
-    rigid = linkage(angles)
-    beta, step, gauss = rigid.beta_at(0.8), 1e-5, 0.5 / math.sqrt(3.0)
-    across = np.linalg.svd(rigid.axis[None])[2][1:]
-    frame = np.array([rigid.length * rigid.axis, *(rigid.side * across)])
-    cloud = np.array(list(product((-gauss, gauss), repeat=3))) @ frame
-
-    def places(b):
-        motion = rigid.motion(b)
-        return motion["centre"][0] + cloud @ motion["rotation"][0].T
-
-    velocity = (places(beta + step) - places(beta - step)) / (2.0 * step)
-    exact = 4.0 * rigid.mass / 8.0 * np.sum(velocity**2)
-    assert rigid.inertia(rigid.motion(beta))[0] == pytest.approx(exact, rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("angles", "supports"), [(FRAMES[0], "plane"), (FRAMES[2], "plane"), (FRAMES[-1], "free")]
-)
+@pytest.mark.parametrize(("angles", "supports"), [(FRAMES[1], "plane"), (FRAMES[2], "free")])
 def test_energy_is_constant_through_the_contact(angles, supports):
     curves = linkage(angles, supports=supports).simulate(5.0, np.linspace(0.0, 0.5, 51))
     assert len(curves["closings"]) >= 1
@@ -113,34 +84,6 @@ def test_energy_is_constant_through_the_contact(angles, supports):
     scale = curves["energy"][0]
     assert np.abs(curves["energy"] - scale).max() < 1e-9 * scale
     assert curves["kinetic"].max() > 0.5 * scale  # it did move
-
-
-@EACH_FRAME
-def test_velocity_and_distance_belong_together(angles):
-    """Height of B differentiated over time, on the plane supports."""
-    step = 1e-5
-    times = np.concatenate([[0.0], *(t + step * np.array([-1, 0, 1]) for t in (0.05, 0.15, 0.2))])
-    curves = linkage(angles).simulate(5.0, times)
-    for i in (2, 5, 8):
-        slope = (curves["height"][i + 1] - curves["height"][i - 1]) / (2.0 * step)
-        assert curves["velocity_Bz"][i] == pytest.approx(slope, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_paper_linkage_closes_first_near_a_third_of_a_second():
-    times = np.linspace(0.0, 1.0, 201)
-    closings = {k: linkage(spring_stiffness=k).simulate(5.0, times)["closings"] for k in (4.8, 5.0)}
-    assert closings[4.8] == pytest.approx([0.3263, 0.9869], abs=2e-4)
-    assert closings[5.0] == pytest.approx([0.3197, 0.9671], abs=2e-4)
-
-
-def test_closure_time_scales_with_the_springs():
-    """Before the contact the springs are the only forces: time goes with 1 / sqrt(K^F)."""
-    first = [
-        linkage(spring_stiffness=k).simulate(5.0, np.array([0.0, 0.5]))["closings"][0]
-        for k in (2.5, 10.0)
-    ]
-    assert first[0] / first[1] == pytest.approx(2.0, rel=1e-9)
 
 
 def test_small_motion_about_closure_has_the_closed_form_periods():
@@ -164,8 +107,3 @@ def test_small_motion_about_closure_has_the_closed_form_periods():
     assert closing == pytest.approx(0.5 * half_period(rigid.spring_stiffness), rel=1e-4)
     both = rigid.spring_stiffness + rigid.contact_stiffness
     assert parting - closing == pytest.approx(half_period(both), rel=1e-4)
-
-
-def test_unknown_supports_are_refused():
-    with pytest.raises(ValueError, match="pinned"):
-        RigidBennett(supports="pinned")

@@ -11,8 +11,6 @@ from scipy.optimize import brentq
 
 import fpm
 from fpm import structures
-from fpm.assembly.conditions import ParticlePoses
-from fpm.assembly.element_forces import ElementForces
 from fpm.elements import Friction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, component_classes, sweep
@@ -41,18 +39,14 @@ def test_a_panel_on_one_hinge():
     assert found.inertia == pytest.approx(0.1 + 2.0 * 0.25)
 
 
-def test_friction_slips_the_way_that_its_joint_goes():
+@pytest.mark.parametrize("bristle", [{}, {"bristle_deflection": None}])
+def test_friction_slips_the_way_that_its_joint_goes(bristle):
+    """Whether it sticks exactly or by a bristle."""
     scene = hinged(1.0)
-    scene.add(Friction(0, 0.3))
+    scene.add(Friction(0, 0.3, **bristle))
     for first, last in ((1.0, 1.5), (1.5, 1.0), (0.5, 0.2)):
         work = sweep(scene, "h1", first, last, positions=5).work["friction h1"]
         assert work == pytest.approx(-0.3, rel=2e-6)
-
-
-def test_friction_that_sticks_exactly_slips_alike():
-    scene = hinged(1.0)
-    scene.add(Friction(0, 0.3, None))
-    assert sweep(scene, "h1", 1.0, 1.5).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
 
 
 def test_bearings_rub_by_the_forces_of_their_joints():
@@ -97,20 +91,6 @@ def test_two_panels_with_a_synchronising_loop():
     assert work["torsion spring h1"] + work["torsion spring h2"] == pytest.approx(drives, rel=1e-4)
     assert work["friction h1"] + work["friction h2"] == pytest.approx(-0.08, rel=1e-4)
     assert np.abs(work["loop belt"]).max() < 1e-4
-
-
-def test_the_stiffness_of_a_cable_is_that_of_its_length():
-    """In a scene of 8 m, of which the size is not 1: EA/rest along it, tension/length across."""
-    scene = fpm.Scene("stay")
-    wall, end = (int(scene.add_particles((x, 0, 0), 1.0, 1.0)[0]) for x in (0.0, 8.0))
-    scene.fix(wall)
-    ends = [(wall, (0.0, 0.0, 0.0)), (end, (8.0, 0.0, 0.0))]
-    scene.add_cable("stay", ends, EA=30.0, rest=6.0)
-    forces, slopes = ElementForces(scene, scene.cables).linearise(
-        ParticlePoses(scene.position, scene.frame)
-    )
-    assert forces[6:9] == pytest.approx([-10.0, 0, 0])
-    assert slopes.toarray()[6:9, 6:9] == pytest.approx(np.diag([5.0, 1.25, 1.25]), abs=1e-6)
 
 
 @pytest.mark.parametrize("unit", [1.0, 20.0])
@@ -191,7 +171,7 @@ def test_the_scissor_mast_by_virtual_work():
     n, k, g = 2, 1.5, 3.0
     scene = structures.load(STRUCTURES / "scissor.yaml").build(n=n, k=k, E=1e4, elements=2)
     scene.gravity = (-g, 0, 0)
-    found = sweep(scene, "bay1.pin", np.radians(160), np.radians(60), positions=9)
+    found = sweep(scene, "bay1.pin", np.radians(160), np.radians(120), positions=5)
     way = found.opening  # falls, so that work is per unit of -opening
     springs = sum(found.work[f"bay{i + 1}.spring"] for i in range(n))
     assert springs == pytest.approx(n * k * way, rel=1e-3)
@@ -204,7 +184,8 @@ def test_the_bennett_linkage_by_virtual_work():
     """The springs at B and D by the rates of their openings, as the rigid linkage has them."""
     made = structures.load(STRUCTURES / "bennett.yaml")
     scene = made.build(E=1e12, elements=2)
-    found = sweep(scene, "B", scene.hinges[1].opening, 0.4, positions=9)
+    start_b = scene.hinges[1].opening
+    found = sweep(scene, "B", start_b, start_b - 0.5, positions=5)
     roll = mu = np.pi / 4
     omega_a = np.arctan2(1, np.tan(mu) * np.cos(roll))
     omega_b = np.arctan2(np.tan(mu), np.sin(roll))
@@ -299,7 +280,7 @@ def piston(angle, r=0.2):
     return -r * np.sin(angle) * (1 + r * np.cos(angle) / (ROD * np.sqrt(1 - sine**2))), sine
 
 
-@pytest.mark.parametrize("end", [180.2, 182.7, 361])
+@pytest.mark.parametrize("end", [182.7, 361])
 def test_friction_of_a_joint_that_turns_back_slips_the_way_it_goes(end):
     """A slide at and beyond the dead centre of its crank; there is a position at each."""
     found = sweep(CENTRED.build(rub=3.0), "main", np.radians(10), np.radians(end))
@@ -311,7 +292,7 @@ def test_friction_of_a_joint_that_turns_back_slips_the_way_it_goes(end):
 @pytest.mark.parametrize(
     ("start", "end"), [
         (0.5, 100),
-        *(pytest.param(*way, marks=pytest.mark.slow) for way in ((0.2, 170), (2, 175), (178, 1))),
+        *(pytest.param(*way, marks=pytest.mark.slow) for way in ((2, 175), (178, 1))),
     ],
 )  # fmt: skip
 def test_a_way_from_near_a_dead_centre_stays_on_its_assembly(start, end):
@@ -336,7 +317,7 @@ def test_bearings_rub_by_forces_in_the_balance_with_their_friction():
     the angle a, and P tan a/(1 + mu tan a) where P drives it."""
     for mu, sign in ((0.3, 1), (0.3, -1), (1.2, 1)):
         scene = CENTRED.build(push=4.0 * sign, mu=mu)
-        found = sweep(scene, "main", np.radians(190), np.radians(350), positions=9)
+        found = sweep(scene, "main", np.radians(200), np.radians(290), positions=5)
         rate, sine = piston(found.opening)
         slope = np.abs(sine) / np.sqrt(1 - sine**2)
         expected = 4.0 * slope / (1 + sign * mu * slope)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from ball import ball
 
-from deployable.intervals import Box, held_out_points
+from deployable.intervals import held_out_points
 
 
 def samples_of(function, box, design, time, held_out=4, names=("response",)):
@@ -26,20 +25,3 @@ def samples_of(function, box, design, time, held_out=4, names=("response",)):
         "response_units": ("response", ["m"] * len(names)),
     }
     return xr.Dataset(data, coords=coords)
-
-
-def ball_samples(design, duration=2.0, held_out=4, instants=1001):
-    """Samples of a ball dropped from 1 m, +- 5 %."""
-    box = Box(["height"], [0.95], [1.05])
-    time = np.linspace(0.0, duration, instants)
-    return samples_of(lambda v: np.array(ball(time, v[0])), box, design, time, held_out, ("z", "v"))
-
-
-def ball_reference(duration=2.0, runs=4001, instants=1001):
-    """Bounds (2, T) from below and above of a dense scan of the ball: position and velocity."""
-    time = np.linspace(0.0, duration, instants)
-    low, high = np.full((2, instants), np.inf), np.full((2, instants), -np.inf)
-    for height in np.linspace(0.95, 1.05, runs):
-        curves = np.array(ball(time, height))
-        low, high = np.minimum(low, curves), np.maximum(high, curves)
-    return time, low, high

@@ -111,16 +111,12 @@ def test_a_jump_that_each_run_has_at_its_own_time_is_followed(dense):
     assert plain[1] > 5 * off[1]
 
 
-@pytest.mark.parametrize(
-    ("motion", "most"),
-    [(stop, 0.01), (spring, 0.01), pytest.param(brake, 0.02, marks=pytest.mark.slow),
-     pytest.param(swap, 0.01, marks=pytest.mark.slow)],
-)  # fmt: skip
-def test_the_model_that_predicts_left_out_runs_best_is_taken(motion, most, dense):
+@pytest.mark.parametrize("motion", [stop, spring, pytest.param(swap, marks=pytest.mark.slow)])
+def test_the_model_that_predicts_left_out_runs_best_is_taken(motion, dense):
     design, points = runs(4)
     bounds = bounds_dataset(samples(motion, points), design, model="auto")
     off, inside = errors(bounds, motion, dense)
-    assert (off < most).all()
+    assert (off < 0.01).all()
     assert (inside >= 0.99).all()
     assert len(np.unique(bounds["model"])) > 1
 

@@ -102,13 +102,6 @@ def test_order_64_is_stable(method):
     np.testing.assert_allclose(values, np.sin(20 * test), atol=1e-13)
 
 
-def test_scan_contains_the_corners_and_repeats_with_its_seed():
-    design = make_design("sobol", 3, samples=100, seed=5)
-    assert design.run_count == 100
-    assert keys(Box(["a", "b", "c"], [-1] * 3, [1] * 3).corners()) <= keys(design.points)
-    assert (design.points == make_design("sobol", 3, samples=100, seed=5).points).all()
-
-
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 def test_other_runs_are_those_at_no_point_of_the_design(dimension):
     """Also where they share all coordinates but one with some of its points."""

@@ -62,12 +62,6 @@ def test_a_phase_shift_does_not_slip_through_between():
     assert told.total[inside].min() > 0.47  # their difference has the amplitude 2 sin(0.25) = 0.495
 
 
-def test_without_held_out_runs_the_decay_is_left():
-    surrogate = Surrogate(np.ones((3, 4)), np.arange(3)[:, None])
-    told = estimated(surrogate, np.arange(4.0), np.zeros((0, 1)), np.zeros((0, 4)))
-    assert (told.total == 1).all()
-
-
 TIME = np.linspace(0, 1, 3)
 
 

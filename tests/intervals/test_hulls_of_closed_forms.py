@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from scipy.special import ellipj, ellipk
 
 from deployable.intervals.calibration import Measurement, calibrate
 
 TIMES, INSTANTS, BAND = np.linspace(0.0, 4.0, 401), np.linspace(0.03, 3.95, 41), 0.002
 BOX, START = [0.3, -0.4], [-0.4, 0.5]
-STILL, DELAYED, SCALED = (0, 1, 0), (0.02, 1, 0.002), (0, 1.005, 0.002)
+DELAYED, SCALED = (0.02, 1, 0.002), (0, 1.005, 0.002)
 """Upper ends of delay, gain and offset; lower ones are as far below 0, 1 and 0, of a delay 0."""
 
 
@@ -30,19 +29,6 @@ def driven(x, times):
     waves = place * np.cos(rate * times) + speed / rate * np.sin(rate * times)
     held = sine * np.sin(5 * times) + cosine * np.cos(5 * times)
     return 5 * (held + np.exp(-c / 2 * times) * waves)
-
-
-def pendulum(x, times):
-    """How far aside a pendulum's bob is; its frequency, length, amplitude and phase."""
-    m = np.sin((1.3 + 0.1 * x[2]) / 2) ** 2
-    sine, *_ = ellipj(ellipk(m) - (4 + 0.6 * x[0]) * times + 0.1 * x[3], m)
-    return (1 + 0.1 * x[1]) * np.sin(2 * np.arcsin(np.sqrt(m) * sine))
-
-
-def braked(x, times):
-    """The way of a mass that a v + b v² brakes, from an unknown place and rate v."""
-    a, b, v = 0.5 + 0.3 * x[0], 0.6 + 0.4 * x[1], 2 + 0.2 * x[3]
-    return 0.05 * x[2] + np.log(1 + b * v / a * (1 - np.exp(-a * times))) / b
 
 
 def exact_hull(curve, test):
@@ -73,7 +59,7 @@ def exact_hull(curve, test):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("curve", "sensor"),
-    [(ringing, SCALED), (driven, DELAYED), (pendulum, STILL), (braked, STILL)],
+    [(ringing, SCALED), (driven, DELAYED)],
 )
 def test_hull_is_at_most_a_third_wider_than_the_exact_one(curve, sensor):
     upper = np.array(sensor, float)

@@ -27,7 +27,6 @@ from deployable.intervals.scalars import (
     shares_of_box,
     sub_box,
 )
-from deployable.intervals.spline_equations import stands_alone
 
 
 def runs(k: int, order: int = 4, held_out: int = 4) -> np.ndarray:
@@ -61,15 +60,6 @@ def test_a_smooth_number_is_fitted_to_nine_digits_and_its_error_estimate_covers_
     assert found.low == pytest.approx(1.9 / np.sqrt(1.05), rel=1e-8)
     assert found.high == pytest.approx(1.9 / np.sqrt(0.95), rel=1e-8)
     assert (found.argmin[0], found.argmax[0]) == (1.0, -1.0)
-
-
-def test_an_extreme_value_inside_the_box_is_found():
-    surrogate = fitted(lambda x: (x[:, 0] - 0.3) ** 2 + 2 * (x[:, 1] + 0.4) ** 2 - 1, 2)
-    found = surrogate.range()
-    assert found.low == pytest.approx(-1, abs=1e-10)
-    np.testing.assert_allclose(found.argmin, [0.3, -0.4], atol=1e-5)
-    assert found.high == pytest.approx(1.3**2 + 2 * 1.4**2 - 1, rel=1e-10)
-    np.testing.assert_array_equal(found.argmax, [-1, 1])
 
 
 def test_a_number_with_a_kink_is_left_to_the_spline():
@@ -158,16 +148,6 @@ def test_a_halved_tolerance_gains_what_the_corner_beyond_the_limit_holds(k, leve
     assert (one.share == 1 and not one.share_uncertainty) == (is_kept or k == 1)
 
 
-def test_the_errors_of_a_halved_tolerance_have_those_of_its_lines():
-    """A ball of five parameters, which is fitted exactly, by draws of its box."""
-    points, draws = runs(5, order=2), np.random.default_rng(5).uniform(-1, 1, (400_000, 5))
-    limit = Limit(fit_scalar(points, (points**2).sum(axis=1)), "at_most", 1.21)
-    found = find_halving([limit], np.ones(5, bool), np.zeros(5), 0)
-    whole, half = (((draws * [f, 1, 1, 1, 1]) ** 2).sum(axis=1) <= 1.21 for f in (1.0, 0.5))
-    assert abs(found.share - half.mean()) <= found.share_uncertainty < 0.03
-    assert abs(found.gain - half.mean() + whole.mean()) <= found.gain_uncertainty < 0.03
-
-
 def test_the_widths_of_what_exists_in_part_have_the_error_of_its_border():
     """A body that creeps up to a level, which some never reach: -log(1 - level / end)."""
 
@@ -241,17 +221,6 @@ def test_a_direction_without_width_changes_no_share_and_no_choice_of_a_box(place
     shares = find_influence(alone, np.zeros(2)).share
     np.testing.assert_allclose(np.delete(found.share, place), shares)
     assert found.share[place] == 0.0
-
-
-def test_the_share_of_a_box_of_three():
-    """x + y + z <= -1 in the cube is a simplex with legs of 2: 1/6 of the volume."""
-    surrogate = fitted(lambda x: x.sum(axis=1), 3, order=2)
-    found, _ = share_of_box([Limit(surrogate, "at_most", -1.0)], np.ones(3))
-    assert found == pytest.approx(1 / 6, abs=1e-3)
-    # The ball of radius 1 in the cube.
-    surrogate = fitted(lambda x: (x**2).sum(axis=1), 3, order=2)
-    found, _ = share_of_box([Limit(surrogate, "at_most", 1.0)], np.ones(3))
-    assert found == pytest.approx(np.pi / 6, abs=1e-3)
 
 
 def test_the_largest_box_that_meets_a_limit_and_the_nearest_place_that_does_not():
@@ -412,30 +381,6 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     assert best.values[0] == pytest.approx(exact, rel=1e-4)
 
 
-def test_what_cannot_be_the_best_is_judged_no_further():
-    """The goal alone excludes half of the choices; a grid of all finds none that is better."""
-    calls = []
-
-    class Counted(Limit):
-        def worst(self, lower, upper):
-            calls.append(self.level)
-            return super().worst(lower, upper)
-
-    points = runs(1, order=4, held_out=2)
-    surrogate = fit_scalar(points, (points[:, 0] + 1) / 2)
-    limits = [Counted(surrogate, "at_least", 0.25), Counted(surrogate, "at_most", 0.75)]
-
-    def box(choice):
-        return 2 * (choice - 0.1) - 1, 2 * (choice + 0.1) - 1
-
-    problem = ChoiceProblem([Goal(surrogate, "upper")], limits, [(0.1, 0.9)], box)
-    best, trials = problem.find_best()
-    assert len(calls) < len(limits) * (len(trials) + 22 * 7 / 2)
-    everything = [problem.judge(np.array([x])) for x in np.linspace(0.1, 0.9, 801)]
-    least = min(choice.goals[0] for choice in everything if choice.is_safe)
-    assert least - 1e-3 < best.goals[0] <= least and best.is_safe
-
-
 @pytest.mark.parametrize(("error", "is_safe"), [(0.02, True), (0.2, False)])
 def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe):
     """q = x, known to 0.1, from 0 to 0.4: the lowest choice that keeps the error is 0.1 + error."""
@@ -479,11 +424,6 @@ def test_a_value_that_gains_less_than_the_errors_is_no_safer():
     safest = problem.find_safest(trials, best)
     assert safest.values[1] == best.values[1] == pytest.approx(0.5)
     assert safest.values[0] > 1.5 and safest.safety > best.safety + 2
-
-
-def test_a_box_shrinks_towards_its_nominal_point():
-    lower, upper = sub_box(np.array([0.5]), 0.5)
-    np.testing.assert_allclose((lower[0], upper[0]), (-0.25, 0.75))
 
 
 def test_a_box_shrunk_to_a_points_share_just_holds_it():
@@ -537,18 +477,6 @@ def test_the_uncertainty_of_a_share_has_the_error_of_its_lines():
     errors, opens = np.array(rows).T
     assert (errors <= opens).all() and errors.max() > 3e-4
     assert opens.max() < 0.01
-
-
-def test_an_expression_has_the_border_of_its_part():
-    points = scan_points(np.ones(2, bool), 40)
-    margin = 0.2 + points[:, 0] - 0.3 * points[:, 1] ** 2
-    time = np.where(margin > 0, 2 - np.sqrt(np.maximum(margin, 0.0)), np.nan)
-    other = np.where(points[:, 1] > 0, time, np.nan)
-    pairs = [(time, margin), (3 * time, np.nan * time), (other, np.nan * time)]
-    found = share_borders([fit_scalar(points, values, margin=m) for values, m in pairs])
-    shares = [share_of_box([Limit(s, "happens", 1.0)], np.ones(2)) for s in found]
-    assert shares[1] == shares[0] and shares[0] == pytest.approx((0.55, 0.0), abs=1e-3)
-    assert shares[2] != shares[0]
 
 
 def test_a_difference_of_times_that_the_end_cuts_off_has_the_borders_of_both(monkeypatch):
@@ -647,27 +575,6 @@ def test_a_kind_of_fit_that_predicts_far_worse_has_no_say():
     share, open_ = share_of_box([limit], np.ones(3), lines=512)
     other, _ = share_of_box([limit.rival], np.ones(3), lines=512)
     assert abs(share - np.pi / 6) <= open_ + 1e-3 < 0.2 * abs(other - share)
-
-
-def test_shares_are_as_uncertain_as_the_other_kind_of_fits_has_it():
-    """Beside a kink polynomials and splines go wrong in different ways."""
-    points = scan_points(np.ones(2, bool), 40)
-    values = np.minimum(points @ [1.0, 0.4], 0.3)
-    surrogate = fit_scalar(points, values)
-    limit, free = Limit(surrogate, "at_least", 0.28), np.ones(2)
-    share, open_ = share_of_box([limit], free)
-    other, _ = share_of_box([limit.rival], free)
-    assert open_ >= 0.9 * abs(share - other)
-    draws = np.random.default_rng(0).uniform(-1, 1, (200_000, 2))
-    assert abs(share - (draws @ [1.0, 0.4] >= 0.28).mean()) <= open_
-
-
-def test_runs_beside_others_do_not_stand_alone():
-    spread = scan_points(np.ones(2, bool), 40, corners=False)
-    beside = spread[0] + 1e-3 * scan_points(np.ones(2, bool), 20, corners=False)
-    alone = stands_alone(np.concatenate([spread, beside]))
-    assert alone[1:40].mean() > 0.8 and not alone[40:].any()
-    assert stands_alone(spread[:1]).all()
 
 
 def test_sets_of_limits_have_the_shares_of_each_and_a_surrogate_is_evaluated_once(monkeypatch):

@@ -29,12 +29,6 @@ BENT_PARTS = (
     0.2 * SLOPES[1] * LINE + np.cos(3 * LINE),
 )
 BOXES = {
-    "linear": (lambda u: u @ SLOPES, -SUM, SUM),
-    "exponential": (
-        lambda u: np.exp(u @ SLOPES / SUM * 3),
-        np.exp(-3.0),
-        np.exp(3.0),
-    ),
     "step": (lambda u: np.tanh(u @ SLOPES), -np.tanh(SUM), np.tanh(SUM)),
     "bent": (
         bent,

@@ -69,10 +69,10 @@ def test_true_models_are_not_refuted_nor_their_truth_excluded(curve, instants, t
     assert not result.is_refuted and low <= truth <= high
 
 
-@pytest.mark.parametrize("error", [pytest.param(2e-6, marks=pytest.mark.slow), 2e-5])
-def test_steps_are_halved_until_they_hardly_widen_what_is_left(error):
-    """Beside 0.9 of the band as noise, with errors of the first step of 0.06 and 0.6 of the band;
-    the hull and the least band are those of a fine grid of the exact curves."""
+def test_steps_are_halved_until_they_hardly_widen_what_is_left():
+    """Beside 0.9 of the band as noise, with errors of the first step of 0.6 of the band; the hull
+    and the least band are those of a fine grid of the exact curves."""
+    error = 2e-5
     instants, box = np.linspace(0.0, 2.0, 601), np.array([[-1.0], [1.0]])
     times = instants[::3]
     noise = 0.0018 * np.random.default_rng(3).uniform(-1, 1, len(times))

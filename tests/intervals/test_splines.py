@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from datasets_for_tests import ball_reference, ball_samples, samples_of
+from datasets_for_tests import samples_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -136,18 +136,6 @@ def test_values_of_any_size_have_a_spline(k, moving, size):
     assert np.all(found.upper - found.lower <= 1.5 * np.ptp(values, axis=0) + 1e-300)
 
 
-def test_the_range_of_many_runs_contains_them_all():
-    random = np.random.default_rng(8)
-    for k in (1, 2):
-        points = points_in(k, 600, 8)
-        values = random.standard_normal((600, 50))
-        points, values = np.concatenate([points, points[:5]]), np.concatenate([values, values[:5]])
-        values[-5:] += 10 * np.eye(5, 50)  # of repeats, whatever they come from
-        found = spline_range(fit_spline(points, values))
-        assert (found.lower <= values.min(axis=0)).all()
-        assert (found.upper >= values.max(axis=0)).all()
-
-
 def test_the_left_out_errors_are_those_of_refitted_splines():
     points = points_in(2, 15, 3)
     values = np.random.default_rng(3).standard_normal((15, 2))
@@ -179,23 +167,6 @@ def test_its_range_is_attained_and_misses_little(k, seed):
     room = 0.01 * (found.upper - found.lower)
     assert (dense.min(axis=0) >= found.lower - room).all()
     assert (dense.max(axis=0) <= found.upper + room).all()
-
-
-def test_an_extreme_value_between_the_candidates_is_climbed():
-    points = np.linspace(-1, 1, 81)[:, None]
-    values = -((points - 0.1234567) ** 2)
-    found = spline_range(fit_spline(points, values), candidates=3)
-    assert found.upper[0] == pytest.approx(0.0, abs=1e-8)
-    assert found.argmax[0, 0] == pytest.approx(0.1234567, abs=1e-4)
-
-
-@pytest.mark.parametrize("free", [[True], [True, False, True], [True] * 5])
-def test_all_corners_are_among_the_places_that_are_tried(free):
-    free = np.array(free)
-    points = spread_points(free, 200)
-    corners = points[(np.abs(points[:, free]) == 1).all(axis=1)]
-    assert len(corners) == 2 ** free.sum()
-    assert not points[:, ~free].any()
 
 
 def test_scales_tell_which_direction_varies():
@@ -253,83 +224,6 @@ def test_the_fewest_runs_give_bounds_with_an_error():
         assert np.isfinite(spline.left_out).all()
 
 
-def test_a_vibration_out_of_step_is_better_than_with_the_polynomial():
-    """A vibration that an impact excites, whose time and frequency depend on the parameter."""
-    box = Box(["p"], [-1.0], [1.0])
-    time = np.linspace(0.0, 1.0, 1001)
-
-    def ringing(v):
-        since = np.maximum(time - 0.3 - 0.01 * v[0], 0.0)
-        return np.sin(300 * (1 + 0.04 * v[0]) * since)
-
-    scan = np.array([ringing([x]) for x in np.linspace(-1, 1, 801)])
-    low, high = scan.min(axis=0), scan.max(axis=0)
-    for order in (2, 4):
-        design = make_design("tensor_lobatto", box, order)
-        samples = samples_of(ringing, box, design, time)
-        error = {}
-        for model in ("polynomial", "spline"):
-            bounds = bounds_dataset(samples, design, model=model)
-            lower, upper = bounds["lower"][0].values, bounds["upper"][0].values
-            error[model] = np.trapezoid(hausdorff(lower, upper, low, high), time)
-        assert error["spline"] < 0.25 * error["polynomial"]
-
-
-def test_a_jump_is_overshot_by_a_tenth_and_a_scan_is_not():
-    points = np.linspace(-1, 1, 16)[:, None]
-    found = spline_range(fit_spline(points, np.sign(points)))
-    assert 1.15 < found.upper[0] < 1.25  # the jump is 2 high
-    _, low, high = ball_reference(runs=1001, instants=501)
-    design = make_design("sobol", 1, samples=16)
-    samples = ball_samples(design, held_out=0, instants=501)
-    error = {}
-    for model in ("polynomial", "spline"):  # a scan has no polynomial: the runs themselves
-        bounds = bounds_dataset(samples, design, ["v"], model=model)
-        off = hausdorff(
-            bounds["lower"].sel(response="v"), bounds["upper"].sel(response="v"), low[1], high[1]
-        )
-        error[model] = float(off.mean())
-    assert error["polynomial"] < 0.2 * error["spline"]
-
-
-def test_bounds_contain_all_runs_and_the_error_covers():
-    box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
-    time = np.linspace(0.0, 1.0, 101)
-
-    def wave(v):
-        return np.sin(12 * time * v[0]) * np.exp(v[1])
-
-    design = make_design("sobol", box, samples=24)
-    samples = samples_of(wave, box, design, time)
-    bounds = bounds_dataset(samples, design, model="spline")
-    values = samples["values"].values[:, 0]
-    assert (bounds["lower"][0].values <= values.min(axis=0) + 1e-9).all()
-    assert (bounds["upper"][0].values >= values.max(axis=0) - 1e-9).all()
-    grid = np.array([(a, b) for a in np.linspace(0.9, 1.1, 41) for b in np.linspace(0, 0.2, 21)])
-    scan = np.array([wave(v) for v in grid])
-    true = hausdorff(
-        bounds["lower"][0], bounds["upper"][0], scan.min(axis=0), scan.max(axis=0)
-    ).values
-    assert (true <= bounds["error"][0].values + 1e-4).mean() > 0.95
-    plain = bounds_dataset(samples, design)
-    missing = np.maximum(
-        plain["lower"][0].values - scan.min(axis=0),
-        scan.max(axis=0) - plain["upper"][0].values,
-    )
-    assert true.mean() < 0.2 * missing.mean()
-    alone = bounds_dataset(samples, None, model="spline")
-    assert (alone["upper"][0] == bounds["upper"][0]).all()
-    assert bounds.attrs["design_runs"] == len(np.unique(samples["normalized"].values, axis=0))
-
-
-def test_an_unknown_model_is_refused():
-    box = Box(["f"], [0.9], [1.1])
-    design = make_design("tensor_roots", box, 2)
-    samples = samples_of(lambda v: v[0] * np.ones(3), box, design, np.arange(3.0))
-    with pytest.raises(IntervalError, match="polynomial, spline"):
-        bounds_dataset(samples, design, model="kriging")
-
-
 @pytest.mark.parametrize(("order", "held_out"), [(2, 4), (4, 3)])
 def test_the_error_covers_in_three_dimensions_with_few_runs_held_out(order, held_out):
     """A mass that arrives at a stop and rings there, over its stiffness, mass and damping.
@@ -385,22 +279,6 @@ def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
     assert error.mean() < 0.5 * largest.mean()
 
 
-def test_in_many_directions_sought_runs_are_judged_as_others():
-    """A bound is attained at a corner from which all runs are far: the largest error counts."""
-    time, box = np.linspace(0.0, 1.0, 21), Box(list("abcdef"), [-1.0] * 6, [1.0] * 6)
-
-    def growing(v):
-        return np.exp(0.03 * (1 + time) * v.sum())
-
-    unit = make_design("sobol", 6, samples=48).points
-    design = Design(unit, np.zeros((0, 6), dtype=int), "adaptive", (0,) * 6)
-    samples = samples_of(growing, box, design, time, held_out=0)
-    sought, others = (
-        bounds_dataset(samples, one, model="spline")["error"].values for one in (design, None)
-    )
-    assert (sought == others).all()
-
-
 @pytest.mark.parametrize("k", [1, 2, 4, 6])
 def test_rounding_of_the_runs_moves_no_bound(k):
     """A search that has not converged makes a million times of it: 1 in 8 bounds of six parameters
@@ -427,15 +305,3 @@ def test_the_highest_of_many_peaks_is_climbed():
     width = np.ptp(values, axis=0)
     assert ((dense.max(axis=0) - bounds.upper) / width).max() < 1e-3
     assert ((bounds.lower - dense.min(axis=0)) / width).max() < 1e-3
-
-
-@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
-def test_whether_there_is_a_spline_does_not_depend_on_the_unit_of_values(size):
-    """Nor on a column in which all runs agree, of which rounding is all there is."""
-    points = points_in(2, 30, 7)
-    values = size * np.stack([np.sin(points[:, 0]), np.full(30, 3e5)], axis=1)
-    spline = fit_spline(points, values, np.ones(2))
-    assert np.abs(spline.evaluate(points) - values).max() < 1e-6 * size
-    points[1:3] = points[0] + [[2e-4, 0], [4e-4, 0]]
-    noise = size * np.random.default_rng(7).standard_normal((30, 50))
-    assert len(fit_spline(points, noise, np.ones(2)).points) == 28

@@ -222,7 +222,8 @@ class Draft:
                 self.parts[body] = name
             jacobians = np.zeros((2, 3, m.nv))
             self.mj.mj_jac(m, d, *jacobians, centre, part)
-            if (motion := jacobians @ d.qvel).any():
+            motion, is_free = jacobians @ d.qvel, m.jnt_type[m.body_jntadr[part]] == 0
+            if motion.any() or is_free:
                 velocity, spin = digits(motion, np.abs(motion).max())
                 keys = {"part": name, "about": point, "velocity": velocity, "spin": spin}
                 self.add("initial_velocities", name, **keys)

@@ -250,7 +250,8 @@ class Draft:
                 problems.append(f"body {self.parts[body]} has the joints {', '.join(names)}")
                 continue
             _, _, suffixes, words = JOINTS[type_]
-            keys = {key: digits(x, 1) for key, x in zip(words, axes, strict=False) if key}
+            pairs = zip(words, axes, strict=False)
+            keys: dict[str, Any] = {key: digits(x, 1) for key, x in pairs if key}
             keys |= {"type": type_, "parts": parts, "at": self.point(text, places[-1], parts)}
             name, signs = self.add("joints", text, **keys), [1.0, 1.0, 1.0]
             if type_ == "cylindrical":

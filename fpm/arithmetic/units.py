@@ -140,6 +140,8 @@ def unit(text: str) -> Unit:
             word = re.sub(r"^\s*/?\s*([A-Za-z]*).*", r"\1", rest, flags=re.S) or rest.strip()
             parts = re.findall(_NAME, word) if re.fullmatch(f"(?:{_NAME})+", word) else []
             hint = f" (did you mean {' '.join(parts)}?)" if parts else did_you_mean(word, NAMES)
+            if parts[1:] and parts[0] == "m":  # `m J` would be metres times joules
+                hint = f" (m is the metre: write milli as 1e-3 {' '.join(parts[1:])})"
             raise UnitError(
                 f"{text!r} is not a unit{hint}; allowed: products and "
                 f"quotients such as N m/rad of {', '.join(NAMES)}"

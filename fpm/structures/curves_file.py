@@ -29,6 +29,8 @@ _DECIMAL_COMMA = re.compile(
     r"|[-+]?\d,\d+[eE][-+]?\d+"
 )
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+\.\d*|[-+]?\d{1,3}(?:,\d{3}){2,}")
+_THOUSANDS_BY_POINTS = re.compile(r"[-+]?\d{1,3}(?:\.\d{3}){2,}")
+_THOUSANDS_OR_DECIMALS = re.compile(r"[-+]?[1-9]\d{0,2}\.\d{3}")
 _WITH_DECIMAL_COMMA = re.compile(r"[-+]?\d{1,3}(?:\.\d{3})+,\d*|[-+]?\d{1,3}(?:\.\d{3}){2,}|[^.]*")
 _WITH_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?|[^,]*")
 _COMMENT = re.compile(r"[\s;,]*$|\s*([#%!]|//)")  # an empty line, or a comment
@@ -148,7 +150,7 @@ class CsvTable:
         if max(counts) > least or (is_spaced and "" in self.cells[least - 1]):
             self._refuse_count(rows)
         self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
-        self.comma = self._comma()
+        self.comma, *self._shown = self._signs()
 
     def refuse(self, line: int, text: str) -> NoReturn:
         """Raise the error that something is wrong in a line (from 1)."""
@@ -222,25 +224,35 @@ class CsvTable:
         hint = " (decimal commas need semicolons between columns)" if is_comma else ""
         self.refuse(line, f"{size} values{hint}; allowed: {count}, as in line {self.head}")
 
-    def _comma(self) -> str:
-        """What a comma in a number is: "decimal", "thousands", or "" where none has one."""
+    def _signs(self) -> tuple[str, int, str]:
+        """What commas in numbers are: "decimal" (so that points stand between thousands),
+        "thousands", or "" where none has one; line and cell that show it."""
         first: dict[str, tuple[int, str]] = {}
+        forms = {
+            "thousands": _THOUSANDS, "decimal": _DECIMAL_COMMA, "points": _THOUSANDS_BY_POINTS,
+            "lone point": _THOUSANDS_OR_DECIMALS, "decimal point": re.compile("[^,]*"),
+        }  # fmt: skip
         for cells in self.cells:
             for line, cell in zip(self.lines, cells, strict=True):
-                if "," in cell and _DIGITS.fullmatch(cell):
-                    kind = "decimal" if _DECIMAL_COMMA.fullmatch(cell) else ""
-                    kind = "thousands" if _THOUSANDS.fullmatch(cell) else kind
+                if re.search("[.,]", cell) and _DIGITS.fullmatch(cell):
+                    kind = next((kind for kind, form in forms.items() if form.fullmatch(cell)), "")
                     first.setdefault(kind, (line, cell))
+        if "points" in first and not first.keys() & {"thousands", "decimal point"}:
+            first.setdefault("decimal", first["points"])
         kinds = [kind for kind in ("decimal", "thousands") if kind in first]
         if len(kinds) == 2:
             (line, cell), (second_line, number) = first["decimal"], first["thousands"]
             text = f"{cell!r} has a decimal comma, and {number!r} in line {second_line} one between"
             self.refuse(line, f"{text} thousands; allowed: one of both in a file")
-        if first and not kinds:
-            line, cell = first[""]
-            text = f"{cell!r} could be {cell.replace(',', '.')} or {cell.replace(',', '')}"
-            self.refuse(line, f"{text}; allowed: decimal points, and no sign between thousands")
-        return kinds[0] if kinds else ""
+        # Where semicolons stand between columns, commas are usually decimal.
+        is_unclear = self.separator == ";" and "decimal point" not in first
+        unclear = first.get("", first.get("lone point") if is_unclear else None)
+        if unclear and not kinds:
+            line, cell = unclear
+            text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
+            remedy = "decimal points (one number with other than three decimals)"
+            self.refuse(line, f"{text}; allowed: {remedy}, and no sign between thousands")
+        return (kinds[0], *first[kinds[0]]) if kinds else ("", 0, "")
 
     def numbers(self, column: int, default: Unit | None = None) -> np.ndarray:
         """Return the numbers (r,) of a column in SI units; raises `CurvesFileError` if it has none.
@@ -258,7 +270,7 @@ class CsvTable:
         for line, cell in zip(self.lines, self.cells[column], strict=True):
             if form and _DIGITS.fullmatch(cell) and not form.fullmatch(cell):
                 text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
-                text = f"{text}, as commas in this file are {self.comma}"
+                text = "{0} beside {2!r} in line {1}".format(text, *self._shown)
                 self.refuse(line, f"{text}; allowed: one sign for decimals")
             text = cell.replace(mark, "") if form else cell
             text = text.replace(decimal, ".").replace("−", "-")
@@ -289,7 +301,8 @@ def _unit(text: str) -> Unit | str:
     """The unit that a text names, also as other programs write it, or why there is none."""
     plain = text.translate(_SIGNS).strip()
     word = plain.lower() if plain.lower() in _WORDS else plain
-    factor, name = FOREIGN_UNITS.get(word, (1, word))
+    milli = _MILLI.fullmatch(word)
+    factor, name = FOREIGN_UNITS.get(word, (1e-3, milli[1]) if milli else (1, word))
     if word in ("g", "t"):  # grams, or the acceleration of gravity; tonnes, or the time
         return f"{text!r} is not a unit; allowed: kg, or m/s2 for an acceleration"
     try:
@@ -299,4 +312,5 @@ def _unit(text: str) -> Unit | str:
     return si_unit._replace(numerator=si_unit.numerator * factor)
 
 
+_MILLI = re.compile(r"m((?:N|J|Pa|deg|Hz)(?![A-Za-z]).*)")
 _WORDS = ("deg", "rad", "rpm", *(word for word in FOREIGN_UNITS if len(word) > 2))

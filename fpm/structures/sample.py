@@ -186,10 +186,15 @@ def finish(build: Builder, model: FileStatements) -> None:
             return
     _check_rates(build, model)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
+    motions = (entry.uses for entry in model.entries if entry.statement.group == MOTIONS)
+    free = frozenset().union(*motions)
     for entry in parts if len(parts) > 1 else ():
         particles = build.find("parts", entry.name).particles
-        if not (build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()):
-            allowed = "parts with a joint, a cable, a strut, a support or a drive"
+        is_held = build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()
+        if not (is_held or f"parts:{entry.name}" in free):
+            allowed = (
+                "parts with a joint, a cable, a strut, a support, a drive or initial_velocities"
+            )
             text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"
             build.problems.say(entry.line, text)
 

@@ -152,6 +152,16 @@ def test_urdf_swings_by_its_closed_equation(made):
     assert "<gazebo> of <robot> two is not taken: it has no equivalent" in notes
 
 
+def test_a_free_body_falls_beside_others(made):
+    """It falls from rest by g t^2 / 2, whatever swings beside it."""
+    ball = f'<body name="ball" pos="2 0 0">{FREE}{INERTIAL}<site name="b"/></body>'
+    _, structure, _ = made(
+        model('<joint name="a" axis="0 1 0"/>', f"<worldbody>{ball}</worldbody>")
+    )
+    (outcome,) = fpm.simulate([structure.build()], duration=0.5, instants=3, step=1e-2)
+    np.testing.assert_allclose(outcome.points["b"][0][-1], [2, 0, -9.81 * 0.5**2 / 2], atol=1e-9)
+
+
 def test_meshes_that_give_no_mass_need_no_file(tmp_path):
     mesh = '<collision><geometry><mesh filename="package://none/arm.stl"/></geometry></collision>'
     text = URDF.replace("</link>\n<link", f"{mesh}</link>\n<link")

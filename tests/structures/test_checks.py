@@ -124,8 +124,16 @@ def test_a_part_that_nothing_joins_is_refused():
     text = changed(SMALL, ("joints:", loose), ("points:", "points:\n  C: [3, 3, 3]"))
     assert problems_of(text) == [
         "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a cable, "
-        "a strut, a support or a drive"
+        "a strut, a support, a drive or initial_velocities"
     ]
+
+
+def test_a_part_that_nothing_joins_may_move_freely():
+    loose = "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:"
+    text = changed(SMALL, ("joints:", loose), ("points:", "points:\n  C: [3, 3, 3]"))
+    text += "initial_velocities: {loose: {part: loose, about: C, velocity: [1, 0, 0]}}\n"
+    scene = loads(text).build()
+    assert (scene.velocity == [1.0, 0.0, 0.0]).all(axis=1).sum() == 3
 
 
 def test_a_point_that_is_not_the_part_s_is_refused():

@@ -25,6 +25,9 @@ LARGEST = 100.0
 """Length that a requirement states, by the structure's extent, and end of a curve, by that of the
 runs, above which the same holds."""
 
+SPARSEST = 30.0
+"""Second time of a curve, by the duration of the runs, above which the same holds."""
+
 
 def experiment_warnings(experiment: Any) -> list[str]:
     """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
@@ -133,14 +136,19 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
 
 
 def _step_texts(experiment: Any) -> Iterator[str]:
-    """A stated step, longer than a feature of a curve of time; curves far beyond the runs' end."""
+    """A stated step, longer than a feature of a curve of time; curves that runs hardly reach."""
     solver, scene = experiment.solver, experiment.nominal_scene
     feature = find_curve_step(scene, solver.duration)
     for curve in scene.curves:
-        if len(curve.times) >= FEWEST and curve.times[-1] > LARGEST * solver.duration:
+        times, end = curve.times, solver.duration
+        is_outside = times[-1] <= 0 or times[0] >= end
+        is_late = len(times) > 2 and times[1] > SPARSEST * end
+        is_late |= len(times) >= FEWEST and times[-1] > LARGEST * end
+        if np.ptp(curve.values) and (is_outside or is_late):
             yield (
-                f"solver.duration: {solver.duration:g} s, but a curve of {len(curve.times)} values "
-                f"lasts until {curve.times[-1]:.4g} s: check the unit of its times, such as ms"
+                f"solver.duration: {end:g} s, but a curve of {len(times)} values lasts from "
+                f"{times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times, such as ms, "
+                "and where they begin"
             )
     if solver.step != "auto" and solver.step > feature:
         yield (

@@ -3,6 +3,7 @@
 Bodies hang on each other in a tree, by as many joints as there are; those left over close loops, by
 equalities. The frame of every body lies in its centre, along the global axes at the start."""
 
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,14 +14,16 @@ from deployable.campaign.convert import ACTIONS, JOINTS, load_mujoco
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 from fpm import elements as e
-from fpm.elements.openings.opening import moving_at_start, rate_at
+from fpm.elements.openings.opening import moving_at_start
 from fpm.solver.start import consistent_scene
 from fpm.structures.reading import commas
 
-OPTION = {"timestep": "1e-4", "integrator": "RK4", "tolerance": "1e-14", "iterations": "200"}
-LOOPS = {"solref": "2e-3 1", "solimp": "0.9999 0.9999 1e-3"}
-FRICTION = {"solreffriction": "2e-4 1", "solimpfriction": "0.9999 0.9999 1e-3"}
-"""Loops and friction of MuJoCo are soft: by these they differ little from exact ones."""
+EMPTY = """<mujoco><compiler angle="radian" autolimits="true"/>
+<option timestep="1e-4" integrator="RK4" tolerance="1e-14" iterations="200"/><default>
+<joint solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 1e-3"/>
+<equality solref="2e-3 1" solimp="0.9999 0.9999 1e-3"/></default>
+<worldbody/><equality/><tendon/><actuator/><keyframe/></mujoco>"""
+"""Loops and friction of MuJoCo are soft: by these numbers they differ little from exact ones."""
 
 IMPEDANCE = 0.9999  # of limits, with which `solref` says a stop's stiffness and damping
 CLOSING = {"fixed": ["weld"], "spherical": ["connect"], "revolute": ["connect", "connect"]}
@@ -50,19 +53,23 @@ def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
     names = [_title(scene, x) for k, x in pairs if k not in CONDITIONS or not CONDITIONS[k](x)]
     is_held = np.any(scene.fixed, axis=1) & ~np.all(scene.fixed, axis=1)
     names += [f"the support of {name}" for name, p in scene.bodies.items() if is_held[p]]
-    if names:
-        raise CampaignError(
-            f"MJCF has no equivalent of {commas(dict.fromkeys(names), 8)}; allowed: rigid bodies "
-            "in joints, with springs, dampers, constant friction, stops, constant torques, cables "
-            "without pulleys that rub, drums or winches, and struts that are springs or dampers"
-        )
+    allowed = "rigid bodies in joints, with springs, dampers, constant friction, stops, constant "
+    allowed += "torques, cables without pulleys that rub, drums or winches, and struts that are "
+    _refuse(names, f"{allowed}springs or dampers")
     tree = Tree(scene, run.name)
     try:
-        tree.add_stops(load_mujoco().MjModel.from_xml_string(tree.text()))
+        tree.add_start(load_mujoco())
     except ValueError as error:
         raise CampaignError(f"MuJoCo does not take {run.name}: {error}") from None
     write_text(folder / f"{run.name}.xml", tree.text())
     return [folder / f"{run.name}.xml"]
+
+
+def _refuse(names: list[str], allowed: str) -> None:
+    """Raise CampaignError for what has no equivalent, if there is anything."""
+    if names:
+        text = f"MJCF has no equivalent of {commas(dict.fromkeys(names), 8)}; allowed: {allowed}"
+        raise CampaignError(text)
 
 
 def _title(scene: Any, element: Any) -> str:
@@ -88,56 +95,57 @@ def _add(parent: Any, tag: str, **keys: Any) -> Any:
 
 
 class Tree:
-    """An MJCF file of a scene, to which `add_stops` adds the stops."""
+    """An MJCF file of a scene, to which `add_start` adds stops and the motion at the start. root:
+    its XML element; names: of bodies that move, by particle; bodies, origins: by particle the XML
+    elements, and the places (n, 3), m, of their frames; -1 is the world."""
 
     def __init__(self, scene: Any, name: str):
-        self.scene, self.names = scene, {p: n for n, p in scene.bodies.items()}
-        self.motion, is_ground = moving_at_start(scene), scene.fixed.all(axis=1)
-        self.root = ElementTree.Element("mujoco", model=name)
-        _add(self.root, "compiler", angle="radian", autolimits="true")
-        _add(self.root, "option", gravity=scene.gravity, **OPTION)
-        default = _add(self.root, "default")
-        _add(default, "joint", **FRICTION)
-        _add(default, "equality", **LOOPS)
-        self.world = _add(self.root, "worldbody")
-        self.bodies = {int(p): self.world for p in np.flatnonzero(is_ground)}
-        self.origins = np.where(is_ground[:, None], 0.0, scene.position)  # of bodies' frames
-        self.rates: dict[str, Any] = {}  # of joints by name, at the start
-        self._add_bodies()
+        is_ground = scene.fixed.all(axis=1)
+        self.scene, self.root = scene, ElementTree.fromstring(EMPTY)
+        self.root.set("model", name)
+        _put(self.root.find("option"), gravity=scene.gravity)
+        self.names = {p: name for name, p in scene.bodies.items() if not is_ground[p]}
+        self.bodies = dict.fromkeys([-1, *np.flatnonzero(is_ground)], self.root.find("worldbody"))
+        places = np.where(is_ground[:, None], 0.0, scene.position)
+        self.origins = np.vstack([places, np.zeros(3)])
+        self._add_loops(self._add_bodies())
         self._add_tendons()
-        motors, group = e.TorqueMotor.find(scene), _add(self.root, "actuator")
-        for i, motor in enumerate(motors):
+        for i, motor in enumerate(e.TorqueMotor.find(scene)):
             joint = scene.hinges[motor.hinge].name
-            _add(group, "motor", name=f"{joint}_motor{i or ''}", joint=joint)
-        joints = (x for x in self.world.iter() if x.tag in ("joint", "freejoint"))
-        qvel = np.concatenate([self.rates[x.get("name")] for x in joints])
-        torques, keys = [motor.torque for motor in motors], _add(self.root, "keyframe")
-        _add(keys, "key", name="start", qvel=qvel, ctrl=torques)
+            _add(self.root.find("actuator"), "motor", name=f"{joint}_motor{i or ''}", joint=joint)
 
     def text(self) -> str:
         """Return the file's content."""
         ElementTree.indent(self.root)
         return ElementTree.tostring(self.root, encoding="unicode") + "\n"
 
-    def add_stops(self, model: Any) -> None:
-        """Add stops as ranges of joints, with stiffness and damping in the terms of the soft limits
-        of MuJoCo, whose MjModel `model` has the inverse weights of joints."""
+    def add_start(self, mujoco: Any) -> None:
+        """Add the motion and torques at the start as a keyframe, and stops as ranges of joints,
+        with stiffness and damping in the terms of the soft limits of MuJoCo, which has the inverse
+        weights of joints."""
+        scene, model = self.scene, mujoco.MjModel.from_xml_string(self.text())
         stops: dict[str, list] = {}
-        for stop in e.Stop.find(self.scene):
-            stops.setdefault(self.scene.hinges[stop.hinge].name, []).append(stop)
+        for stop in e.Stop.find(scene):
+            stops.setdefault(scene.hinges[stop.hinge].name, []).append(stop)
         for name, pair in stops.items():
             values = {(stop.stiffness, stop.damping) for stop in pair}
             if len(values) > 1 or len({stop.side for stop in pair}) < len(pair):
-                raise CampaignError(
-                    f"MJCF has no equivalent of the stops of {name}; allowed: one at each end, of "
-                    "one stiffness and damping"
-                )
+                allowed = "one at each end, of one stiffness and damping"
+                _refuse([f"the stops of {name}"], allowed)
             ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in pair}
-            k, c = values.pop()
-            mobility = model.dof_invweight0[model.joint(name).dofadr[0]]
-            keys = {"solreflimit": [-mobility * IMPEDANCE * k, -mobility * c]}
-            keys |= {"solimplimit": [IMPEDANCE, IMPEDANCE, 1e-3], "range": [*ends.values()]}
-            _put(self.world.find(f".//joint[@name='{name}']"), **keys)
+            k, c = model.dof_invweight0[model.joint(name).dofadr[0]] * np.array(values.pop())
+            keys = {"solreflimit": [-IMPEDANCE * k, -c], "range": [*ends.values()]}
+            keys["solimplimit"] = [IMPEDANCE, IMPEDANCE, 1e-3]
+            _put(self.root.find(f".//joint[@name='{name}']"), **keys)
+        data, motion = mujoco.MjData(model), moving_at_start(scene)
+        mujoco.mj_forward(model, data)
+        jacobians = np.zeros((len(self.names), 2, 3, model.nv))
+        for jacobian, name in zip(jacobians, self.names.values(), strict=True):
+            mujoco.mj_jacBody(model, data, *jacobian, model.body(name).id)
+        rates = np.stack([motion.velocity, motion.spin], axis=1)[[*self.names]]
+        qvel = np.linalg.lstsq(jacobians.reshape(-1, model.nv), rates.ravel())[0]
+        torques = [motor.torque for motor in e.TorqueMotor.find(scene)]
+        _add(self.root.find("keyframe"), "key", name="start", qvel=qvel, ctrl=torques)
 
     def _end(self, beam: Any) -> np.ndarray:
         """End (3,), m, of a rigid arm, from the origin of its particle."""
@@ -147,106 +155,88 @@ class Tree:
     def _add_site(self, name: str, beam: Any) -> None:
         _add(self.bodies[beam.particle], "site", name=name, pos=self._end(beam), size="0.005")
 
-    def _add_bodies(self) -> None:
-        """Add all bodies, each on one that is there already or free, and equalities for loops."""
+    def _add_bodies(self) -> list:
+        """Add all bodies, each on one that is there already, by a joint on which something acts if
+        there is one, or free. Returns the joints that are left over, which close loops."""
         scene = self.scene
-        branches, loops = self._branches()
-        while len(self.bodies) < len(scene.mass):
-            ready = (j for j in branches if sum(p in self.bodies for p in j.particles) == 1)
+        acts = [x.hinge for kind in (*KINDS, e.Stop) for x in kind.find(scene)]
+        self.busy = {scene.hinges[hinge].joint for hinge in acts}
+        joints = [h for h in scene.hinges if not h.number] + list(scene.kinds.get(e.Joint, []))
+        self.busy |= {joint.joint for joint in joints if joint.type not in CLOSING}
+        joints.sort(key=lambda joint: joint.joint not in self.busy)
+        while len(self.bodies) <= len(scene.mass):
+            ready = (j for j in joints if sum(p in self.bodies for p in j.particles) == 1)
             if joint := next(ready, None):
+                joints.remove(joint)
                 sign = -1 if joint.particles[1] in self.bodies else 1
                 parent, child = joint.particles[::sign]
-                self._add_body(child, self.bodies[parent], self.origins[parent])
+                self._add_body(child, parent)
                 self._add_joints(joint, parent, child, sign)
             else:
                 p = next(p for p in range(len(scene.mass)) if p not in self.bodies)
-                self._add_body(p, self.world, np.zeros(3))
-                name = _add(self.bodies[p], "freejoint", name=f"{self.names[p]}_free").get("name")
-                self.rates[name] = [*self.motion.velocity[p], *self.motion.spin[p]]
+                self._add_body(p)
+                _add(self.bodies[p], "freejoint", name=f"{self.names[p]}_free")
         for name, beam in scene.points.items():
             self._add_site(name, beam)
-        self._add_loops(loops)
+        return joints
 
-    def _add_loops(self, loops: list) -> None:
-        """Add equalities, which close loops at joints on which nothing acts."""
-        if names := [joint.joint for joint in loops if joint.joint in self.busy]:
-            raise CampaignError(
-                f"MJCF has no equivalent of the loop of {', '.join(names)}; allowed: loops with a "
-                "revolute, spherical or fixed joint on which nothing acts"
-            )
-        scene, group = self.scene, _add(self.root, "equality")
-        for joint in loops:
-            first, second = (self.names.get(p, "world") for p in joint.particles)
-            for i, tag in enumerate(CLOSING[joint.type]):
-                point: Any = [] if tag == "weld" else self._end(joint.beams[0])
-                if i:
-                    axis = scene.frame[joint.particles[0]] @ joint.axes[0]
-                    point = point + 0.2 * np.ptp(scene.position) * axis
-                name = joint.name + i * "_axis"
-                _add(group, tag, name=name, body1=first, body2=second, anchor=point)
-
-    def _branches(self) -> tuple[list, list]:
-        """Joints of a tree of the bodies, with all that something acts on, and joints of loops."""
-        scene = self.scene
-        joints = [h for h in scene.hinges if not h.number] + list(scene.kinds.get(e.Joint, []))
-        acts = (x for kind in (*KINDS, e.Stop) for x in kind.find(scene))
-        self.busy = {scene.hinges[x.hinge].joint for x in acts}
-        self.busy |= {j.joint for j in joints if j.type not in CLOSING}
-        root = {p: -1 if p in self.bodies else p for p in range(len(scene.mass))}
-        sorts: tuple[list, list] = [], []
-        for joint in sorted(joints, key=lambda j: j.joint not in self.busy):
-            first, second = (root[p] for p in joint.particles)
-            sorts[first == second].append(joint)
-            root = {p: first if r == second else r for p, r in root.items()}
-        return sorts
-
-    def _add_body(self, particle: int, parent: Any, origin: np.ndarray) -> None:
-        s, name = self.scene, self.names[particle]
-        mass, inertia, axes = s.mass[particle], s.inertia[particle], s.frame[particle].T[:2]
-        body = _add(parent, "body", name=name, pos=s.position[particle] - origin)
-        _add(body, "inertial", pos="0 0 0", mass=mass, diaginertia=inertia, xyaxes=axes)
-        edges = np.sqrt(np.maximum(6 / mass * (inertia.sum() - 2 * inertia), 0))
+    def _add_body(self, p: int, parent: int = -1) -> None:
+        """Add the body of a particle to that of another; -1: to the world."""
+        s, axes, place = self.scene, self.scene.frame[p].T[:2], self.scene.position[p]
+        keys = {"name": self.names[p], "pos": place - self.origins[parent]}
+        body = self.bodies[p] = _add(self.bodies[parent], "body", **keys)
+        keys = {"mass": s.mass[p], "diaginertia": s.inertia[p], "xyaxes": axes}
+        _add(body, "inertial", pos="0 0 0", **keys)
+        edges = np.sqrt(np.maximum(6 / s.mass[p] * (s.inertia[p].sum() - 2 * s.inertia[p]), 0))
         size = np.maximum(edges, 0.01 * edges.max()) / 2  # of a box with this inertia, to be seen
         _add(body, "geom", type="box", size=size, xyaxes=axes, contype="0", conaffinity="0")
-        self.bodies[particle] = body
 
     def _add_joints(self, joint: Any, parent: int, child: int, sign: int) -> None:
         """Add the elementary joints by which a body hangs on another. sign: -1 seen from the second
         part, in the opposite order about opposite axes; else 1."""
         s, beam = self.scene, joint.beams[1]
         point = self._end(beam) + self.origins[beam.particle] - self.origins[child]
-        letters, _, suffixes = JOINTS[joint.type]
-        for letter, suffix in list(zip(letters, suffixes, strict=True))[::sign]:
-            name = joint.joint + suffix
-            keys: dict[str, Any] = {"name": name, "type": TYPES[letter], "pos": point}
-            self.rates[name] = self.motion.spin[child] - self.motion.spin[parent]
+        letters, _, suffixes, _ = JOINTS[joint.type]
+        for letter, suffix in [*zip_longest(letters, suffixes, fillvalue="")][::sign]:
+            keys: dict[str, Any] = {"name": joint.joint + suffix, "type": TYPES[letter]}
             if letter != "b":
-                number, hinge = next((i, h) for i, h in enumerate(s.hinges) if h.name == name)
-                self.rates[name] = [rate_at(s, hinge, self.motion)]
-                turn = sign if hinge.particles == joint.particles else -sign  # universal's second
+                number = next(i for i, hinge in enumerate(s.hinges) if hinge.name == keys["name"])
+                hinge, moment = s.hinges[number], 0.0
+                turn = sign if hinge.particles == joint.particles else -sign  # universal's other
                 keys["axis"] = turn * s.frame[hinge.particles[0]] @ hinge.axes[0]
-                keys["ref"], moment = hinge.opening, 0.0
-                for word, (kind, words, _) in list(ACTIONS.items())[:3]:
+                keys["ref"] = hinge.opening
+                for word, (kind, words, _) in [*ACTIONS.items()][:3]:
                     actions = [x for x in kind.find(s) if x.hinge == number]
                     keys[word] = sum(getattr(x, words.split(", ")[1]) for x in actions)
                     moment += sum(x.stiffness * x.rest for x in actions if word == "stiffness")
                 keys["springref"] = moment / (keys["stiffness"] or 1.0)
-            _add(self.bodies[child], "joint", **keys)
+            _add(self.bodies[child], "joint", pos=point, **keys)
+
+    def _add_loops(self, joints: list) -> None:
+        """Add equalities for joints on which nothing acts."""
+        names = [f"the loop of {joint.joint}" for joint in joints if joint.joint in self.busy]
+        _refuse(names, "loops with a revolute, spherical or fixed joint on which nothing acts")
+        scene, group = self.scene, self.root.find("equality")
+        for joint in joints:
+            first, second = (self.names.get(p, "world") for p in joint.particles)
+            for i, tag in enumerate(CLOSING[joint.type]):
+                axis = scene.frame[joint.particles[0]] @ joint.axes[0]
+                anchor = self._end(joint.beams[0]) + 0.2 * i * np.ptp(scene.position) * axis
+                keys = {} if tag == "weld" else {"anchor": anchor}
+                _add(group, tag, name=joint.name + i * "_axis", body1=first, body2=second, **keys)
 
     def _add_tendons(self) -> None:
         """Add cables and struts, with the lengths between which each is slack."""
-        rows: list[tuple] = []
+        tendons: list[tuple] = []
         for cable in e.Cable.find(self.scene):
-            keys = {"stiffness": cable.stiffness / cable.rest, "springlength": [0.0, cable.rest]}
-            rows.append((cable, keys))
+            tendons.append((cable, cable.stiffness / cable.rest, [0.0, cable.rest], 0.0))
         for strut in e.Strut.find(self.scene):
             (push, pull), rest = strut.slopes, strut.lengths[0]
             slack = [rest if push or not pull else 0.0, rest if pull or not push else 1e6]
-            keys = {"stiffness": -min(push, pull), "springlength": slack, "damping": strut.damping}
-            rows.append((strut, keys))
-        group = _add(self.root, "tendon")
-        for element, keys in rows:
-            tendon = _add(group, "spatial", name=element.name, **keys)
+            tendons.append((strut, -min(push, pull), slack, strut.damping))
+        for element, stiffness, slack, damping in tendons:
+            keys = {"stiffness": stiffness, "springlength": slack, "damping": damping}
+            tendon = _add(self.root.find("tendon"), "spatial", name=element.name, **keys)
             for i, beam in enumerate(element.beams):
                 self._add_site(f"{element.name}_{i}", beam)
                 _add(tendon, "site", site=f"{element.name}_{i}")

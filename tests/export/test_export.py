@@ -2,7 +2,9 @@
 
 import csv
 import os
+import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,6 +39,11 @@ def test_every_kind_is_written_beside_the_results(results, capsys, kind):
     assert told and told[0].startswith(str(results / "exports"))
     for line in told:
         assert (results / "exports" / line.rsplit("/", 1)[1]).stat().st_size > 100
+
+
+def test_all_kinds_are_told():
+    page = (Path(__file__).parents[2] / "docs/export.md").read_text(encoding="utf-8")
+    assert re.search(r"--to (\S+)", page).group(1).split("|") == list(FORMATS)
 
 
 def test_any_run_of_a_campaign_is_its_trajectory(results):
@@ -147,16 +154,6 @@ def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_pa
         assert main(["export", *arguments, "--to", "csv"]) == 1, arguments
         told = capsys.readouterr().err
         assert words in told and "Traceback" not in told
-
-
-def test_a_damaged_result_is_told_in_one_sentence(results, tmp_path, capsys):
-    copy = shutil.copytree(results, tmp_path / "swing")
-    with open(copy / "samples.nc", "r+b") as file:
-        file.seek(2000)
-        file.write(b"damaged")
-    assert main(["export", str(copy), "--to", "csv"]) == 1
-    told = capsys.readouterr().err
-    assert told.startswith("error: ") and "samples.nc cannot be used" in told
 
 
 def test_a_run_that_fails_says_so():

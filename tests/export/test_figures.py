@@ -45,13 +45,6 @@ def test_pdfs_are_as_wide_as_columns_with_truetype_fonts_in_them(drawn, name, mi
     assert b"/Type3" not in content
 
 
-@pytest.mark.slow
-def test_the_same_run_gives_the_same_bytes(results, drawn, tmp_path):
-    export(choose(str(results)), "figures", tmp_path)
-    for path in drawn.iterdir():
-        assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
-
-
 def test_no_words_stand_among_the_curves(results):
     (bounds,) = (row for row in read_bounds(Folder(results)).responses if row.name == "x")
     figure = envelope([bounds], 0.1)

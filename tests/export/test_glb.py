@@ -130,13 +130,6 @@ def test_a_small_file_is_as_exact_as_can_be_seen(motion, tmp_path):
     assert len(path.read_bytes()) < len(glb_of(motion))
 
 
-def test_without_animation_the_structure_stands_as_at_the_start(document, motion):
-    places = numbers(document, document.meshes[0].primitives[0].attributes.POSITION)
-    expected = solid_of_motion(motion).corners[0].reshape(-1, 3)
-    np.testing.assert_allclose(ours(places).min(axis=0), expected.min(axis=0), atol=1e-6)
-    np.testing.assert_allclose(ours(places).max(axis=0), expected.max(axis=0), atol=1e-6)
-
-
 def test_times_are_seconds_and_turns_go_the_short_way(document, motion):
     animation = document.animations[0]
     time = numbers(document, animation.samplers[0].input)

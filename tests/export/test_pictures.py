@@ -17,7 +17,6 @@ from deployable.campaign.pictures.colours import stress_colours
 from deployable.campaign.pictures.drawing import draw_structure
 from deployable.campaign.pictures.paint import (
     View,
-    limits_of,
     nice_length,
     paint_cables,
     visible_faces,
@@ -103,12 +102,6 @@ def test_only_moving_pictures_are_coloured_by_stress(tmp_path):
         export(None, "vtk", tmp_path, colour="stress")
 
 
-def test_the_same_motion_gives_the_same_bytes(motion, tmp_path):
-    short = motion.isel(time=slice(0, 3))
-    one, other = (write_moving(short, tmp_path / f"{name}.gif").read_bytes() for name in "ab")
-    assert one == other
-
-
 def test_only_faces_towards_the_eye_are_painted_and_the_nearest_last():
     view = View(azimuth=-60, elevation=22)
     faces, colours = visible_faces(cube(), 0, view)
@@ -126,16 +119,6 @@ def test_the_view_is_orthonormal_and_x_y_z_are_right_handed_on_the_page():
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
     assert np.linalg.det(axes) == pytest.approx(1.0)
     assert view.page[1] @ [0, 0, 1] > 0
-
-
-def test_limits_hold_all_places_with_a_margin():
-    corners, view = cube().corners, View()
-    low, high = limits_of(corners, view)
-    flat = corners.reshape(-1, 3) @ view.page.T
-    assert (flat > low).all() and (flat < high).all()
-    flat_structure = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    low, high = limits_of(flat_structure, View(0.0, 0.0))
-    assert (high > low).all()
 
 
 def test_a_solid_of_a_scene_is_that_of_its_motions_first_frame(motion):

@@ -66,46 +66,6 @@ def test_axes_of_sections_are_normal_to_each_other_and_to_the_bar(collection, mo
     np.testing.assert_allclose(np.sum(y * z, axis=1), 0.0, atol=1e-12)
 
 
-def test_meshio_reads_the_solid_bars(collection, motion):
-    expected = solid_of_motion(motion)
-    paths = [path for _, name, path in datasets(collection) if name == "solid"]
-    for frame, path in enumerate(paths):
-        grid = meshio.read(path)
-        corners = grid.points[grid.cells_dict["hexahedron"]]
-        np.testing.assert_array_equal(corners, expected.corners[frame])
-    assert set(grid.cell_data_dict["bar"]["hexahedron"]) == {0, 1, 2, 3}
-
-
-def test_without_meshio_the_message_names_the_extra(motion, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "meshio", None)
-    with pytest.raises(
-        CampaignError, match=r"meshio: pip install 'deployable-intervals\[export\]'"
-    ):
-        write_vtk(motion, tmp_path / "run.pvd")
-    assert not [*tmp_path.iterdir()]
-
-
-@pytest.mark.slow  # CI installs VTK for the slow tests
-def test_vtk_reads_it_and_no_bar_is_inside_out(collection, motion):
-    vtk = pytest.importorskip("vtk", reason="the library of ParaView is not installed")
-    path = next(path for _, name, path in datasets(collection) if name == "solid")
-    reader = vtk.vtkXMLUnstructuredGridReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    grid = reader.GetOutput()
-    assert grid.GetNumberOfCells() == motion.sizes["element"]
-    sizes = vtk.vtkCellSizeFilter()
-    sizes.SetInputData(grid)
-    sizes.Update()
-    array = sizes.GetOutput().GetCellData().GetArray("Volume")
-    volumes = [array.GetValue(i) for i in range(array.GetNumberOfTuples())]
-    solid = solid_of_motion(motion)
-    np.testing.assert_allclose(volumes, [hexahedron_volume(c) for c in solid.corners[0]], rtol=1e-6)
-    # Ends at hinges are oblique to the chords, which lengthens some elements and shortens others.
-    areas = motion["section_size"].values.prod(axis=1)
-    assert sum(volumes) == pytest.approx(motion["element_length"].values @ areas, rel=0.01)
-
-
 def hexahedron_volume(corners):
     """Volume (m3) of a hexahedron in VTK's order, exact by 2 x 2 x 2 Gauss points."""
     signs = np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1),
@@ -118,6 +78,29 @@ def hexahedron_volume(corners):
         assert jacobian > 0  # not inside out
         volume += jacobian
     return volume
+
+
+def test_meshio_reads_the_solid_bars(collection, motion):
+    expected = solid_of_motion(motion)
+    paths = [path for _, name, path in datasets(collection) if name == "solid"]
+    for frame, path in enumerate(paths):
+        grid = meshio.read(path)
+        corners = grid.points[grid.cells_dict["hexahedron"]]
+        np.testing.assert_array_equal(corners, expected.corners[frame])
+    assert set(grid.cell_data_dict["bar"]["hexahedron"]) == {0, 1, 2, 3}
+    # Ends at hinges are oblique to the chords, which lengthens some elements and shortens others.
+    areas = motion["section_size"].values.prod(axis=1)
+    volume = sum(map(hexahedron_volume, expected.corners[0]))
+    assert volume == pytest.approx(motion["element_length"].values @ areas, rel=0.01)
+
+
+def test_without_meshio_the_message_names_the_extra(motion, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    with pytest.raises(
+        CampaignError, match=r"meshio: pip install 'deployable-intervals\[export\]'"
+    ):
+        write_vtk(motion, tmp_path / "run.pvd")
+    assert not [*tmp_path.iterdir()]
 
 
 def test_a_structure_of_particles_alone_is_points(motion, tmp_path):

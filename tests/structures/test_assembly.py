@@ -205,14 +205,13 @@ record: {g: {part: hub, at: g}}
 """
 
 
-@pytest.mark.parametrize("off", [1, 0.03, 0.001])
+@pytest.mark.parametrize(("off", "drive"), [(1, ""), (0.001, ""), (1, "xyz"), (0.03, "xz")])
 @pytest.mark.parametrize(
     "joint",
     ["revolute, axis: -y", "cylindrical, axis: y", "prismatic, axis: z", "spherical", "fixed",
      '"screw", axis: x, pitch: 20 mm', '"pin in slot", axis: z, x: x', "planar, axis: z, x: x",
      "universal, axis: x, other: y"],
 )  # fmt: skip
-@pytest.mark.parametrize("drive", ["", "xyz", "xz"])
 def test_two_rigid_bodies_close_moving_no_more_than_they_must(joint, off, drive):
     """What is free keeps its centre of mass; what a drive leads stays, as if supported."""
     text = PAIR.replace("TYPE", f"type: {joint}")

@@ -12,7 +12,6 @@ from fpm.structures.text_file import loads
 from fpm.travel.components import components_of
 
 STEP = "10*u**3 - 15*u**4 + 6*u**5"
-TRIANGLE = "abs(2*u - 0.6)"
 FUNCTIONS = {
     "polynomial": (lambda u: 10 * u**3 - 15 * u**4 + 6 * u**5, 2),
     "thirteenth": (lambda u: u**13, 2),

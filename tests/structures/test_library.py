@@ -1,8 +1,5 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
-import pickle
-from itertools import product
-
 import numpy as np
 import pytest
 from exact_motions import zfold
@@ -62,11 +59,6 @@ def test_two_panels_move_as_the_rigid_ones_do():
 def test_the_exact_scissor_has_the_published_times():
     assert scissor(1)[0] == pytest.approx(0.449682123, abs=1e-9)
     assert scissor(3) == pytest.approx((1.302061615, 2.177764658), abs=1e-9)
-
-
-def test_a_structure_can_be_an_interval_s_campaign_s_scene():
-    for length, q in product((0.9, 1.1), (30.0, 85.0)):  # its loops close wherever
-        structure("scissor").build(L=length, q=q)
 
 
 @pytest.mark.parametrize(
@@ -190,12 +182,6 @@ record:"""
     np.testing.assert_array_equal(spins, [[0, 1, 0]])
 
 
-def test_a_structure_crosses_processes():
-    mast = structure("scissor")
-    again = pickle.loads(pickle.dumps(mast))
-    np.testing.assert_array_equal(again.build(n=2).position, mast.build(n=2).position)
-
-
 def test_names_that_only_some_counts_have_are_refused_for_the_others():
     third = ("bay.last.rising, at: bay.last", "bay3.rising, at: bay3")
     mast = loads(changed((FOLDER / "scissor.yaml").read_text(), third))
@@ -203,15 +189,6 @@ def test_names_that_only_some_counts_have_are_refused_for_the_others():
     for _ in range(2):
         with pytest.raises(fpm.SceneError, match=r"no part 'bay3.rising'"):
             mast.build(n=2)
-
-
-def test_samples_run_side_by_side_as_they_do_alone():
-    panels = structure("zfold")
-    scenes = [panels.build(fold=q, L=length) for q, length in ((5, 1.0), (15, 1.1), (30, 0.9))]
-    together = fpm.simulate(scenes, duration=0.01, instants=5, step=2e-5)
-    for scene, beside in zip(scenes, together, strict=True):
-        alone = fpm.simulate(scene, duration=0.01, instants=5, step=2e-5)[0]
-        np.testing.assert_array_equal(alone.points["tip"][0], beside.points["tip"][0])
 
 
 @given(st.data())

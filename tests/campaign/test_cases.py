@@ -122,6 +122,7 @@ def facts_of(folder, monkeypatch, limits):
         ({"a": limit("none", -0.1), "b": limit("none", None)}, "none", "b", [], "does not happen"),
         ({"a": limit("all", 0.205), "b": limit("all", 0.2)}, "all", "b", ["a"], "the errors"),
         ({"a": limit("all", 9, None), "b": limit("all", 0.2)}, "all", "b", ["a"], "the errors"),
+        ({"a": limit("all", 0.1) | {"level": 3.0}, "b": limit("all", 0.09)}, "all", "b", [], "Yes"),
     ],
 )
 def test_the_worst_case_decides(tmp_path, monkeypatch, limits, met, worst, close, says):

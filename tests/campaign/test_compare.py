@@ -87,9 +87,15 @@ def test_curves_are_compared_where_both_have_values(duration, instants):
         (["a"], "a: nothing to compare; allowed: two different folders or more"),
         (["a", "./a"], "a: the same folder is given twice; allowed: two different folders"),
         (["a", "b"], "a is no folder; allowed: a folder of finished results"),
+        (["empty", "a"], "empty has no summary.json; allowed: a folder of finished results"),
+        (["begun", "a"], "begun has no bounds.nc; allowed: a folder of finished results"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(names, words, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    for folder, files in {"empty": [], "begun": ["summary.json", "plan.json"]}.items():
+        (tmp_path / folder).mkdir()
+        for name in files:
+            (tmp_path / folder / name).touch()
     assert main(["compare", *names]) == 1
     assert words in capsys.readouterr().err

@@ -15,6 +15,8 @@ from deployable.campaign.results.quantity_results import whole_error
 from deployable.campaign.results.templates import doubts, sentence
 from deployable.campaign.text.numbers import place, quantity, spread
 
+Severity = Callable[[Mapping], tuple]
+
 GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}  # which verdicts decide before others
 
 
@@ -40,7 +42,8 @@ def facts_of_cases(
 ) -> dict[str, Any]:
     """Collect what several results answer together as plain data. campaign: what they are of;
     folders, summaries, changes: where each is, its facts, what differs in it in words, by name."""
-    requirements = _requirements(summaries)
+    severity = _severity(summaries)
+    requirements = _requirements(summaries, severity)
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
     for name, facts in summaries.items():
@@ -70,7 +73,7 @@ def facts_of_cases(
             "undecided": _select_cases(verdicts, "undecided"),
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
-        "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
+        "worst": min((row["worst"] for row in requirements), key=severity, default=None),
         "next": max(  # that separates runs most: in bands, or unmeasured, as a share of the width
             ({**row, "case": name} for name, facts in summaries.items()
              for row in facts.get("measured", {}).get("next", ())[:1]),
@@ -103,7 +106,7 @@ def _group(summaries: Mapping[str, Mapping], section: str) -> dict[str, dict[str
     return by_name
 
 
-def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
+def _requirements(summaries: Mapping[str, Mapping], severity: Severity) -> list[dict[str, Any]]:
     """Combine each requirement of any case over all of its cases."""
     rows = []
     for name, by_case in _group(summaries, "requirements").items():
@@ -113,22 +116,22 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             key = limit["quantity"], limit["kind"], limit["level"]  # each has its margins
             details = {**limit, "requirement": name, "case": case, "where": location}
             limits.setdefault(key, {})[case] = details
-        comparisons = [_compare(group, list(summaries)) for group in limits.values()]
+        comparisons = [_compare(group, [*summaries], severity) for group in limits.values()]
         rows.append({
             "name": name,
             "met": combine_met(row["met"] for row in by_case.values()),
             "cases": list(by_case),
             "failing": _select_cases(by_case, "none", "some"),
             "undecided": _select_cases(by_case, "undecided"),
-            "worst": min((limit["worst"] for limit in comparisons), key=_severity),
+            "worst": min((limit["worst"] for limit in comparisons), key=severity),
             "limits": comparisons,
         })  # fmt: skip
     return rows
 
 
-def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
+def _compare(limits: Mapping[str, Mapping], cases: list[str], severity: Severity) -> dict[str, Any]:
     """Compare one limit over its cases, and find the worst of these."""
-    worst = min(limits.values(), key=_severity)
+    worst = min(limits.values(), key=severity)
     peers = {
         case: row for case, row in limits.items() if GROUPS[row["met"]] == GROUPS[worst["met"]]
     }
@@ -148,11 +151,20 @@ def _margin(limit: Mapping) -> float:
     return math.inf if limit["kept"] else -math.inf
 
 
-def _severity(limit: Mapping) -> tuple:
-    """Return a sort key, the smallest for what decides: verdict, margin as a share of the level,
-    share, name."""
-    size = abs(limit["level"]) or 1.0
-    return GROUPS[limit["met"]], _margin(limit) / size, limit["share"], limit["case"]
+def _severity(summaries: Mapping[str, Mapping]) -> Severity:
+    """Return a sort key of limits, the smallest for what decides: verdict, margin as a share of the
+    largest level of its quantity, share, name."""
+    sizes: dict[str, float] = {}
+    rows = (row for facts in summaries.values() for row in facts.get("requirements", ()))
+    for limit in (limit for row in rows for limit in row["limits"]):
+        name = limit["quantity"]
+        sizes[name] = max(sizes.get(name, 0.0), abs(limit["level"]))
+    return lambda limit: (
+        GROUPS[limit["met"]],
+        _margin(limit) / (sizes[limit["quantity"]] or 1.0),
+        limit["share"],
+        limit["case"],
+    )
 
 
 def _is_same(row: Mapping, reference: Mapping, read: Callable[[Mapping], float]) -> bool:

@@ -56,10 +56,11 @@ def _folders(paths: Sequence[str | Path]) -> dict[str, Folder]:
         labels = [*path_by_folder.values()]
     folders = {label: Folder(Path(path)) for label, path in zip(labels, paths, strict=True)}
     for folder in folders.values():
-        if not (folder / "summary.json").exists():
-            fault = "is no folder" if not folder.path.is_dir() else "has no summary.json"
-            text = f"{folder.path} {fault}; allowed: a folder of finished results"
-            raise CampaignError(f"{text}, of a campaign with cases that of one case")
+        for name in ("summary.json", folder.plan.name, "bounds.nc"):
+            if not (folder / name).exists():
+                fault = "is no folder" if not folder.path.is_dir() else f"has no {name}"
+                text = f"{folder.path} {fault}; allowed: a folder of finished results"
+                raise CampaignError(f"{text}, of a campaign with cases that of one case")
     return folders
 
 

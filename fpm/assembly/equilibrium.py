@@ -86,8 +86,10 @@ def _springs_at_start(scene) -> dict[type[Any], list]:
         rest = motor.start + (0.0 if motor.by_rate else motor.turn * float(factor))
         if motor.backlash is None:
             springs.append(TorsionSpring(motor.hinge, motor.stiffness, rest))
-        for side, sign in (("above", 0.5), ("below", -0.5)) if motor.backlash is not None else ():
-            stops.append(Stop(motor.hinge, rest + sign * motor.backlash, side, motor.stiffness))
+        else:
+            for side, sign in (("above", 0.5), ("below", -0.5)):
+                limit = rest + sign * motor.backlash
+                stops.append(Stop(motor.hinge, limit, side, motor.stiffness))
     return {TorsionSpring: springs, Stop: stops}
 
 

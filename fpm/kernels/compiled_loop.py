@@ -272,6 +272,8 @@ def _kernels(part: tuple, world: Any, world_form: str) -> dict[str, int]:
     """Return the addresses, by hook, of an element type's kernels compiled for these arrays."""
     arrays, form = type(part), f"{form_of(part)} {world_form}"
     if (arrays, form) not in READY:
+        hooks, path = _hooks(arrays), cache_file(arrays.__name__, form, arrays)
+        is_kept = _is_kept(part)
 
         def compile_kernels() -> tuple[Code, bool]:
             lanes = types.Array(numba.from_dtype(world.state.dtype), 3, "C")
@@ -286,14 +288,13 @@ def _kernels(part: tuple, world: Any, world_form: str) -> dict[str, int]:
                 function, arguments = entry_of(arrays, hook)
                 kinds = [Reference(numba_type(part)), *(argument_types[a] for a in arguments)]
                 library, code[hook] = _compile(function, kinds)
+                # A user's own kernel may call Python by mistake; the program's are tested not to.
                 if not is_kept and PYTHON.search(library.get_llvm_str()):
                     allowed = "kernels that raise no error and use nothing of Python"
                     raise SceneError(f"kernel of {arrays.__name__}", hook, allowed)
                 is_portable &= not library.has_dynamic_globals
             return code, is_portable
 
-        hooks, path = _hooks(arrays), cache_file(arrays.__name__, form, arrays)
-        is_kept = _is_kept(part)
         READY[arrays, form] = _make_ready(path, compile_kernels, is_kept) if hooks else {}
     return READY[arrays, form]
 

@@ -22,11 +22,12 @@ def digest(*places: Path) -> str:
 
 
 def _files(place: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the name, relative to the folder around `place`, and path of each source file in it."""
     if place.is_file():
         yield place.name, place
     for folder, subfolders, names in os.walk(place):
         if os.path.basename(folder) == "program_data":
-            subfolders.clear()  # workflow and campaigns that are shipped along do not decide
+            subfolders.clear()  # what is copied for users changes no result
         for path in (Path(folder, name) for name in names if name.endswith(CODE)):
             if path.is_file():  # no link that leads nowhere, as editors leave them for a lock
                 yield path.relative_to(place.parent).as_posix(), path

@@ -88,12 +88,15 @@ class QuantityExpression(Quantity):
         return self.combine({part.name: part.read(number) for part in self.parts})
 
     def read_margin(self, margin: Callable[[Quantity], float]) -> float:
+        """Return the margin by which the expression exists: a sum needs all its parts, so the least
+        of their margins; `min` or `max` alone needs one of them; both together have no margin."""
         margins = [part.read_margin(margin) for part in self.parts if not part.always_exists]
         if self.always_exists or not margins:
             return float("nan")
         if self.is_choice:
             return float(np.max(margins))
-        return float(np.min(margins)) if not _CHOICE.search(self.text) else float("nan")
+        has_choice_inside = _CHOICE.search(self.text)
+        return float("nan") if has_choice_inside else float(np.min(margins))
 
     def margin(self, curves: Curves) -> float:
         return self.read_margin(lambda leaf: leaf.margin(curves))

@@ -142,13 +142,13 @@ class Definition(NamedTuple):
     scene: Scene
 
     def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
-        """Return a value of the definition that is among `choices`, else SceneError. key: its key,
-        "": `kind`; value: the one to check, None: that of the key."""
+        """Return a value of the definition that is among `choices`, else SceneError. key: of it, by
+        default the one that is the kind; value: the one to check, by default that of the key."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
-        is_point = self.kind in _OF_POINTS
-        is_point = is_point and names == [*self.scene.points]
-        addition = "; the list `record` of the structure's file may name others" if is_point else ""
+        are_points = self.kind in _OF_POINTS and names == [*self.scene.points]
+        addition = "; the list `record` of the structure's file may name others"
+        addition = addition if are_points else ""
         return check_choice(f"responses.{self.name}.{key}", value, names, addition)
 
     def hinge(self) -> tuple[str, bool, str]:

@@ -67,6 +67,10 @@ def scaled_modes(scene: Scene):
 
 
 def _scale_modes(scene: Scene, deformations: Deformations):
+    """Return the matrix B (deformation, degree of freedom) for which B' B has the squares of the
+    angular frequencies as eigenvalues, the element of each row, and the inverse masses. A row is a
+    deformation's derivative by the 12 degrees of freedom of its element's two particles, times the
+    root of its stiffness and the inverse root of their masses."""
     from scipy.sparse import csr_matrix
 
     dofs, values, stiffness, element = deformations

@@ -332,11 +332,14 @@ class _Reader:
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
+        """Return a scalar: its text if the file has no types or it is a key without quotes, else
+        what its type makes of it. None if it cannot be read, which becomes a problem."""
         if is_key or (self.types and not self.is_path):
-            event.value = fold_name(event.value)
+            event.value = fold_name(event.value)  # names are equal in any spelling of their letters
         try:
-            types = None if is_key and event.implicit[0] else self.types
-            return types.value(event) if types else event.value.strip()
+            if not self.types or (is_key and event.implicit[0]):
+                return event.value.strip()
+            return self.types.value(event)
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
             self.problems.say(line, f"a value cannot be read: {error}")
 

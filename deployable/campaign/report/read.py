@@ -195,7 +195,8 @@ def _runs(samples: RunSamples, rows: Any) -> tuple[PageRun, ...]:
 def _moving(
     folder: Folder, runs: tuple[PageRun, ...], rows: np.ndarray, movers: Iterable[ShownRun]
 ) -> tuple[tuple[PageRun, ...], tuple[MovingRun, ...]]:
-    """Runs, with further ones that move, and those whose motion exists; none without the first."""
+    """Return the runs of the page, with `movers` that are not among them, and the runs whose motion
+    is shown. A mover without a file is left out; without the file of the first, nothing moves."""
     moving: list[MovingRun] = []
     all_runs = list(runs)
     for mover in movers:
@@ -232,7 +233,8 @@ def _verdicts(
 
 
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
-    """Return the fits to quantities and, where bounds come from a polynomial, to responses."""
+    """Return the fits that the page evaluates: to quantities over the box, to quantities over the
+    nominal values that may be chosen, and, where bounds come from a polynomial, to responses."""
     limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:

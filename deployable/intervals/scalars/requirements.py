@@ -334,6 +334,7 @@ def _halving_errors(changes: np.ndarray) -> np.ndarray:
     """Errors of the share of the halved box and of the gain, by changes (n, 2) of the shares of the
     halved and of the whole box. The two halves of the box, within and about the halved interval,
     err each by itself: the gain is half their difference."""
+    # The share of the whole box is the mean of those of both halves: whole = (halved + rest) / 2.
     halved, rest = np.abs(changes[:, 0]), np.abs(2.0 * changes[:, 1] - changes[:, 0])
     return np.array([halved.max(), np.hypot(halved, rest).max() / 2.0])
 

@@ -92,15 +92,19 @@ def press(part, i, change, timing):
 
 
 @kernel
+def _limit(value, most):
+    """Return lanes of `value`, or of ± `most` where it is larger."""
+    return where_negative(value + most, -most, where_negative(most - value, most, value))
+
+
+@kernel
 def rub(part, i, slip, normal, timing):
-    """Return the force (N) of friction by the `slip` in the step (m), limited by `normal` (N)."""
+    """Return the force (N) of friction by the `slip` in the step (m), limited by `normal` (N): a
+    damped spring (bristle) whose end slides where its bend or its force would be too large."""
     rate = extrapolate(part, i, SLIP_RATE, slip, timing)
-    most = load(part.numbers, i, SOFTNESS) * normal
-    bend = load(part.state, i, BEND) + slip
-    bend = where_negative(bend + most, -most, where_negative(most - bend, most, bend))
+    bend = _limit(load(part.state, i, BEND) + slip, load(part.numbers, i, SOFTNESS) * normal)
     drag = load(part.numbers, i, STIFFNESS) * bend + load(part.numbers, i, DAMPING) * rate
-    most = load(part.numbers, i, FRICTION) * normal
-    drag = where_negative(drag + most, -most, where_negative(most - drag, most, drag))
+    drag = _limit(drag, load(part.numbers, i, FRICTION) * normal)
     store(part.state, i, BEND, bend)
     store(part.state, i, DRAG, drag)
     return drag

@@ -369,12 +369,14 @@ def find_influence(
     k = len(nominal)
     if surrogate.fit is not None and (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL:
         return _influence_at_ends(surrogate, nominal, is_endless)
-    rival, surrogate = surrogate.rival, surrogate.trend
+    rival, corrected, surrogate = surrogate.rival, surrogate, surrogate.trend
     side = np.ones(k)
     lone_widths, fixed_widths, halved = np.zeros((3, k))
     errors = np.full(k, surrogate.error)
     previous = previous if previous is not None and previous.fit is not None else surrogate
     changes = [_width_error(surrogate, rival, -side, side)]
+    # What the corrections at runs add to the width of the whole box, the polynomial lacks in parts.
+    changes.append(corrected.range().width - surrogate.range().width)
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
@@ -388,7 +390,7 @@ def find_influence(
             errors[j] = np.fmax(errors[j], _width_error(surrogate, rival, lower, upper))
             if is_endless and surrogate.find_place(lower, upper, False) is not None:
                 widths[j] = np.nan
-    errors = np.fmax(errors, np.fmax.reduce(changes))
+    errors = np.fmax(errors, np.fmax.reduce(np.abs(changes)))
     share = _contributions(lone_widths, surrogate.error)
     return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved, errors)
 

@@ -100,9 +100,9 @@ def test_lanes_of_samples_built_together_are_those_of_each_alone(name, names):
     samples = samples_of(structure, names)
     scenes = consistent_scenes(structure.build_all(samples))
     check_topology(scenes)
-    together = pack(scenes, 8, np.float64, 3)
+    together = pack(scenes, 3)
     for lane, sample in enumerate(samples):
-        alone = pack([consistent_scene(structure.build(**sample))], 8, np.float64, 3)
+        alone = pack([consistent_scene(structure.build(**sample))], 3)
         parts = zip((together, alone), (lane, 0), strict=True)
         first, second = (
             lanes_of((batch.parts(), batch.world(), batch.record(1e-5, 100)), k)

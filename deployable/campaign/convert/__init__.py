@@ -258,7 +258,7 @@ class Draft:
                 signs[0] = float(np.sign(cosines[0]))
             elif type_ == "planar":
                 signs[1] = float(np.sign(np.linalg.det(axes)))
-            values = {}
+            values: dict[str, Any] = {}
             for joint, kind, suffix, sign in zip(joints, kinds, suffixes, signs, strict=False):
                 opening = self.openings[joint] = name + suffix, sign, "rad" if kind == "h" else "m"
                 place = sign * d.qpos[m.jnt_qposadr[joint]]

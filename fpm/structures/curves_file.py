@@ -151,7 +151,7 @@ class CsvTable:
         if max(counts) > least or (is_spaced and "" in self.cells[least - 1]):
             self._refuse_count(rows)
         self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
-        self.comma, *self._shown = self._signs()
+        self.comma, *self._proof = self._signs()
 
     def refuse(self, line: int, text: str) -> NoReturn:
         """Raise the error that something is wrong in a line (from 1)."""
@@ -271,7 +271,7 @@ class CsvTable:
         for line, cell in zip(self.lines, self.cells[column], strict=True):
             if form and _DIGITS.fullmatch(cell) and not form.fullmatch(cell):
                 text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
-                text = "{0} beside {2!r} in line {1}".format(text, *self._shown)
+                text = "{0} beside {2!r} in line {1}".format(text, *self._proof)
                 self.refuse(line, f"{text}; allowed: one sign for decimals")
             text = cell.replace(mark, "") if form else cell
             text = text.replace(decimal, ".").replace("−", "-")

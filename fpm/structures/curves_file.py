@@ -231,11 +231,13 @@ class CsvTable:
         first: dict[str, tuple[int, str]] = {}
         forms = {
             "thousands": _THOUSANDS, "decimal": _DECIMAL_COMMA, "points": _THOUSANDS_BY_POINTS,
-            "lone point": _THOUSANDS_OR_DECIMALS, "decimal point": re.compile("[^,]*"),
+            "lone point": _THOUSANDS_OR_DECIMALS, "decimal point": re.compile(r"[^,.]*\.[^,.]*"),
+            "date": re.compile("[^,]*"),
         }  # fmt: skip
         for cells in self.cells:
             for line, cell in zip(self.lines, cells, strict=True):
-                if re.search("[.,]", cell) and _DIGITS.fullmatch(cell):
+                is_new = "," in cell or ("." in cell and "decimal point" not in first)
+                if is_new and _DIGITS.fullmatch(cell):
                     kind = next((kind for kind, form in forms.items() if form.fullmatch(cell)), "")
                     first.setdefault(kind, (line, cell))
         if "points" in first and not first.keys() & {"thousands", "decimal point"}:

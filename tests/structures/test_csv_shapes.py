@@ -146,7 +146,7 @@ REFUSED = {
         SEMI + "0;999\n1;1.000\n", "line 3: '1.000' could be 1.000 or 1000; allowed: decimal poi"
     ),
     "a lone 1.234 beside dates": (
-        "t [s];angle [rad];day\n0;1.234;28.11.2026\n1;1.000;28.11.2026\n", "line 2: '1.234' could be"
+        "t [s];angle [rad];day\n0;1.234;28.11.2026\n1;1.000;28.11.2026\n", "line 2: '1.234' could"
     ),
     "both commas": (SEMI + "0,5;0\n1;1,234.5\n", "line 2: '0,5' has a decimal comma, and"),
     "commas and decimal commas": (H + "0,0,0,5\n", "line 2: 4 values (decimal commas need semico"),

@@ -10,7 +10,7 @@ from deployable.campaign.convert import convert
 from deployable.campaign.errors import CampaignError
 from evidence.benchmark.peers import mjcf
 from fpm import structures
-from fpm.elements import Damper, Friction, TorqueMotor, TorsionSpring
+from fpm.elements import Damper, Friction, Strut, TorqueMotor, TorsionSpring
 from fpm.structures import report
 
 FREE = "<freejoint/>"
@@ -188,6 +188,15 @@ def test_parameters_of_what_acts_can_be_intervals(made):
     (spring, servo), (damper,) = (scene.kinds[kind] for kind in (TorsionSpring, Damper))
     assert (spring.stiffness, servo.stiffness, servo.rest) == (3.0, 7.0, 0.2)
     assert (damper.damping, scene.kinds[Friction][0].moment) == (0.5, 0.1)
+
+
+@pytest.mark.parametrize("lengths", ["0.9", "0.5 0.9"])
+def test_parameters_of_a_tendon_can_be_intervals(made, lengths):
+    _, structure, _ = made(model(FREE, TIE.replace("0.9", lengths)))
+    scene = structure.build(tie_stiffness=300, tie_damping=0.7)
+    *springs, damper = scene.kinds[Strut]
+    assert len(springs) == len(lengths.split()) and damper.damping == 0.7
+    assert {max(-slope for slope in spring.slopes) for spring in springs} == {300.0}
 
 
 def test_a_motor_without_a_control_can_be_given_one(tmp_path):

@@ -364,16 +364,18 @@ class Draft:
             low, high = digits(m.tendon_lengthspring[i])  # between which the spring is slack
             if stiffness and low and len(ends) == 2:
                 sides = {"both ways": high} if low == high else {"push": low, "pull": high}
+                keys = {"type": "spring", "between": ends}
+                keys["stiffness"] = self.parameter(f"{name}_stiffness", stiffness, "N/m", name)
                 for side, rest in sides.items():
-                    keys = {"between": ends, "stiffness": stiffness, "rest": rest, "acts": side}
-                    self.add("struts", name, type="spring", **keys)
+                    self.add("struts", name, **keys, rest=rest, acts=side)
             elif stiffness:
                 EA = self.parameter(f"{name}_EA", stiffness * high, "N", name)
                 self.add("cables", name, through=ends, EA=EA, rest=high)
                 if low:
                     self.leave_out(f"what tendon {name} pushes with below {low:.6g} m")
             if damping and len(ends) == 2:
-                self.add("struts", f"{name}_damper", type="damper", between=ends, damping=damping)
+                number = self.parameter(f"{name}_damping", damping, "N s/m", name)
+                self.add("struts", f"{name}_damper", type="damper", between=ends, damping=number)
             elif damping:
                 self.leave_out(f"damping of tendon {name}")
             if m.tendon_limited[i]:

@@ -150,7 +150,7 @@ class CsvTable:
         if max(counts) > least or (is_spaced and "" in self.cells[least - 1]):
             self._refuse_count(rows)
         self.cells += [[""] * len(rows)] * (len(self.names) - most)  # lines may end in separators
-        self.comma, *self._shown = self._signs()
+        self.comma, *self._proof = self._signs()
 
     def refuse(self, line: int, text: str) -> NoReturn:
         """Raise the error that something is wrong in a line (from 1)."""
@@ -230,11 +230,13 @@ class CsvTable:
         first: dict[str, tuple[int, str]] = {}
         forms = {
             "thousands": _THOUSANDS, "decimal": _DECIMAL_COMMA, "points": _THOUSANDS_BY_POINTS,
-            "lone point": _THOUSANDS_OR_DECIMALS, "decimal point": re.compile("[^,]*"),
+            "lone point": _THOUSANDS_OR_DECIMALS, "decimal point": re.compile(r"[^,.]*\.[^,.]*"),
+            "date": re.compile("[^,]*"),
         }  # fmt: skip
         for cells in self.cells:
             for line, cell in zip(self.lines, cells, strict=True):
-                if re.search("[.,]", cell) and _DIGITS.fullmatch(cell):
+                is_new = "," in cell or ("." in cell and "decimal point" not in first)
+                if is_new and _DIGITS.fullmatch(cell):
                     kind = next((kind for kind, form in forms.items() if form.fullmatch(cell)), "")
                     first.setdefault(kind, (line, cell))
         if "points" in first and not first.keys() & {"thousands", "decimal point"}:
@@ -270,7 +272,7 @@ class CsvTable:
         for line, cell in zip(self.lines, self.cells[column], strict=True):
             if form and _DIGITS.fullmatch(cell) and not form.fullmatch(cell):
                 text = f"{cell!r} could be {cell.replace(',', '.')} or {re.sub('[.,]', '', cell)}"
-                text = "{0} beside {2!r} in line {1}".format(text, *self._shown)
+                text = "{0} beside {2!r} in line {1}".format(text, *self._proof)
                 self.refuse(line, f"{text}; allowed: one sign for decimals")
             text = cell.replace(mark, "") if form else cell
             text = text.replace(decimal, ".").replace("−", "-")

@@ -166,7 +166,9 @@ class Names:
         elif group in ("let", "points", "repeat") and (name in RESERVED_NAMES or iskeyword(name)):
             hint = f"a name that is no function and no word of Python's, such as {name}_"
         elif plain != name:
-            hint = f"plain letters and digits, such as {plain}"
+            sound = re.sub(r"\W", "_", plain)
+            sound = f"n{sound}" if first and not sound[:1].isalpha() else sound
+            hint = f"plain letters and digits, such as {sound}"
         else:
             return True
         self.bad_names.add(name)

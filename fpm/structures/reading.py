@@ -169,16 +169,18 @@ def join_key(*parts: str) -> str:
     return ".".join(part for part in parts if part)
 
 
-def read(text: str, problems: Problems, is_typed: bool = False) -> Node:
+def read(
+    text: str, problems: Problems, is_typed: bool = False, names: tuple[str, ...] = ()
+) -> Node:
     """Return the top table of a YAML text as a Node; StructureError for what is wrong, with what
     was noted before. is_typed: whether values are what YAML means by their texts, and tags are
-    allowed; else all values are text."""
+    allowed; else all values are text; names: keys whose values are text in any case."""
     loaders = [yaml.BaseLoader]
     if yaml.__with_libyaml__ and not {"\t", "?", "\ufeff"} & {*text}:  # which it reads otherwise
         loaders.insert(0, yaml.CBaseLoader)  # ten times faster; its words are not those below
     for loader in loaders:
         try:
-            root = _Reader(yaml.parse(text, loader), problems, is_typed).document()
+            root = _Reader(yaml.parse(text, loader), problems, is_typed, names).document()
             break
         except StructureError:
             raise
@@ -243,10 +245,11 @@ def _reason(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
 
 
 class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
-    """What YAML means by a text; but dates are text, and `1e9` is a number as in YAML 1.2."""
+    """What YAML means by a text; but dates are text, and numbers are those of YAML 1.2, of which
+    `1e9` is one, `010` is ten, and `1:30` is none."""
 
     yaml_implicit_resolvers: ClassVar = {
-        first: [(tag, rule) for tag, rule in rules if not tag.endswith((":timestamp", ":merge"))]
+        first: [(tag, rule) for tag, rule in rules if tag.endswith((":bool", ":null"))]
         for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
     }
 
@@ -261,9 +264,18 @@ class _Types(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
         node = yaml.ScalarNode(tag, event.value, event.start_mark)
         return self.construct_object(node, deep=True)
 
+    def whole(self, node: yaml.ScalarNode) -> int:
+        """Return the whole number of a node."""
+        return int(node.value, 16 if node.value.startswith("0x") else 10)
 
-_FLOAT = r"[-+]?\d[\d_]*(\.[\d_]*)?[eE][-+]?\d+$|[-+]?\.\d[\d_]*([eE][-+]?\d+)?$"
-_Types.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(_FLOAT), [*"-+0123456789."])
+
+_INT = r"[-+]?\d[\d_]*$|0x[\da-fA-F]+$"
+_FLOAT = (
+    r"[-+]?(\d[\d_]*\.?[\d_]*|\.\d[\d_]*)([eE][-+]?\d+)?$|[-+]?\.(inf|Inf|INF)$|\.(nan|NaN|NAN)$"
+)
+for _tag, _form in {"int": _INT, "float": _FLOAT}.items():
+    _Types.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_form), [*"-+0123456789."])
+_Types.add_constructor("tag:yaml.org,2002:int", lambda types, node: types.whole(node))
 
 
 _PLAIN = ("!", "tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
@@ -273,11 +285,13 @@ _PLAIN = ("!", "tag:yaml.org,2002:map", "tag:yaml.org,2002:seq")
 class _Reader:
     """Makes Nodes of the events of a YAML text, and stops at what is too large."""
 
-    def __init__(self, events: Iterator[yaml.Event], problems: Problems, is_typed: bool):
+    def __init__(
+        self, events: Iterator[yaml.Event], problems: Problems, is_typed: bool, names: tuple
+    ):
         self.events, self.problems = events, problems
         self.types = _Types() if is_typed else None
         self.anchors: dict[str, Node] = {}
-        self.count, self.is_path = 0, False
+        self.count, self.key, self.names = 0, "", names
 
     def document(self) -> Node:
         """Return the only document of the text."""
@@ -332,12 +346,13 @@ class _Reader:
         return takewhile(lambda e: not isinstance(e, yaml.CollectionEndEvent), self.events)
 
     def _value(self, event: yaml.ScalarEvent, line: int, is_key: bool) -> Any:
-        """Return a scalar: its text if the file has no types or it is a key without quotes, else
-        what its type makes of it. None if it cannot be read, which becomes a problem."""
-        if is_key or (self.types and not self.is_path):
+        """Return a scalar: its text if the file has no types, or if it is a key or a name without
+        quotes; else what its type makes of it. None if it cannot be read, which is a problem."""
+        if is_key or (self.types and self.key != "file"):
             event.value = fold_name(event.value)  # names are equal in any spelling of their letters
         try:
-            if not self.types or (is_key and event.implicit[0]):
+            is_text = (is_key or self.key in self.names) and event.implicit[0]
+            if is_text or not self.types:
                 return event.value.strip()
             return self.types.value(event)
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
@@ -352,7 +367,7 @@ class _Reader:
         table, bases = Node({}, line), []
         for event in self._rest():
             key, key_line = self._node(event, depth + 1, True), event.start_mark.line + 1
-            self.is_path = key.value == "file"
+            self.key = key.value if isinstance(key.value, str) else ""
             value, name = self._node(next(self.events), depth + 1), key.value
             if isinstance(name, list | dict):
                 self.problems.say(key_line, "a key is a mapping or a list; allowed: a name")

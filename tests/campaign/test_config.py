@@ -177,7 +177,7 @@ def test_every_campaign_that_we_ship_can_be_used(path):
 
 
 def test_the_paper_s_campaign_is_the_paper_s():
-    config = load_config([ROOT / "config" / "paper.yaml"])
+    config = load_config(str(ROOT / "config" / "paper.yaml"))
     runs = config.experiment
     assert runs.intervals == {"a": Interval(0.99 * 0.035, 0.035, 1.01 * 0.035)}
     assert (runs.design.method, runs.design.order) == ("tensor_roots", 3)

@@ -10,7 +10,7 @@ from deployable.campaign.convert import convert
 from deployable.campaign.errors import CampaignError
 from evidence.benchmark.peers import mjcf
 from fpm import structures
-from fpm.elements import Damper, Friction, TorqueMotor, TorsionSpring
+from fpm.elements import Damper, Friction, Strut, TorqueMotor, TorsionSpring
 from fpm.structures import report
 
 FREE = "<freejoint/>"
@@ -124,7 +124,7 @@ URDF = """<robot name="two"><link name="base"><collision><geometry><box size="1 
 <link name="tool"><inertial><mass value="0.5"/>
 <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="base"/><child link="maß-²"/><axis xyz="0 1 0"/>
-<dynamics damping="0.1" friction="0"/></joint>
+<dynamics damping="0.1" friction="0"/><limit effort="5" velocity="2"/></joint>
 <joint name="weld" type="fixed"><parent link="maß-²"/><child link="tool"/><origin xyz="0.5 0 0"/>
 </joint><transmission name="drive"/><gazebo reference="maß-²"/></robot>"""
 
@@ -148,6 +148,8 @@ def test_urdf_swings_by_its_closed_equation(made):
     assert "link base has the mass of its shapes at 1000 kg/m3" in notes
     assert "body tool is held rigidly on maß-²" in notes
     assert "maß-² is called maß_2 among bodies" in notes
+    assert "limit of effort of joints hinge is not taken: it has no equivalent" in notes
+    assert "limit of velocity of joints hinge is not taken: it has no equivalent" in notes
     assert "<transmission> of <robot> two is not taken: it has no equivalent" in notes
     assert "<gazebo> of <robot> two is not taken: it has no equivalent" in notes
 
@@ -186,6 +188,15 @@ def test_parameters_of_what_acts_can_be_intervals(made):
     (spring, servo), (damper,) = (scene.kinds[kind] for kind in (TorsionSpring, Damper))
     assert (spring.stiffness, servo.stiffness, servo.rest) == (3.0, 7.0, 0.2)
     assert (damper.damping, scene.kinds[Friction][0].moment) == (0.5, 0.1)
+
+
+@pytest.mark.parametrize("lengths", ["0.9", "0.5 0.9"])
+def test_parameters_of_a_tendon_can_be_intervals(made, lengths):
+    _, structure, _ = made(model(FREE, TIE.replace("0.9", lengths)))
+    scene = structure.build(tie_stiffness=300, tie_damping=0.7)
+    *springs, damper = scene.kinds[Strut]
+    assert len(springs) == len(lengths.split()) and damper.damping == 0.7
+    assert {max(-slope for slope in spring.slopes) for spring in springs} == {300.0}
 
 
 def test_a_motor_without_a_control_can_be_given_one(tmp_path):
@@ -257,6 +268,35 @@ LEFT = {  # XML of the body, the rest, and what is said of it
     "gravity compensation": ('<joint name="a"/><body name="balloon" gravcomp="1"><joint name="b"/>'
                              f"{INERTIAL}</body>", "", "gravcomp of body balloon"),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(("own", "other", "contact", "is_contact"), [
+    ("", "", "", True), ('contype="2"', "", "", True),
+    ('contype="2" conaffinity="0"', "", "", False),
+    ("", "", '<exclude body1="arm" body2="rod"/>', False),
+    ("", 'contype="0" conaffinity="0"', '<pair geom1="g" geom2="h"/>', True),
+])  # fmt: skip
+def test_contacts_are_those_that_mujoco_has(made, own, other, contact, is_contact):
+    """The shapes overlap, so that MuJoCo finds a contact where it looks for one."""
+    rod = f'<body name="rod">{FREE}{INERTIAL}<geom name="h" size="0.1" {other}/></body>'
+    rest = f"<worldbody>{rod}</worldbody><contact>{contact}</contact>"
+    notes, _, theirs = made(model(f'{FREE}<geom name="g" size="0.1" {own}/>', rest))
+    data = mujoco.MjData(theirs)
+    mujoco.mj_forward(theirs, data)
+    assert any(note.startswith("contact of arm, rod") for note in notes) == is_contact
+    assert bool(data.ncon) == is_contact
+
+
+def test_a_weld_that_is_open_moves_a_free_body_there(made):
+    """Its arm is 0.2 m from where the weld has it; a weld that is turned stays as it is."""
+    for turn, is_closed in (("1 0 0 0", True), ("1 0.1 0 0", False)):
+        weld = f'<equality><weld name="w" body1="arm" relpose="0 0.2 0 {turn}"/></equality>'
+        notes, structure, _ = made(model(FREE, weld))
+        scene = structure.build()
+        at = scene.points["end"]
+        place = scene.position[at.particle] + scene.frame[at.particle] @ at.arm
+        assert np.allclose(place, [0.3, 0.05 - 0.2 * is_closed, 0.1], atol=1e-9)
+        assert any("closed before the run" in note for note in notes) == is_closed
 
 
 @pytest.mark.parametrize("what", LEFT)

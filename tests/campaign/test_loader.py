@@ -18,7 +18,21 @@ def test_numbers_with_exponents_are_numbers(text):
     assert read(f"E: {text}", "x").data == {"E": 1e9}
 
 
-@pytest.mark.parametrize("text", ["e9", "1e", "E1", "1e9m"])
+@pytest.mark.parametrize(("text", "value"), [
+    ("010", 10), ("0145", 145), ("0x1F", 31), ("-3", -3), ("1_000", 1000), ("5.", 5.0),
+    (".5", 0.5), ("-.inf", -float("inf")),
+])  # fmt: skip
+def test_numbers_are_those_of_yaml_1_2(text, value):
+    assert restore_types({"x": text}) == read(f"x: {text}", "x").data == {"x": value}
+
+
+@pytest.mark.parametrize("name", ["20261128", "007", "1e3", "1.10", "12:30", "2024-01-02", "~"])
+def test_the_name_of_a_campaign_is_what_stands_there(name):
+    assert read(f"campaign: {name}", "x").data == restore_types({"campaign": name})
+    assert read(f"campaign: {name}", "x").data == {"campaign": name}
+
+
+@pytest.mark.parametrize("text", ["e9", "1e", "E1", "1e9m", "1:30", "0b11", "0o17"])
 def test_text_stays_text(text):
     assert read(f"E: {text}", "x").data == {"E": text}
 

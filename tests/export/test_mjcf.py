@@ -199,7 +199,7 @@ FOREIGN = {  # what is added to a flap, and what is said of it
     "load": ("loads:\n  push: {part: lid, at: B, force: [0, 0, 1]}\n", "load"),
     "damping": ("damping: 0.1 /s\n", "damping"),
     "support": ("supports:\n  guide: {part: lid, at: B, translations: y, rotations: none}\n",
-                "joint guide"),
+                "support guide"),
     "two stops": (
         HINGED % "stop, joint: hinge, lower: -1 rad, stiffness: 10"
         + "  y: {type: stop, joint: hinge, upper: 1 rad, stiffness: 20}\n", "the stops of hinge",

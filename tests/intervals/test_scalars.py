@@ -112,8 +112,8 @@ def test_equal_parameters_get_equal_widths_within_their_errors():
 
 
 def test_widths_of_parts_err_by_what_the_polynomial_alone_lacks():
-    """Of a ripple, which corrections at runs follow: widths of parts come from the polynomial, whose
-    width of the whole box is less than the one that is told."""
+    """Of a ripple, which corrections at runs follow: widths of parts come from the polynomial,
+    whose width of the whole box is less than the one that is told."""
     points = np.concatenate([runs(2, order=3), np.random.default_rng(0).uniform(-1, 1, (20, 2))])
     surrogate = fit_scalar(points, points.sum(axis=1) + 0.5 * np.sin(points @ [40.0, 31.0]))
     found = find_influence(surrogate, np.zeros(2))

@@ -8,6 +8,8 @@ from structures_for_tests import FOURBAR, SMALL, changed, problems_of, refused, 
 
 from fpm.structures import StructureError, loads
 from fpm.structures.describe import describe
+from fpm.structures.names import Names
+from fpm.structures.reading import Problems
 from fpm.structures.statement import NO_VALUE
 from fpm.structures.statements import STATEMENTS
 
@@ -261,3 +263,14 @@ def test_values_and_ranges_of_parameters_may_have_units(value, unit, number):
     text = SMALL.replace("parameters:\n", f"parameters:\n  other: {keys}\n")
     parameter = loads(text.replace("half: L/2", "half: other")).parameters["other"]
     assert parameter.default == parameter.least == parameter.most == number
+
+
+@pytest.mark.parametrize("name", ["½", "x²", "ﬁt", "5\u2075", "℡"])
+@pytest.mark.parametrize("group", ["let", "points", "bodies"])
+def test_a_name_that_a_message_proposes_is_allowed(name, group):
+    problems = Problems("")
+    assert not Names(problems, {}).allows(name, "key", 1, group)
+    with pytest.raises(StructureError) as error:
+        problems.stop()
+    proposal = error.value.problems[0].text.partition("such as ")[2]
+    assert Names(Problems(""), {}).allows(proposal or "n", "key", 1, group)

@@ -95,6 +95,8 @@ RIGHT = {
     "three decimals beside semicolons": SEMI + "0.000;0.500\n0.500;-0.250\n1.250;1.125\n",
     "a version with points": "t [s];angle [rad];firmware\n"
     + R.replace(",", ";").replace("\n", ";1.234.567\n"),
+    "dates beside decimals": "t [s];angle [rad];day\n"
+    + R.replace(",", ";").replace("\n", ";28.11.2026\n"),
     "thousands": '"t [ms]","angle [rad]"\n"0.0",0.5\n"500.0",-0.25\n"1,250.0",1.125\n',
     "points between thousands": "t [ms];angle [rad]\n0,0;0,5\n500,0;-0,25\n1.250,0;1,125\n",
     "German Excel": "\ufeffsep=;\r\n" + (SEMI + COMMA).replace("\n", "\r\n"),
@@ -142,6 +144,9 @@ REFUSED = {
     "a lone 1,234": (SEMI + "0;1,234\n1;2,345\n", "line 2: '1,234' could be 1.234 or 1234"),
     "a lone 1.234 beside semicolons": (
         SEMI + "0;999\n1;1.000\n", "line 3: '1.000' could be 1.000 or 1000; allowed: decimal poi"
+    ),
+    "a lone 1.234 beside dates": (
+        "t [s];angle [rad];day\n0;1.234;28.11.2026\n1;1.000;28.11.2026\n", "line 2: '1.234' could"
     ),
     "both commas": (SEMI + "0,5;0\n1;1,234.5\n", "line 2: '0,5' has a decimal comma, and"),
     "commas and decimal commas": (H + "0,0,0,5\n", "line 2: 4 values (decimal commas need semico"),

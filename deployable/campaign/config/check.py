@@ -33,7 +33,9 @@ from fpm.structures.model import KEYS
 
 
 def load_config(
-    paths: Sequence[str | Path], overrides: Mapping | None = None, source: str | None = None
+    paths: str | Path | Sequence[str | Path],
+    overrides: Mapping | None = None,
+    source: str | None = None,
 ) -> Campaign:
     """Read the config of a campaign from YAML files, check it and fill in all defaults.
 
@@ -45,11 +47,12 @@ def load_config(
 
     Parameters
     ----------
-    paths: YAML files, at least one.
+    paths: a YAML file, or several.
     overrides: further keys of a config, nested as in YAML.
     source: what messages call the config; None: the paths."""
     config: dict = {}
     lines: dict[str, str] = {}
+    paths = [paths] if isinstance(paths, str | Path) else paths
     for path in paths:
         data, line_numbers = read_file(path)
         _add(config, anchor_paths(data, Path(path).parent))

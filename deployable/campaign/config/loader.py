@@ -12,6 +12,7 @@ from deployable.campaign.folder import CAMPAIGN
 from fpm.structures.reading import Node, Problems, StructureError, join_key, read_text
 from fpm.structures.reading import read as read_yaml
 
+NAMES = ("campaign",)  # keys whose values are text, such as 007
 YTE_KEY = "__use_yte__"  # key of a file whose Python Snakemake would run
 
 
@@ -27,7 +28,7 @@ def read(text: str, source: str) -> Text:
     """Parse a YAML text: returns its mapping and the line of each key. Raises `ConfigError` if it
     is not YAML, too large, repeats a key or is no mapping; source: what messages call the text."""
     try:
-        root = read_yaml(text, Problems(source), is_typed=True)
+        root = read_yaml(text, Problems(source), is_typed=True, names=NAMES)
     except StructureError as error:
         raise ConfigError(source, [*map(str, error.problems)]) from None
     table: Any = root.plain
@@ -44,7 +45,8 @@ def restore_types(value: Any) -> Any:
     """Copy a value in which each text is replaced by what it means as YAML, such as "1e9" by a
     number: Snakemake's `--config` leaves numbers as text. Raises `ConfigError`."""
     if isinstance(value, Mapping):
-        return {key: restore_types(item) for key, item in value.items()}
+        pairs = value.items()
+        return {key: item if key in NAMES else restore_types(item) for key, item in pairs}
     if isinstance(value, list):
         return [restore_types(item) for item in value]
     if isinstance(value, str):

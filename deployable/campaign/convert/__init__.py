@@ -258,7 +258,7 @@ class Draft:
                 signs[0] = float(np.sign(cosines[0]))
             elif type_ == "planar":
                 signs[1] = float(np.sign(np.linalg.det(axes)))
-            values = {}
+            values: dict[str, Any] = {}
             for joint, kind, suffix, sign in zip(joints, kinds, suffixes, signs, strict=False):
                 opening = self.openings[joint] = name + suffix, sign, "rad" if kind == "h" else "m"
                 place = sign * d.qpos[m.jnt_qposadr[joint]]
@@ -308,9 +308,10 @@ class Draft:
     def _close(self, i: int, name: str, places: np.ndarray, keys: dict) -> None:
         """Add a joint in which an equality closes a loop, which is assembled where it is open."""
         is_row = self.d.efc_type == self.mj.mjtConstraint.mjCNSTR_EQUALITY
-        gap = np.abs(self.d.efc_pos[is_row & (self.d.efc_id == i)]).max(initial=0.0)
+        gaps = np.abs(self.d.efc_pos[is_row & (self.d.efc_id == i)])  # three places, three angles
+        gap, is_turned = gaps.max(initial=0.0), gaps[3:].max(initial=0.0) >= OPEN
         is_open, remedy = gap >= OPEN * self.size, "kept as it is"
-        if is_open and keys["type"] != "fixed":
+        if is_open and not is_turned:
             pairs = zip(keys["parts"], places, strict=True)
             keys["at"] = {part: self.point(f"{name}_{part}", x, [part]) for part, x in pairs}
             self.table["assemble"], remedy = "true", "closed before the run"
@@ -363,16 +364,18 @@ class Draft:
             low, high = digits(m.tendon_lengthspring[i])  # between which the spring is slack
             if stiffness and low and len(ends) == 2:
                 sides = {"both ways": high} if low == high else {"push": low, "pull": high}
+                keys = {"type": "spring", "between": ends}
+                keys["stiffness"] = self.parameter(f"{name}_stiffness", stiffness, "N/m", name)
                 for side, rest in sides.items():
-                    keys = {"between": ends, "stiffness": stiffness, "rest": rest, "acts": side}
-                    self.add("struts", name, type="spring", **keys)
+                    self.add("struts", name, **keys, rest=rest, acts=side)
             elif stiffness:
                 EA = self.parameter(f"{name}_EA", stiffness * high, "N", name)
                 self.add("cables", name, through=ends, EA=EA, rest=high)
                 if low:
                     self.leave_out(f"what tendon {name} pushes with below {low:.6g} m")
             if damping and len(ends) == 2:
-                self.add("struts", f"{name}_damper", type="damper", between=ends, damping=damping)
+                number = self.parameter(f"{name}_damping", damping, "N s/m", name)
+                self.add("struts", f"{name}_damper", type="damper", between=ends, damping=number)
             elif damping:
                 self.leave_out(f"damping of tendon {name}")
             if m.tendon_limited[i]:
@@ -421,10 +424,8 @@ class Draft:
             kind = count.replace("cam", "camera")
             for i in range(getattr(m, f"n{count}")):
                 self.leave_out(f"{kind} {self.name_of(kind, i)}")
-        geoms = np.flatnonzero(m.geom_contype | m.geom_conaffinity)
-        geoms = np.concatenate([geoms, m.pair_geom1, m.pair_geom2])
-        bodies = sorted({self.name_of("body", body) for body in m.geom_bodyid[geoms]})
-        if len(bodies) > 1 and not self.flags & {"CONTACT", "CONSTRAINT"}:
+        bodies = sorted(self.name_of("body", body) for body in self._bodies_in_contact())
+        if bodies and not self.flags & {"CONTACT", "CONSTRAINT"}:
             self.leave_out(f"contact of {', '.join(bodies)}", "bodies pass through each other")
         for kind, field in ((kind, field) for kind, row in FIELDS.items() for field in row.split()):
             rows = np.flatnonzero(np.any(np.atleast_2d(getattr(m, field).T), axis=0)).tolist()
@@ -437,15 +438,36 @@ class Draft:
         ):
             self.leave_out(f"option {key}")
 
+    def _bodies_in_contact(self) -> set[int]:
+        """Return the bodies of geoms that MuJoCo lets touch each other: its documentation,
+        Computation, Collision, Selection."""
+        m = self.m
+        kinds = m.geom_contype[:, None] & m.geom_conaffinity
+        body, part = m.geom_bodyid, m.body_weldid[m.geom_bodyid]
+        parent = m.body_weldid[m.body_parentid[part]]
+        is_child = (
+            (part[:, None] == parent) & (part[:, None] > 0) & ("FILTERPARENT" not in self.flags)
+        )
+        may_touch = ((kinds | kinds.T) > 0) & (part[:, None] != part) & ~(is_child | is_child.T)
+        for first, second in zip(*divmod(m.exclude_signature, 1 << 16), strict=True):
+            is_pair = (body[:, None] == first) & (body == second)
+            may_touch &= ~(is_pair | is_pair.T)
+        geoms = np.concatenate([*np.nonzero(may_touch), m.pair_geom1, m.pair_geom2])
+        return {*body[geoms].tolist()}
+
     def note_urdf(self, path: Path) -> None:
-        """Note which elements of a file in URDF MuJoCo does not read."""
-        is_urdf = b"<robot" in path.read_bytes()
+        """Note which elements and limits of a file in URDF have no part in the structure."""
+        is_urdf, limits = b"<robot" in path.read_bytes(), defaultdict(list)
         for element in ElementTree.parse(path).getroot().iter() if is_urdf else ():
             tags, name = [child.tag for child in element], element.get("name", "")
             for tag in sorted({*tags} - {*URDF.split()}, key=tags.index):
                 self.leave_out(f"<{tag}> of <{element.tag}> {name}".rstrip())
+            for key in {key for child in element if child.tag == "limit" for key in child.attrib}:
+                limits[key].append(name)
             if "collision" in tags and "inertial" not in tags:
                 self.notes.append(f"link {name} has the mass of its shapes at 1000 kg/m3")
+        for key in sorted({*limits} - {"lower", "upper"}):
+            self.leave_out(f"limit of {key} of joints {', '.join(limits[key])}")
 
 
 def convert(path: Path, target: Path, keyframe: str = "") -> list[str]:

@@ -75,6 +75,7 @@ def _refuse(names: list[str], allowed: str) -> None:
 def _title(scene: Any, element: Any) -> str:
     title = element.title(scene) if hasattr(element, "title") else ""
     kind = {"Beams": "bar", "Hinge": "joint"}.get(type(element).__name__, type(element).__name__)
+    kind = "support" if getattr(element, "type", "") == "held" else kind
     curve = " that follows a curve" if getattr(element, "curve", -1) >= 0 else ""
     return (title or f"{kind.lower()} {getattr(element, 'name', '')}".strip()) + curve
 

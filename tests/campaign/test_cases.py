@@ -100,12 +100,13 @@ def limit(met, margin, error=0.01, kept=None):
 def facts_of(folder, monkeypatch, limits):
     """Facts of cases with these limits of one requirement."""
     facts = {"parameters": [], "fixed": [], "quantities": [], "responses": [], "duration": 1.0,
-             "scene": "x"}  # fmt: skip
+             "scene": "x", "runs": {"all": 9}}  # fmt: skip
+    box = {"whole": True, "fails": None, "max_interval_scale": 0.5, "halved": {}}
 
     def summary(path):
         own = limits[path.parent.name]
         row = {"name": "r", **own, "limits": [own]}
-        return {**facts, "together": {**own, "whole": True}, "requirements": [row]}
+        return {**facts, "together": {**own, **box}, "requirements": [row]}
 
     monkeypatch.setattr("deployable.campaign.results.cases.read_json", summary)
     (folder / "a").mkdir(exist_ok=True)
@@ -134,7 +135,7 @@ def test_the_worst_case_decides(tmp_path, monkeypatch, limits, met, worst, close
         json.dumps(facts, allow_nan=False)
     text, page = summary_text(facts, "cases.md.jinja"), render_cases(facts)
     assert says in text
-    assert f"decided by “{worst}”" in text
+    assert f" | “{worst}”" in text
     assert '<a href="a/report.html">a</a>' in page
 
 
@@ -234,7 +235,7 @@ def test_a_campaign_with_cases_is_run_checked_and_told(tmp_path, monkeypatch, ca
     assert (heavy["case"], facts["together"]["free"]) == ("heavy", ["soft"])
     assert 2.4 - heavy["margin"] == pytest.approx(exact_time(0.095, mass=2.0), abs=1e-3)
     page = Path("results/panel/report.html").read_text()
-    assert "decided by “heavy”" in page
+    assert "in “heavy” (margin" in page
     assert 'href="heavy' not in page  # which has no page without figures
     assert main(["bounds", "results/panel/soft", "--config", "c.yaml"]) == 0
     assert main(["bounds", "results/panel", "--config", "c.yaml"]) == 1

@@ -92,7 +92,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    assert "On its edge, `in_time`" in text
+    assert "On the edge of that box, `in_time`" in text
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
@@ -199,7 +199,7 @@ def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     assert found["runs"] < 20
     told = (folder / "summary.md").read_text()
     assert "The tightest requirement is `not_early`" in told and "end of its range" not in told
-    assert f"{found['runs']} for the best choice" in (folder / "summary.md").read_text()
+    assert f"{found['runs']} compare choices" in (folder / "summary.md").read_text()
     kept = [row["values"][0] for row in found["tried"] if row["kept"]]
     least, most = border(LATEST) / 0.95, exact
     np.testing.assert_allclose([min(kept), max(kept)], [least, most], atol=0.15 / 32)

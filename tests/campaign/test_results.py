@@ -83,8 +83,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         "0.063 m",
         "m/s",
         "`tensor_roots` of order 2",
-        "The bounds are the attained range of the model that predicts left-out runs best. "
-        "They estimate the range of the simulated model, and do not enclose it.",
+        "They estimate how far the simulated curves can go; they do not prove it.",
     ):
         assert words in text
 

@@ -24,8 +24,9 @@ C = {"name": "c", "units": "1", "description": "", "lower": 1.0, "nominal": 1.5,
 ANGLE = K | {"name": "angle", "units": "degree", "lower": 0.3}
 TIME = {
     "name": "t_open", "quantity": "t_open", "long_name": "time of the first event", "units": "s",
-    "words": "time at which root latches", "event": "root latches", "lower": 3.8, "upper": 9.0,
-    "simulated_lower": 3.8, "simulated_upper": 8.9, "surrogate_lower": 3.8, "surrogate_upper": 9.0,
+    "words": "time at which the latch `root` latches", "event": "the latch `root` latches",
+    "lower": 3.8, "upper": 9.0, "simulated_lower": 3.8, "simulated_upper": 8.9,
+    "surrogate_lower": 3.8, "surrogate_upper": 9.0,
     "error": 0.3, "censored_at": None, "predicted_ends": [], "runs_with": 20, "runs_without": 0,
     "happens": 0.9, "happens_uncertainty": 0.01, "may_be_endless": False, "late_parts": [],
     "influence": {
@@ -35,10 +36,12 @@ TIME = {
 }  # fmt: skip
 SPEED = TIME | {
     "name": "v", "quantity": "v", "long_name": "speed of end at t_open", "units": "m s-1",
-    "words": "speed of end when root latches",
+    "words": "speed of the point `end` when the latch `root` latches", "lower": 0.1, "upper": 0.69,
+    "error": 0.02,
 }  # fmt: skip
 CURVE = {
-    "name": "root", "long_name": "opening of hinge root", "units": "rad", "grade": "small",
+    "name": "root", "long_name": "opening of hinge root", "words": "opening of the hinge `root`",
+    "units": "rad", "grade": "small",
     "largest_difference": 1.1, "time_of_largest_difference": 3.8, "trusted": None,
     "error_at_largest_difference": 0.05, "impossible_by": 0.08, "time_of_impossible": 5.8,
     "shares": {"k": 0.6, "c": 0.4}, "lower": 0.4, "largest_growth_quarter": 0.02,
@@ -177,17 +180,21 @@ CASES = {
         ("required", together(unsampled=True)),
         ("required", facts(runs=dict.fromkeys(("choice", "checks", "further"), 0))),
         ("idle", facts(requirements=[FLOOR])),
-        ("questions", FACTS),
     ],
     "When does it happen, and how hard?": [
-        ("happens", rows(TIME | {"censored_at": 12.0, "upper": 12.0})),
-        ("happens", rows(TIME | {"constant": True, "upper": 3.8, "runs_without": 2})),
-        ("happens", rows(TIME | {"constant": True, "upper": 3.8})),
-        ("happens", rows(TIME, SPEED | {"runs_without": 2, "predicted_ends": ["upper"]}, TIME)),
-        ("happens", rows(TIME, SPEED, TIME, TIME, SPEED)),
+        ("ranges", rows(TIME | {"censored_at": 12.0, "upper": 12.0})),
+        *(("ranges", rows(row, row | {"runs_without": 2}))
+          for row in (TIME | {"constant": True, "upper": 3.8}, TIME, SPEED, SPEED | {
+              "predicted_ends": ["upper"], "words": "largest speed"
+          }, TIME | {"predicted_ends": ["lower", "upper"]})),
+        ("ranges", rows(TIME, SPEED, TIME, TIME, SPEED)),
+        ("ranges", rows(NEVER)),
+        ("happens", FACTS),
         ("happens", rows(NEVER)),
-        ("happens", rows()),
-        ("happens", rows(closures=[])),
+        ("happens", rows(TIME | {"runs_with": 1}, closures=[])),
+        ("closing", facts(closures=[{"time": 1.0, "contact": name} for name in "ABCD"]), 2),
+        ("closing", facts(closures=[{"time": t, "contact": "A"} for t in (1.0, 1.1, 1.2)]), 2),
+        ("closing", facts(closures=[{"time": t, "contact": "A"} for t in (1.0, 1.1, 1.2)]), 3),
         ("closing", FACTS, 1),
         ("differences", facts(responses=[curve(constant=True), LARGE])),
         ("differences", facts(responses=[CURVE, curve(error_at_largest_difference=None), CURVE])),
@@ -225,16 +232,24 @@ CASES = {
         ("choice", FACTS),
         ("choice", chosen()),
         ("choice", chosen(safe=False)),
+        *(("choice", chosen(
+            limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2,
+            tried=[{"values": [k], "kept": kept} for k in (0.4, 0.5, 0.6)],
+        )) for kept in (True, False)),
+        ("choice", chosen({"requirements": [PART | {"limits": [LIMIT]}] * 2})),
+        ("choice", chosen({"together": {"met": "none"}}, limits=[LIMIT | {"error": 0.7}])),
+        ("choice", chosen({"requirements": [], "quantities": [SPEED | {"runs_without": 3}]},
+                          goals=[CHOICE["goals"][0] | {"value": 0.5}])),
         ("choice", chosen(limits=[], goals=[CHOICE["goals"][0] | {"end": "width"}])),
-        ("choice", chosen(goals=[CHOICE["goals"][0] | {"end": "lower"}],
+        ("choice", chosen(goals=[CHOICE["goals"][0] | {"end": "lower", "sense": "maximise"}],
                           limits=[LIMIT | {"margin": 1e-4, "error": None}])),
         ("choice", chosen(parameters=[parameter(decides=False)])),
         ("choice", chosen(parameters=[parameter(decides=False), parameter(name="c")])),
         ("choice", chosen(parameters=[parameter(value=0.3, safe=[0.4, 0.6], safest=0.5)])),
         ("choice", chosen(parameters=[parameter(safe=[0.4, 0.6], safest=0.5),
                                       parameter(name="c", value=0.8)])),
-        ("choice", chosen(goals=[{"quantity": "v", "units": "1", "end": "upper", "value": 2.0,
-                                  "error": 0.0}])),
+        ("choice", chosen(goals=[{"quantity": "v", "units": "1", "end": "upper",
+                                  "sense": "minimise", "value": 2.0, "error": 0.0}])),
         ("choice", chosen(kept=False)),
         ("choice", chosen({"together": {"met": "all"}}, kept=False)),
         ("choice", chosen(kept=False, parameters=[parameter(decides=False)])),
@@ -262,6 +277,7 @@ CASES = {
         ("trust", FACTS),
         ("trust", rows(TIME | {"errors": {"whole": 0.2}})),
         ("trust", facts(unseen_from=0.64)),
+        ("trust", together(met="all", share=1.0, share_uncertainty=0.0)),
         ("trust", facts(responses=[curve(grade="unknown")])),
         ("trust", facts(responses=[LARGE | {"undivided_from": 3.7}])),
         ("trust", facts(responses=[LARGE | {"along": {
@@ -269,7 +285,6 @@ CASES = {
         }}])),
         ("soft", facts(contacts=["K_C"], responses=[LATE])),
         ("soft", facts(closures=[])),
-        ("impossible", CURVE),
         ("remedy", facts(accuracy={}), CURVE),
         ("remedy", facts(parameters=[K] * 9), CURVE),
         ("remedy", FACTS, LATE),
@@ -306,21 +321,28 @@ CASES = {
         ("margin", LIMIT | {"error": None}), ("margin", LIMIT | {"margin": 0.05}),
         ("margin", LIMIT | {"is_partial": True}), ("margin", HAPPENS | {"kept": True}),
         ("part", PART), ("part", PART | {"met": "undecided"}),
+        ("part", PART | {"limits": [SOFT | {"level": 12.0}]}, [SPEED]),
         *(("verdict", PART | {"limits": [LIMIT], "met": met}, [TIME])
           for met in ("all", "undecided", "some", "none")),
         ("verdict", PART | {"limits": [SOFT | {"level": 12.0}]}, [SPEED]),
         ("simulated", LIMIT, [TIME], 4), ("simulated", LIMIT | {"failed": True}, [TIME], 4),
         ("simulated", LIMIT | {"simulated": None}, [TIME], 4),
         ("simulated", LIMIT | {"simulated": None, "ran": False}, [TIME], 4),
+        ("simulated", HAPPENS | {"kept": True}, [TIME], 4),
         ("simulated", HAPPENS | {"simulated": None, "ran": False}, [NEVER], 4),
         *(("seen", {"seen": seen}) for seen in ("both", "lower", "upper", "none")),
-        ("ends", NEVER), ("ends", TIME), ("ends", TIME | {"late_parts": ["t_a", "t_b"]}),
+        ("ends", NEVER), ("ends", TIME), ("ends", TIME | {"censored_at": 12.0}),
+        ("ends", TIME | {"late_parts": ["t_a", "t_b"]}),
         ("ends", TIME | {"predicted_ends": ["lower", "upper"]}),
         ("budget", {"surrogate": 0.1, "whole": 0.2, "share": 0.1, "target": 0.05}),
         ("budget", {"surrogate": 0.1, "whole": 0.2, "share": 0.1}), ("budget", {"share": None}),
-        *(("published", curve(published=1.0, ratio_to_published=ratio,
-                              error_at_largest_difference=error))
-          for ratio, error in ((1.001, None), (1.1, None), (1.1, 0.2), (0.8, 0.02))),
+        ("where", LIMIT, [K]), ("where", HAPPENS | {"kept": True}, [K]),
+        ("where", LIMIT | {"lower_at": {"k": 0.1}}, [K]),
+        *(("reliable", row) for row in (curve(grade="none"), curve(grade="unknown"), CURVE, LARGE,
+                                        curve(error_at_largest_difference=1e-9),
+                                        LARGE | {"trusted": None})),
+        *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
+        ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),
     ],
@@ -350,13 +372,17 @@ CASES_OF_CASES = {
         ("headline", compared(met="none", failing=["heavy", "hot"])),
         ("headline", compared(met="undecided", undecided=["heavy"])),
         ("headline", compared(met="undecided", undecided=["heavy", "hot"])),
-        ("verdict", OF_CASES), ("verdict", OF_CASES | {"cases": ["heavy"]}),
-        ("verdict", OF_CASES | {"met": "some", "failing": ["heavy"], "undecided": ["hot"]}),
-        ("verdict", OF_CASES | {"worst": DECIDING | HAPPENS | {"simulated": None, "close": []}}),
-        ("verdict", OF_CASES | {"worst": DECIDING | HAPPENS | {"where": ""}}),
+        ("trust", facts(COMPARED, runs=125)),
         ("next_case", MEASURED["next"][0] | {"case": "heavy"}),
     ],
     "Cells of tables of cases": [
+        ("of_cases", ["hot", "cold"]), ("of_cases", COMPARED["cases"]),
+        ("verdict", OF_CASES), ("verdict", OF_CASES | {"cases": ["heavy"]}),
+        ("verdict", OF_CASES | {"met": "some", "failing": ["heavy"], "undecided": ["hot"]}),
+        *((name, row) for name in ("deciding", "where", "run_there") for row in
+          (DECIDING, DECIDING | HAPPENS | {"kept": True, "close": []})),
+        ("deciding", DECIDING | {"close": []}),
+        *(("run_there", DECIDING | {"simulated": None, "ran": ran}) for ran in (True, False)),
         ("limit_cell", None), ("limit_cell", LIMIT),
         ("quantity_cell", None), ("quantity_cell", NEVER), ("quantity_cell", TIME),
         ("quantity_cell", TIME | {"runs_without": 2, "predicted_ends": ["upper"], "error": None}),
@@ -410,9 +436,8 @@ def collect_from(template, cases):
 
 
 def say(macros, name, *given):
-    """What a macro says; of a question that has an answer both."""
-    others = {"caller": "{} {} ".format} if name == "questions" else {}
-    return getattr(macros, name)(*given, **others)
+    """What a macro says."""
+    return getattr(macros, name)(*given)
 
 
 def sentences_of(text):

@@ -96,7 +96,7 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
 
 def test_a_spline_goes_through_the_runs_of_a_scan(raw, tmp_path):
     folder = run(scan(raw, 4, bounds={"model": "spline"}), tmp_path)
-    told = "The bounds are the attained range of a spline through all runs"
+    told = "The bounds of curves come from a fit to the runs."
     assert told in (folder / "summary.md").read_text()
     with xr.open_dataset(folder.samples) as samples, xr.open_dataset(folder.bounds) as bounds:
         assert bounds.attrs["design_runs"] == samples.sizes["run"] == 5

@@ -108,22 +108,6 @@ def test_the_cursors_values_are_those_of_the_bounds(window, data):
     assert f"{float(f'{lower:.4g}'):g}" in said
 
 
-def test_the_table_of_bounds_is_exact(window, data):
-    window.ask(
-        "URL.createObjectURL = (blob) => {"
-        " blob.text().then((text) => { window.table = text; }); return 'data:,'; }"
-    )
-    window.ask("document.querySelector('[data-table=bounds]').click()")
-    window.settle()
-    head, *rows = window.ask("window.table").strip().split("\n")
-    assert head.split(",")[:3] == ["time (s)", "x_lower (m)", "x_upper (m)"]
-    assert len(rows) == len(data.time)
-    first = data.responses[0]
-    for i in (0, 77, 200):
-        cells = [float(cell) for cell in rows[i].split(",")]
-        assert cells[:3] == [data.time[i], first.lower[i], first.upper[i]]
-
-
 @pytest.fixture(scope="module")
 def telephone(page):
     with Browser(390, 844) as browser:

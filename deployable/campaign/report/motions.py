@@ -16,7 +16,6 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
-from deployable.campaign.text.words import words_of
 from fpm.files.seals import DamagedError, check
 from fpm.solver.simulate import HALVINGS
 
@@ -28,12 +27,11 @@ MOST_PLACES = 90_000
 
 _FEW_RUNS, _FEW_FRAMES = 7, 100
 
-_MOST_ENDS, _LONGEST_EVENT = 2, 30  # of a run's label: bounds that it names, letters
-
 
 @dataclass(frozen=True)
 class ShownRun:
-    """A run that the page shows moving: id, `values` (k) of the interval parameters, and `label`.
+    """A run that the page shows moving: id, `values` (k) of the interval parameters, and `label`,
+    what it is an end of; the page's legend has the first of these.
     row: index in `samples.nc`; None: it is in `refinement.nc`."""
 
     id: str
@@ -60,7 +58,8 @@ def shown_runs(path: Any) -> list[ShownRun]:
             tables.append(table)
             columns = dict(zip(quantities, RunTable.join(tables).numbers.T, strict=True))
             happens = {name: x for name, x in columns.items() if np.isfinite(x).any()}
-            words = {q.name: _end_words(q.name, q) for q in samples.experiment.quantity_list}
+            rows = samples.experiment.quantity_list
+            words = {row.name: _end_words(row.name, row.is_time) for row in rows}
             ends = [
                 (words[name], (int(np.nanargmin(x)), int(np.nanargmax(x))))
                 for name, x in happens.items()
@@ -82,14 +81,10 @@ def count_moving_runs(particles: int) -> int:
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
 
-def _end_words(name: str, quantity: Any = None) -> tuple[str, str]:
+def _end_words(name: str, is_time: bool = False) -> tuple[str, str]:
     """What the runs of the least and the largest value are called."""
-    if quantity is None or not quantity.is_time:
-        return f"smallest {name}", f"largest {name}"
-    event = words_of(quantity)["event"]
-    if len(event) > _LONGEST_EVENT:
-        return f"earliest {name}", f"latest {name}"
-    return f"{event} earliest", f"{event} latest"
+    least, largest = ("earliest", "latest") if is_time else ("smallest", "largest")
+    return f"{least} {name}", f"{largest} {name}"
 
 
 def _label_runs(
@@ -106,8 +101,7 @@ def _label_runs(
     labels = {first: "first run" if nominal is None else "nominal run"}
     for run, texts in ends_by_run.items():
         if (values[run] != values[first]).any() and len(labels) < MOST_MOVING:
-            rest = len(texts) - _MOST_ENDS
-            labels[run] = ", ".join(texts[:_MOST_ENDS]) + f" and {rest} more" * (rest > 0)
+            labels[run] = ", ".join(texts)
     return labels
 
 

@@ -22,9 +22,6 @@ from deployable.intervals.scalars.fits import choose_fit
 
 MOST_INSTANTS = 4001  # instants of a curve from which it is thinned
 
-MOST_EVENT_RUNS = 300
-"""Runs up to which the contact events of all are in the page, not only of those that are drawn."""
-
 MOST_COEFFICIENTS = 150_000  # coefficients of polynomials over time up to which sliders move curves
 
 _PARAMETER = "name", "units", "lower", "nominal", "upper", "description"
@@ -92,7 +89,6 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thin_curves(bounds)
     return {
-        "campaign": data.facts["campaign"],
         "large": LARGE,
         "metre": data.facts["metre"],
         "time": arrays.add(data.time[keep], "f8"),
@@ -117,30 +113,24 @@ def _response(
     bounds: ResponseBounds, data: PageData, keep: np.ndarray, arrays: _Arrays
 ) -> dict[str, Any]:
     row: dict[str, Any] = {"name": bounds.name, "longName": bounds.long_name}
-    row |= {"units": bounds.units, "unit": pretty(bounds.units), "along": bounds.abscissa}
+    row |= {"unit": pretty(bounds.units), "along": bounds.abscissa}
     row["widest"] = float(data.time[bounds.widest])
     for key in ("least", "most"):
         row[key] = number(getattr(bounds, key))
     for key in ("lower", "upper", "nominal", "error"):
         values = getattr(bounds, key)
         row[key] = None if values is None else arrays.add(values[..., keep], "f8")
-    # What parameters contribute, where that is known well enough to be drawn.
-    vague = [r["name"] for r in data.facts["responses"] if r["grade"] in ("large", "none")]
-    is_drawn = bounds.widths is not None and bounds.name not in vague
-    return row | {
-        "widths": [arrays.add(w[keep], "f4") for w in bounds.widths] if is_drawn else None
-    }
+    return row
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
     scales = [parameter["scale"] for parameter in data.parameters]
-    has_all, visible_runs = len(data.runs) <= MOST_EVENT_RUNS, {0, *(m.run for m in data.moving)}
+    visible_runs = {0, *(m.run for m in data.moving)}
     return [
         {
             "id": run.id,
-            "role": run.role,
             "values": (run.values * scales).tolist(),
-            "events": [*run.events] if has_all or i in visible_runs else [],
+            "events": [*run.events] if i in visible_runs else [],
         }
         for i, run in enumerate(data.runs)
     ]
@@ -219,7 +209,7 @@ def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str,
     numbers = {"least": least, "latest": surrogate.latest, "error": row["error"]}
     numbers = {k: None if x is None else number(x) for k, x in numbers.items()}
     words = {"name": row["name"], "unit": pretty(row["units"])}
-    words |= {"words": row.get("words", row["long_name"])}
+    words |= {"words": row.get("words", row["long_name"]).replace("`", "")}
     return words | numbers | {"value": _table(value, arrays), "there": _table(happens, arrays)}
 
 

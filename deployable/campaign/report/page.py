@@ -19,8 +19,7 @@ from deployable.campaign.text.numbers import pretty
 _FOLDER = Path(__file__).parent
 
 SCRIPTS = (
-    "data", "clock", "scene", "viewer", "stills", "axes", "chart", "charts", "what", "tables",
-    "main",
+    "data", "clock", "scene", "viewer", "stills", "axes", "chart", "charts", "what", "main",
 )  # fmt: skip
 """The page's script, in the order in which its files are put together."""
 
@@ -41,7 +40,6 @@ def render(data: PageData) -> str:
         .render(
             data=data,
             facts=data.facts,
-            shares={response.name: response.shares for response in data.responses},
             panels=panels(data),
             lines=lines(data),
             prices=prices(data.facts),

@@ -95,8 +95,8 @@ class PageData:
     `summary.json` in the units of `display`, which responses and verdicts have, too; runs: the
     planned ones (of a large scan those that move), then further ones that move; moving: the nominal
     one first, then those at which quantities and bounds are attained; omitted_runs: for whose
-    motion the page has no room; work: dicts of `task`, `clock` and `cpu` (s); provenance: what
-    computed the results; config: text; verdicts: None without quantities."""
+    motion the page has no room; provenance: what computed the results; config: text; verdicts: None
+    without quantities."""
 
     facts: Mapping[str, Any]
     time: np.ndarray
@@ -104,7 +104,6 @@ class PageData:
     runs: tuple[PageRun, ...]
     moving: tuple[MovingRun, ...] = ()
     omitted_runs: tuple[ShownRun, ...] = ()
-    work: Sequence[Mapping[str, Any]] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     verdicts: Any = None
@@ -138,8 +137,8 @@ class PageData:
 def from_results(path: str | Path) -> PageData:
     """Read all data of a campaign's page. path: of the results' folder, with `samples.nc`,
     `bounds.nc` and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`;
-    files that may be absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and
-    `motions/*.nc` (of `make_motions`). Raises `DamagedError` for a damaged result."""
+    files that may be absent: `sensitivities.nc` and `motions/*.nc` (of `make_motions`). Raises
+    `DamagedError` for a damaged result."""
     folder = Folder(Path(path))
     facts, bounds = read_json(folder / "summary.json"), read_bounds(folder)
     movers = shown_runs(folder)
@@ -151,16 +150,10 @@ def from_results(path: str | Path) -> PageData:
         data = PageData(
             facts=copy,
             time=bounds.time,
-            responses=tuple(  # without widths below the error of the fit, which are none
-                r
-                if r.widths is None
-                else replace(r, widths=np.where(r.widths > r.width_error, r.widths, np.nan))
-                for r in bounds.responses
-            ),
+            responses=tuple(bounds.responses),
             runs=runs,
             moving=moving,
             omitted_runs=tuple(run for run in movers if moving and run.id not in moving_ids),
-            work=_work(folder, facts["runs"]),
             provenance=_provenance(bounds, facts["design"], folder),
             config=json.dumps(json.loads(bounds.attributes["config"]), indent=1),
             verdicts=_verdicts(samples, folder, facts, copy),
@@ -251,22 +244,6 @@ def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
         with open_netcdf(folder.surrogate) as file:
             fits |= {"indices": file["multi_index"][:], "coefficients": file["coefficient"][:]}
     return WhatIf(**fits)
-
-
-def _work(folder: Folder, run_counts: Mapping[str, int]) -> list[dict]:
-    """Time in batches of runs, of all processes; run_counts: the summary's, by purpose."""
-    patterns = ("batches/*.json", "rounds/*/batches/*.json")
-    paths = sorted(path for pattern in patterns for path in folder.path.glob(pattern))
-    if not (manifests := list(map(read_json, paths))):
-        return []
-    total = np.sum([m["seconds"] for m in manifests], axis=0)
-    solver = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
-    runs = sum(m["simulated"] for m in manifests)
-    extra_runs = run_counts.get("further", 0) + run_counts.get("choice", 0)
-    rest = f", {extra_runs} for quantities and choice not counted" if extra_runs else ""
-    tasks = {f"Integrating {runs} runs{rest}": solver}
-    tasks["Starting, compiling or loading the kernels, writing"] = total - solver
-    return [{"task": task, "clock": t[0], "cpu": t[1]} for task, t in tasks.items()]
 
 
 def _provenance(bounds: CampaignBounds, design: Mapping, folder: Folder) -> dict[str, str]:

@@ -17,6 +17,12 @@ from deployable.campaign.text.numbers import place, quantity, spread
 
 Severity = Callable[[Mapping], tuple]
 
+_QUESTIONS = {
+    "Which tolerance is worth tightening?": "tolerance",
+    "Which nominal value is best?": "choice",
+}
+"""Questions that each case answers by itself, and the macro of the answer."""
+
 GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}  # which verdicts decide before others
 
 
@@ -46,9 +52,13 @@ def facts_of_cases(
     requirements = _requirements(summaries, severity)
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
+    answers: dict[str, dict[str, list[str]]] = {question: {} for question in _QUESTIONS}
     for name, facts in summaries.items():
         for text in _notes(facts):
             notes.setdefault(text, []).append(name)
+        for question, macro in _QUESTIONS.items():
+            text = sentence(macro, facts, escapes=False).strip()
+            answers[question].setdefault(text, []).append(name)
     return {
         "campaign": campaign,
         "cases": [
@@ -79,6 +89,11 @@ def facts_of_cases(
              for row in facts.get("measured", {}).get("next", ())[:1]),
             key=lambda row: (row["bands"] or 0.0, row["fraction"]), default=None,
         ),
+        "runs": sum(facts["runs"]["all"] for facts in summaries.values()),
+        "answers": {
+            question: [{"text": text, "cases": names} for text, names in rows.items()]
+            for question, rows in answers.items()
+        },
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
     }  # fmt: skip
 
@@ -185,7 +200,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
         "may_be_endless"
     )
     rows = []
-    for name, by_case in _group(summaries, "quantities").items():
+    for by_case in _group(summaries, "quantities").values():
         first = next(iter(by_case.values()))
         ends: dict[str, Any] = {}
         for row in by_case.values():
@@ -198,7 +213,8 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
                 c for c, row in values.items() if _is_same(row, last, itemgetter(end))
             ]
         rows.append({
-            "name": name, "units": first["units"], "long_name": first["long_name"], **ends,
+            **{key: first[key] for key in ("name", "units", "long_name", "words") if key in first},
+            **ends,
             "censored_cases": [case for case, row in by_case.items() if row["censored_at"]],
             "never": [case for case, row in by_case.items() if row["lower"] is None],
             "by_case": [
@@ -229,6 +245,5 @@ def _notes(facts: Mapping) -> list[str]:
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))
-    if "together" in facts and (text := sentence("blind", facts["together"], escapes=False)):
-        notes.append(text)
-    return notes
+    macros = "missed", "covered", "unreliable"
+    return [*notes, *filter(None, (sentence(m, facts, escapes=False).strip() for m in macros))]

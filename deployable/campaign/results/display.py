@@ -12,7 +12,7 @@ from deployable.campaign.config.models import Display
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.results.quantity_results import QuantityResults
 from deployable.campaign.results.response_bounds import CampaignBounds
-from deployable.campaign.text.words import words_of
+from deployable.campaign.text.words import name_response, words_of
 from fpm.arithmetic.units import unit
 
 _KINDS = {kind: get_args(names) for kind, names in get_type_hints(Display).items()}
@@ -64,11 +64,12 @@ class _Conversion(NamedTuple):
 
 def shown_facts(facts: Mapping[str, Any], experiment: Experiment) -> dict[str, Any]:
     """Return the content of `summary.json` in the units of the experiment's `display`."""
-    display, words = experiment.display, {}
+    display = experiment.display
+    words = {row.name: {"words": name_response(row)} for row in experiment.response_list}
     for quantity in experiment.quantity_list:
         texts = words_of(quantity, lambda units: shown_unit(units, display))
         if quantity.kind in ("crossing", "settling"):  # whose long name has a number
-            texts["long_name"] = texts["words"]
+            texts["long_name"] = texts["words"].replace("`", "")
         words[quantity.name] = texts
     choice = facts.get("choice", {"parameters": ()})  # perhaps of a parameter that has no value
     rows = [*facts.get("fixed", ()), *facts["parameters"], *choice["parameters"]]

@@ -31,8 +31,8 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
-from deployable.campaign.text.numbers import percent
-from deployable.campaign.text.words import words_of
+from deployable.campaign.text.numbers import code, percent
+from deployable.campaign.text.words import name_response, words_of
 from deployable.intervals.box import ROUNDING
 from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch
@@ -197,7 +197,10 @@ def bounds_facts(
             for event in describe_events(events, samples.contacts) if event["closing"]
         ],
         "responses": [
-            _response(row, bounds, published.get(row.name)) for row in bounds.responses
+            _response(row, bounds, published.get(row.name)) | {"words": name_response(response)}
+            for row, response in zip(
+                bounds.responses, samples.experiment.response_list, strict=True
+            )
         ],
     }  # fmt: skip
     if bounds.responses[0].growth is not None:
@@ -429,6 +432,24 @@ def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
     return min(rows, key=lambda limit: limit["margin"] / limit["error"], default=None)
 
 
+def tightest(requirements: Iterable[Mapping]) -> str | None:
+    """Name the quantity of the limit with the smallest margin relative to its level, if any."""
+    limits = [x for row in requirements for x in row["limits"] if x["margin"] is not None]
+    least = min(limits, key=lambda x: x["margin"] / (abs(x["level"]) or 1.0), default={})
+    return least.get("quantity")
+
+
+def missing_only(requirements: Iterable[Mapping], quantities: Iterable[Mapping]) -> list[str]:
+    """Name the requirements that fail only where their quantity does not exist."""
+    return [row["name"] for row in requirements if happens_only(row, quantities)]
+
+
+def is_tight(choice: Mapping) -> bool:
+    """Return whether a limit's margin is less than twice its error. choice: section of the facts"""
+    limit = scarcest(choice["limits"])
+    return limit is not None and limit["margin"] < 2 * limit["error"]
+
+
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     """Name the quantity of a requirement (`row`) that fails in part of the box only because the
     quantity does not occur there: where it occurs, its bounds keep all limits by their error. None
@@ -469,9 +490,11 @@ def keeps(row: Mapping, kind: str, level: float) -> bool:
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
     """Group closures of contacts by their times, written as `0.3100 s`: lists of the contacts'
-    names, each name once. rows: dicts of time (s) and contact."""
+    names in code font, each name once. rows: dicts of time (s) and contact."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])
-        names += [row["contact"]] * (row["contact"] not in names)
+        kind, _, name = row["contact"].rpartition(" ")
+        text = f"the {kind or 'contact'} {code(name)}"
+        names += [text] * (text not in names)
     return contacts

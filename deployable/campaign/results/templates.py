@@ -48,7 +48,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         numbers: ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "with_error", "earliest", "code"),
         facts: ("decisive", "moments", "happens_only", "has_effect", "fitted_width", "scarcest",
-                "largest", "gains", "best_halvings", "worst_case"),
+                "is_tight", "tightest", "missing_only", "largest", "gains", "best_halvings",
+                "worst_case"),
     }  # fmt: skip
     for module, names in filters.items():
         env.filters |= {name: getattr(module, name) for name in names}
@@ -68,9 +69,13 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template with the facts. Texts are escaped, except for backticks in a `doubt`."""
+    """Render a template with the facts. Texts are escaped, except for backticks of `_SENTENCES`."""
     text = environment().get_template(template).render(facts=_escape(facts))
     return re.sub(r"\n{3,}", "\n\n", text).rstrip() + "\n"
+
+
+_SENTENCES = ("doubt", "headline", "notes", "text")
+"""Keys of texts that keep all backticks; others keep those about a name."""
 
 
 def _escape(facts: Any, code: str = "") -> Any:
@@ -78,12 +83,14 @@ def _escape(facts: Any, code: str = "") -> Any:
     escaped."""
     if isinstance(facts, Mapping):
         return {
-            _escape(key): _escape(value, "`" if key in ("doubt", "headline", "notes") else "")
+            _escape(key): _escape(value, "`" if key in _SENTENCES else "")
             for key, value in facts.items()
         }
     if isinstance(facts, list | tuple):
         return [_escape(item, code) for item in facts]
-    return numbers.escape_text(facts, code) if isinstance(facts, str) else facts
+    if not isinstance(facts, str):
+        return facts
+    return re.sub(r"\\`(\w[\w.-]*)\\`", r"`\1`", numbers.escape_text(facts, code))
 
 
 def met_text(row: Mapping[str, Any]) -> str:

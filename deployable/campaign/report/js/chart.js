@@ -2,15 +2,15 @@
 
 const MARGIN = { left: 52, right: 10, top: 12, bottom: 22 };
 
-// So high that the charts of all responses are together about as high as a window, within reason.
+// So high that the charts of all responses, two in a row, are together about as high as a window, within reason.
 function usualHeight() {
-  return Math.min(340, Math.max(170, (innerHeight - 180) / DATA.responses.length - 65));
+  return Math.min(340, Math.max(170, (innerHeight - 180) / Math.ceil(DATA.responses.length / 2) - 65));
 }
 
 class Chart {
-  // curves: [{values, kind, style, run}], of a run that moves only while it is shown; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
-  constructor({ title, units, height = usualHeight(), curves, areas = [], marks = [], along, readout }) {
-    Object.assign(this, { title, units, height, curves, areas, marks: along ? [] : marks, timeless: Boolean(along), along: along ?? { words: "t", unit: "s", first: FIRST, last: LAST }, readout });
+  // curves: [{values, kind, run}], of a run that moves only while it is shown; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
+  constructor({ title, units, curves, areas = [], marks = [], along, readout }) {
+    Object.assign(this, { title, units, height: usualHeight(), curves, areas, marks: along ? [] : marks, timeless: Boolean(along), along: along ?? { words: "t", unit: "s", first: FIRST, last: LAST }, readout });
     this.values = make("p", { class: "readout" });
     this.svg = svg("svg", { role: "img", tabindex: "0", preserveAspectRatio: "xMinYMin", "aria-label": `${title} over ${along ? along.words : "time"}` });
     this.root = make("div", { class: "chart" }, make("h3", {}, title, make("span", {}, `(${units})`)), this.values, this.svg);
@@ -60,7 +60,8 @@ class Chart {
     for (const mark of this.marks) {
       inside.append(svg("line", { class: "event", x1: this.x(mark), x2: this.x(mark), y1: top, y2: base }));
     }
-    for (const { values, kind, run, style = run ? `stroke:var(${SHOWN.colour(run)})` : "" } of this.drawn()) {
+    for (const { values, kind, run } of this.drawn()) {
+      const style = run ? `stroke:var(${SHOWN.colour(run)})` : "";
       inside.append(svg("path", { class: `curve ${kind}`, style, d: line(values, this.span, this.x, this.y) }));
     }
     this.asked = svg("path", { class: "curve asked" });

@@ -30,22 +30,6 @@ function responseChart(response, r, marks) {
   return Object.assign(chart, { trusted: { lower, upper } });
 }
 
-// Of more parameters than there are colours, the others are dashed.
-const parameterStyle = (i) => `stroke:var(${COLOURS[i % COLOURS.length]})${i < COLOURS.length ? "" : ";stroke-dasharray:5 3"}`;
-
-// One chart for each response: the width of the bounds when one parameter varies alone.
-function widthCharts(marks) {
-  if (!byId("widths")) return [];
-  const charts = DATA.responses.filter((response) => response.widths).map((response) => {
-    const curves = response.widths.map((values, i) => ({ values, kind: "moving", style: parameterStyle(i) }));
-    const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3) || "–"]);
-    return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: response.unit, height: 170, curves, marks, along: response.along, readout });
-  });
-  if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="${parameterStyle(i)};stroke-width:2"`))));
-  byId("widths").append(...charts.map((chart) => chart.root));
-  return charts;
-}
-
 // A line or a patch with its name.
 function key(name, attributes, patch = false) {
   const mark = patch ? `<rect width="22" height="10" ${attributes}/>` : `<path d="M0 5H22" ${attributes}/>`;
@@ -69,9 +53,8 @@ function drawCharts() {
   const nominal = DATA.runs[DATA.moving.length ? DATA.moving[0].run : 0];
   const marks = closures(nominal).map(({ time }) => time);
   legend();
-  const own = DATA.responses.map((response, r) => responseChart(response, r, marks));
-  byId("charts").append(...own.map((chart) => chart.root));
-  const charts = [...own, ...widthCharts(marks)], whole = byId("whole");
+  const charts = DATA.responses.map((response, r) => responseChart(response, r, marks)), whole = byId("whole");
+  byId("charts").append(...charts.map((chart) => chart.root));
   const zoom = ([from, to]) => {
     const least = 4 * ((LAST - FIRST) / TIME.length);
     const span = [Math.max(FIRST, from), Math.min(LAST, to)];

@@ -128,6 +128,5 @@ drawPlayer();
 drawMarks();
 drawEvents();
 const charts = drawCharts();
-drawTables();
 const whatIf = byId("what-if") && new WhatIf(DATA.whatIf);
 clock.set(DATA.responses[0].widest);

@@ -195,7 +195,7 @@ function viewerControls(viewer) {
   const boxes = DATA.moving.map((one, i) => {
     const box = make("input", { type: "checkbox" });
     box.addEventListener("change", () => { SHOWN.set(i, box.checked); markShown(); showRuns(); });
-    byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
+    byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label.split(", ")[0]));
     return box;
   });
   markShown = () => boxes.forEach((box, i) => {

@@ -16,11 +16,11 @@ from evidence.attack.victim import RAW, Victim, silent
 
 
 def attacked(victim, place, kinds):
-    """Each kind of file meets every other harm; a checksum notices all of them alike."""
+    """Each kind of file meets one of the harms; a checksum notices all of them alike."""
     rng, ledger = random.Random(20), Ledger()
     for number, kind in enumerate(kinds):
-        for harm in list(HARMS)[number % 2 :: 2]:
-            attack_files(victim, place / "attacked", ledger, rng, kind, harm)
+        harm = list(HARMS)[number % len(HARMS)]
+        attack_files(victim, place / "attacked", ledger, rng, kind, harm)
     assert not ledger.bad, ledger.bad[0]
     return sum(ledger.counts.values())
 
@@ -31,8 +31,7 @@ def test_damaged_files_are_named_and_made_again(tmp_path):
     kinds = list(kinds_in(whole.whole / whole.name))
     assert {"plan.json", "samples.nc", "trajectories/*.nc", "batches/*.json"} < set(kinds)
     alone = 3  # JSON, Markdown and a group of runs, with which nothing can be swapped
-    count = attacked(whole, tmp_path, kinds)
-    assert count >= len(kinds) * len(HARMS) // 2 - alone
+    assert attacked(whole, tmp_path, kinds) >= len(kinds) - alone
     assert attacked(short, tmp_path, ["responses/*.nc"]) >= 1
 
 

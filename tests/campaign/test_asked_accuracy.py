@@ -267,7 +267,7 @@ def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
 OPENING = {
     "campaign": "asked",
     "scene": {"name": "bennett"},
-    "solver": {"duration": 0.1, "instants": 101},
+    "solver": {"duration": 0.05, "instants": 51},
     "intervals": {"a": {"nominal": 0.035, "relative": 0.3}},
     "responses": {"BD": {"distance": ["B", "D"]}},
     "quantities": {"last": {"final": "BD"}},

@@ -149,14 +149,14 @@ def test_over_all_cases_is_met_only_where_each_is():
 RELEASE = np.deg2rad(89)
 
 
-def wing_time(k, spring, c, g=0.0, springs=2, level=RELEASE, timer=1000.0, **_):
+def wing_time(k, spring, c, g=0.0, level=RELEASE, timer=1000.0, **_):
     """Time (s) at which two rods of 1 m and 2 kg are open to 3.12 rad, from equations of motion by
     hand: folded until the bolt lets go, then two, then the outer one alone, as the root latches."""
     mass, inertia = 2.0, 2.0 / 3.0
 
     def forces(q, v):
         phi, rate = q[0] + np.pi - q[1], v[0] - v[1]
-        middle = springs * spring * (1.5 * np.pi - phi) - c * rate
+        middle = 2 * spring * (1.5 * np.pi - phi) - c * rate
         root = k * (np.pi - q[0]) - c * v[0]
         weight = mass * g * np.array([1.5 * np.cos(q[0]), 0.5 * np.cos(q[1])])
         return np.array([root + middle, -middle]) - weight
@@ -192,8 +192,9 @@ def wing_time(k, spring, c, g=0.0, springs=2, level=RELEASE, timer=1000.0, **_):
 
 
 @pytest.mark.slow
-def test_a_wing_in_four_cases_is_that_of_equations_by_hand(tmp_path):
+def test_a_wing_in_two_cases_is_that_of_equations_by_hand(tmp_path):
     raw = read_file(ROOT / "config/wing.yaml").data
+    raw["cases"] = {name: raw["cases"][name] for name in ("on ground", "late release")}
     raw |= {
         "design": {"method": "smolyak", "order": 1},
         "held_out": 1,

@@ -141,16 +141,6 @@ def test_a_step_that_instants_set_is_halved_too(experiment):
     assert safety * limit == pytest.approx(plan.time.step / 2)
 
 
-def test_what_is_accurate_enough_ends_once_it_is_checked(decided):
-    good = {"surrogate": 0.01, "mesh": 0.01}
-    _, after = decided(**good)
-    assert after.adaptive.rounds[-1].action == "check"
-    assert not after.is_finished
-    _, after = decided(check=("step", "mesh"), step=0.01, **good)
-    assert after.is_finished
-    assert after.adaptive.met
-
-
 @pytest.mark.parametrize(
     ("previous", "nodes", "stops"), [(0.2, 2, True), (0.3, 2, False), (0.2, 3, False)]
 )

@@ -21,7 +21,6 @@ from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, Runs
-from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import VOLUME
 from deployable.intervals.scalars import Choice, Limit
 
@@ -122,46 +121,6 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
         assessment = limits.assess_limits(model, [None] * 2, specs)
         assert assessment.largest[:2] == (0.5, specs.index(there)), "the limit that the run breaks"
         np.testing.assert_array_equal(assessment.failure_point, [0.25, -0.5])
-
-
-@pytest.mark.parametrize(
-    ("ran", "simulated", "kept", "text"),
-    [
-        (False, None, False, "No run was made there; the error of the fit is 0.2 s."),
-        (True, None, False, "In the run there, `t` does not happen."),
-        (True, 2.5, False, "The run there gives `t` = 2.5 s."),
-        (True, 1.5, True, "The run there gives `t` = 1.5 s, which meets the"),
-    ],
-)
-def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
-    fails = {"requirement": "there", "quantity": "t", "units": "s", "kind": "at_most", "level": 2.0,
-             "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept,
-             "error": 0.2}  # fmt: skip
-    together = {"fails": fails, "max_interval_scale": 0.5, "unsampled": False}
-    line = sentence("nearest", together, [{"name": "k", "units": "N"}])
-    assert text in line
-    assert ("he run there" in line) == ran
-    line = sentence("nearest", together | {"fails": None}, [])
-    assert "50 %" in line and line.endswith("A failed run lies on the border of that box.")
-    line = sentence("nearest", together | {"unsampled": True}, [])
-    assert line.endswith("so runs may fail there, too.") and "border of that" not in line
-
-
-@pytest.mark.parametrize("further", [0, 2])
-def test_further_runs_are_told_only_where_there_are_some(further):
-    facts = {"together": {"met": "some", "share": 0.5, "share_uncertainty": 0.1, "runs": 9,
-                          "failures": 3, "fails": None, "max_interval_scale": 1, "whole": True,
-                          "unsampled": False},
-             "quantities": [], "requirements": [],
-             "runs": {"choice": 0, "checks": 0, "measured": 0, "further": further}}  # fmt: skip
-    line = sentence("required", facts)
-    assert "3 of the 9 runs in the tolerance box fail a requirement" in line
-    assert ("Many runs lie near the limits" in line) == bool(further)
-
-
-def test_shares_say_which_error_they_do_not_have():
-    assert "not time step or mesh" in sentence("blind", {"whole": False})
-    assert sentence("blind", {"whole": True}) == ""
 
 
 def test_something_that_must_happen(tmp_path):

@@ -94,9 +94,8 @@ def test_a_singular_position_is_told_at_the_programs_own_step(tmp_path, instants
         assert reached - step / 2 < outcome.failure.time < reached + step
 
 
-@pytest.mark.parametrize("keep", ["trajectories", "responses"])
-def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_path, keep):
-    config["jobs"], config["solver"]["failures"] = {"keep": keep}, 0.6
+def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_path):
+    config["jobs"], config["solver"]["failures"] = {"keep": "responses"}, 0.6
     bounds, facts, folder = run(config, tmp_path)
     assert {row["at"]["L"] < 1 for row in facts["failures"]} == {True}
     nodes = 1.475 - 0.525 * np.cos((np.arange(9) + 0.5) * np.pi / 9)
@@ -121,9 +120,9 @@ def test_runs_that_fail_are_told_and_count_against_the_requirements(config, tmp_
     error = bounds["error"].values[0] + 1e-4  # of the step
     assert (bounds["lower"].values[0] - error <= curves.min(axis=0)).all()
     assert (bounds["upper"].values[0] + error >= curves.max(axis=0)).all()
-    before = len(list((folder / keep).iterdir()))
+    before = len(list((folder / "responses").iterdir()))
     run(config, tmp_path)
-    assert len(list((folder / keep).iterdir())) == before
+    assert len(list((folder / "responses").iterdir())) == before
 
 
 def test_a_scan_of_extremes_leaves_failed_runs_out(config, tmp_path):

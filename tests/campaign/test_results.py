@@ -35,7 +35,6 @@ from fpm.files.seals import unseal
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"
 DRAWN = ("BD", "vBz", "moments", "responses")
-ESTIMATE = "which estimates the range of the simulated model"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 
 

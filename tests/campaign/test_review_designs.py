@@ -103,24 +103,6 @@ def test_a_spring_that_only_resists_is_none_of_several_that_drive(tmp_path, rest
         load_config(path)
 
 
-@pytest.mark.parametrize(
-    ("more", "end", "travel"),
-    [
-        ({}, 90, [0, np.pi / 2]),
-        ({}, 120, [0, np.pi * 2 / 3]),
-        ({"from": "100 deg", "to": "-10 deg"}, 90, None),
-    ],
-)
-def test_the_whole_travel_is_from_the_start_to_the_latch(more, end, travel):
-    scene, _, response = of(more, end=float(end))
-    found = mechanism.travel_of([scene], ["hinge"], response.along, is_stowed=False)
-    assert found == (travel and pytest.approx(travel))
-    scenes = [of({}, end=angle)[0] for angle in (80.0, 100.0)]
-    if travel:  # of an uncertain latch the farthest place
-        found = mechanism.travel_of(scenes, ["hinge"], response.along, is_stowed=False)
-        assert found == pytest.approx([0, np.radians(100)])
-
-
 PANEL = """
 name: panel
 parameters:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import re
 from decimal import Decimal
 from pathlib import Path
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import read_file
-from deployable.campaign.config.sections import as_json, digest
+from deployable.campaign.config.sections import Campaign, as_json, digest, from_data
 from deployable.campaign.config.units import StatedUnits
 from deployable.campaign.errors import ConfigError
 
@@ -82,6 +83,7 @@ def in_folder(path: Path, monkeypatch) -> dict:
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_campaigns_stated_with_units_are_the_same(path, monkeypatch):
+    """And come back from JSON."""
     raw = in_folder(path, monkeypatch)
     expected = check_config(raw)
     rewriting = Rewriting(expected, copy.deepcopy(raw))
@@ -92,6 +94,8 @@ def test_shipped_campaigns_stated_with_units_are_the_same(path, monkeypatch):
     sections = [as_json(**{n: getattr(c, n) for n in vars(c) if n != "case_campaigns"})
                 for c in (again, expected)]  # fmt: skip
     assert sections[0] == sections[1]
+    whole = {name: getattr(expected, name) for name in Campaign.__dataclass_fields__}
+    assert from_data(Campaign, json.loads(as_json(**whole))) == expected
     for name, case in expected.case_campaigns.items():
         assert digest(again.case_campaigns[name].experiment) == digest(case.experiment)
 

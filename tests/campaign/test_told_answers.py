@@ -69,26 +69,6 @@ def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
 
 
 @pytest.mark.parametrize(
-    ("foretold", "text", "named"),
-    [
-        ([], "simulated", ""),
-        (["upper"], "upper end predicted, a run gives 1.5", "; upper end predicted"),
-        (
-            ["lower", "upper"],
-            "lower end predicted, a run gives 1.2; upper end predicted, a run gives 1.5",
-            "; lower and upper end predicted",
-        ),
-    ],
-)
-def test_ends_are_simulated_or_foretold(foretold, text, named):
-    row = {"simulated_lower": 1.2, "simulated_upper": 1.5, "predicted_ends": foretold}
-    row |= {"name": "t", "long_name": "time", "lower": 1.0, "upper": 2.0, "units": "s"}
-    assert sentence("ends", row) == text
-    row |= {"censored_at": None, "runs_without": 0, "error": None}
-    assert sentence("ranges", {"quantities": [row]}) == f"The time is 1.00 to 2.00 s (`t`{named})."
-
-
-@pytest.mark.parametrize(
     ("part", "open_", "text"),
     [
         (0.81234, 0.0001, "81.23 %"),
@@ -104,48 +84,6 @@ def test_ends_are_simulated_or_foretold(foretold, text, named):
 )
 def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
     assert share(part, open_) == text
-
-
-FOUND = "None of 9 runs fails a requirement"
-YES = "Yes: all requirements are met in the whole tolerance box"
-UNSEEN = "The runs alone do not exclude failures in at most 34 % of the box (at 95 % confidence)."
-OF = "of the tolerance box (by volume, not a probability)"
-
-
-@pytest.mark.parametrize(
-    ("kept", "part", "open_", "text"),
-    [
-        ("all", 1.0, 1e-4, f"{YES}, by the fit to 9 runs."),
-        ("all", 1.0, 0.03, f"All requirements are met in at least 97 % {OF}."),
-        ("none", 0.0, 1e-4, "No: no part of the tolerance box meets all requirements."),
-        ("none", 0.0, 0.28, f"All requirements are met in at most 28 % {OF}."),
-        ("some", 0.5, 0.02, f"Not everywhere: all requirements are met in 50 ± 2 % {OF}."),
-        ("undecided", 1.0, 0.03, f"{FOUND}. All requirements are met in at least 97 % {OF}."),
-        (
-            "undecided",
-            1.0,
-            0.0,
-            f"{FOUND}. That does not prove that the whole tolerance box meets all requirements.",
-        ),
-    ],
-)
-def test_a_verdict_tells_what_is_open(kept, part, open_, text):
-    facts = {"together": {"met": kept, "share": part, "share_uncertainty": open_, "runs": 9}}
-    assert sentence("headline", facts) == text
-    assert sentence("missed", facts) == (UNSEEN if text.startswith("Yes") else "")
-
-
-@pytest.mark.parametrize(
-    ("error", "text"),
-    [
-        (0.1, "0.2 ± 0.1 s"),
-        (0.3, "0.2 ± 0.3 s (below the error estimate)"),
-        (None, "0.2 s (error unknown)"),
-    ],
-)
-def test_a_margin_is_told_with_its_error_where_that_is_larger(error, text):
-    row = {"margin": 0.2, "units": "s", "error": error, "kind": "at_most", "level": 1.0}
-    assert sentence("margin", row) == text
 
 
 def test_what_fails_only_where_it_does_not_happen_is_told_apart():
@@ -317,36 +255,6 @@ def facts_of_two(**changed):
     return facts
 
 
-def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
-    facts = facts_of_two()
-    text = sentence("tolerance", facts)
-    assert "tighten the tolerance of `k1` (± 10 %). The range of `q` (largest opening) is" in text
-    assert (
-        "is 0.1 rad wide. Halving this tolerance leaves 0.05 rad, and an exact value leaves 0 rad."
-        in text
-    )
-    assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
-
-
-def test_tolerances_that_cannot_be_told_apart_get_one_sentence():
-    half = {"share": 1.0, "share_uncertainty": 0.0, "gain": 0.1, "gain_uncertainty": 0.01}
-    together = {"met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 9}
-    together |= {"max_interval_scale": 0.5, "unsampled": False, "fails": None}
-    facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
-    text = sentence("tolerance", facts)
-    assert text.startswith("Tighten one of the tolerances of `k1` (± 10 %) or `k2` (± 10 %). ")
-    assert "requirements from 90 ± 1 % to 100 % (by the fit). All requirements are met if" in text
-    for margin, count in ((0.3, 1), (0.1, 0)):  # of an error of 0.1: the second is no promise
-        limits = [{"margin": margin, "error": 0.1}]
-        text = sentence("tolerance", facts | {"choice": {"kept": True, "limits": limits}})
-        assert text.count("The best choice below needs no tighter tolerance") == count
-    facts["together"]["halved"]["k2"] = half | {"gain": 0.07}
-    assert sentence("tolerance", facts).startswith("Tighten the tolerance of `k1` (± 10 %). ")
-    for error in ({"gain_uncertainty": 0.11}, {"share_uncertainty": 0.11}):
-        facts["together"]["halved"] = {"k1": half | error, "k2": half | error}
-        assert sentence("tolerance", facts).startswith("Halving a single tolerance changes ")
-
-
 @pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])
 @pytest.mark.parametrize("count", [1, 2])
 def test_widths_of_rounding_are_no_widths(count, unit):
@@ -360,16 +268,6 @@ def test_widths_of_rounding_are_no_widths(count, unit):
     assert text.startswith("Tightening has no effect: no response or quantity varies with `k1`")
     assert "does not vary" in sentence("ranges", facts)
     assert sentence("differences", facts) == "The opening (`a`) does not vary."
-
-
-def test_a_parameter_that_no_quantity_depends_on_is_not_told_as_their_cause():
-    facts = facts_of_two()
-    facts["parameters"] = facts["parameters"][:1]
-    assert sentence("tolerance", facts).endswith("the only uncertain parameter, `k1` (± 10 %).")
-    facts["quantities"][0]["constant"] = True
-    assert sentence("tolerance", facts).endswith("no quantity varies with `k1` (± 10 %).")
-    facts["quantities"][0]["runs_without"] = 2  # it decides whether there is one
-    assert sentence("tolerance", facts).endswith("parameter, `k1` (± 10 %).")
 
 
 def choices(worth, kept, places):
@@ -402,23 +300,6 @@ def test_where_choices_lie_on_no_grid_all_are_compared():
     places = [(1.0, 3.0, 5.0), (1.5, 3.5, 5.5)]
     assert find_deciding_parameters(choices([-1.0, -1.0], False, places), 0.0) == [False] * 3
     assert find_deciding_parameters(choices([-1.0, -2.0], False, places), 0.0) == [True] * 3
-
-
-@pytest.mark.parametrize("kept", [True, False])
-def test_a_choice_that_changes_nothing_is_no_advice(kept):
-    goal = {"quantity": "q", "end": "width", "value": 0.0, "units": "s", "error": 0.0}
-    one = {"name": "k1", "units": "1", "lower": 0.9, "upper": 2.0, "value": 0.9}
-    found = {"kept": kept, "goals": [goal], "limits": []}
-    facts = facts_of_two() | {"choice": found | {"parameters": [one | {"decides": False}]}}
-    text = sentence("choice", facts)
-    assert "end of its range" not in text and "Choose " not in text
-    assert ("No choice is better" if kept else "They differ by no more") in text
-    other = one | {"name": "k2", "value": 1.5, "decides": True}
-    found["parameters"] = [one | {"decides": False}, other]
-    text = sentence("choice", facts | {"choice": found})
-    assert "end of its range" not in text and "The choice of `k1` changes that by no more" in text
-    found["parameters"] = [one | {"decides": True}]
-    assert "`k1` is at the lower end" in sentence("choice", facts | {"choice": found})
 
 
 def test_no_number_is_minus_zero():

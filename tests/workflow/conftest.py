@@ -89,12 +89,6 @@ def place_in(ready):
 
 
 @pytest.fixture
-def workplace_in(ready):
-    """Makes a `Workplace` of an empty folder."""
-    return lambda folder: Workplace(folder, ready)
-
-
-@pytest.fixture
 def workplace(tmp_path, ready) -> Workplace:
     return Workplace(tmp_path, ready)
 

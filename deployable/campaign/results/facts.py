@@ -435,7 +435,7 @@ def scarcest(limits: Iterable[Mapping]) -> Mapping | None:
 def tightest(requirements: Iterable[Mapping]) -> str | None:
     """Name the quantity of the limit with the smallest margin relative to its level, if any."""
     limits = [x for row in requirements for x in row["limits"] if x["margin"] is not None]
-    least = min(limits, key=lambda x: x["margin"] / (abs(x["level"]) or 1.0), default={})
+    least: Mapping = min(limits, key=lambda x: x["margin"] / (abs(x["level"]) or 1.0), default={})
     return least.get("quantity")
 
 

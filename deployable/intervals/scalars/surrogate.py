@@ -232,13 +232,15 @@ class ScalarSurrogate:
     def _extremes(self) -> dict[tuple, tuple[float, np.ndarray]]:
         return {}
 
-    def _with_trial(self, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _with_trial(
+        self, lower: np.ndarray, upper: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the corners of a part of the box and the points to be tried there, with the runs
         and the limit-state surface; the same array if asked again, whose values may be known."""
         if not all(map(np.array_equal, self._last_part[:2], (lower, upper))):
             extra = np.concatenate([self.occurrence.points, self.occurrence.surface_points])
             self._last_part[:] = lower, upper, trial_points(lower, upper, extra)
-        return tuple(self._last_part)
+        return lower, upper, self._last_part[2]
 
     @cached_property
     def _last_part(self) -> list[np.ndarray]:

@@ -1,7 +1,6 @@
 """The campaigns of README and docs are run, and what they answer is what the pages tell of it."""
 
 import json
-import os
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -113,10 +112,6 @@ TOLD = {
 """For each campaign the pages that tell of it, and the texts that are there if they tell right."""
 
 
-LONG = "closing", "review", "ring_truss", "strength", "umbrella"
-"""Campaigns that take minutes, for whoever changes what they answer: `PAGES=all` runs them too."""
-
-
 def written(page: str) -> str:
     """The text of a page, its lines joined."""
     return " ".join((ROOT / page).read_text(encoding="utf-8").split())
@@ -129,8 +124,6 @@ def decimals(text: str) -> set[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TOLD)
 def test_a_page_tells_what_its_campaign_answers(name, shipped):
-    if name in LONG and os.environ.get("PAGES") != "all":
-        pytest.skip("PAGES=all is not set")
     found = answers(shipped(name)[0])
     for page, texts in TOLD[name].items():
         missing = [text for text in texts(found) if text not in written(page)]

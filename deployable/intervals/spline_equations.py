@@ -15,7 +15,7 @@ import scipy
 
 from .errors import IntervalError
 
-_COLUMNS, _BLOCK, _FEW = 512, 256, 64
+_COLUMNS, _BLOCK, _SMALL_COUNT = 512, 256, 64
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
@@ -56,7 +56,7 @@ def keep_last(function: Callable) -> Callable:
 
     @wraps(function)
     def method(self: Any, points: np.ndarray) -> np.ndarray:
-        key = f"_last_{function.__name__}_{len(points) > _FEW}"
+        key = f"_last_{function.__name__}_{len(points) > _SMALL_COUNT}"
         last = self.__dict__.get(key)
         if last is None or last[0] is not points:
             last = self.__dict__[key] = points, function(self, points)

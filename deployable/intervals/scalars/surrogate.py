@@ -79,13 +79,17 @@ def extreme(
     free = half > 0
     if free.sum() == 1:
         climbs = min(climbs, 1)  # on a line the points are close enough
-    ranked = sign * values
-    order = np.argsort(-ranked, kind="stable")[:climbs] if climbs > 1 else [ranked.argmax()]
+    signed_values = sign * values
+    order = (
+        np.argsort(-signed_values, kind="stable")[:climbs]
+        if climbs > 1
+        else [signed_values.argmax()]
+    )
     best, argument = float(values[order[0]]), trial[order[0]].copy()
     if not free.any() or not climbs:
         return best, argument
     # The search needs numbers everywhere; where there are none is worse than all that was tried.
-    worst, scale = float(ranked.min()), float(np.ptp(values)) or 1.0
+    worst, scale = float(signed_values.min()), float(np.ptp(values)) or 1.0
     rows = np.flatnonzero(free)
 
     def loss(local: np.ndarray) -> tuple[float, np.ndarray]:
@@ -384,14 +388,14 @@ def find_influence(
     k = len(nominal)
     if surrogate.fit is not None and (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL:
         return _influence_at_ends(surrogate, nominal, is_endless)
-    rival, corrected, surrogate = surrogate.rival, surrogate, surrogate.trend
+    rival, full_surrogate, surrogate = surrogate.rival, surrogate, surrogate.trend
     side = np.ones(k)
     lone_widths, fixed_widths, halved = np.zeros((3, k))
     errors = np.full(k, surrogate.error)
     previous = previous if previous is not None and previous.fit is not None else surrogate
     changes = [_width_error(surrogate, rival, -side, side)]
     # What the corrections at runs add to the width of the whole box, the polynomial lacks in parts.
-    changes.append(corrected.range().width - surrogate.range().width)
+    changes.append(full_surrogate.range().width - surrogate.range().width)
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0

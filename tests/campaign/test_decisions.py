@@ -156,12 +156,14 @@ def test_further_runs_are_told_only_where_there_are_some(further):
              "runs": {"choice": 0, "checks": 0, "measured": 0, "further": further}}  # fmt: skip
     line = sentence("required", facts)
     assert "3 of the 9 runs in the tolerance box fail a requirement" in line
-    assert ("Many runs lie near the limits" in line) == bool(further)
+    assert ("Runs were added near bounds and limits" in line) == bool(further)
 
 
 def test_shares_say_which_error_they_do_not_have():
-    assert "not time step or mesh" in sentence("blind", {"whole": False})
-    assert sentence("blind", {"whole": True}) == ""
+    for row, text in (({"lower": 1.0}, "not time step or mesh"), (
+        {"lower": 1.0, "errors": {}}, "include time step and mesh"
+    )):  # fmt: skip
+        assert text in sentence("covered", {"quantities": [row]})
 
 
 def test_something_that_must_happen(tmp_path):
@@ -242,7 +244,7 @@ def test_what_never_happens_is_told_with_how_far_it_came(tmp_path, quantity, wor
     solver = {"duration": 1.0, "instants": 201}
     folder = run(panel(campaign="never", quantities={"t": quantity}, solver=solver), tmp_path)
     told = (folder / "summary.md").read_text()
-    assert "`t` happens in none of the" in told
+    assert "`t` exists in none of the" in told
     assert words in told
 
 

@@ -19,8 +19,8 @@ def name_response(response: Any) -> str:
     noun = "the point " if response.kind in ("position", "velocity") else ""
     for subject in filter(None, response.subjects):
         pattern = rf"(.*)(?<![\w`]){re.escape(subject)}(?![\w`])"
-        named = noun + code(subject)
-        text = re.sub(pattern, lambda found, named=named: found[1] + named, text, count=1)
+        if match := re.match(pattern, text):
+            text = match[1] + noun + code(subject) + text[match.end() :]
     text = text.replace(" between `", " between the points `")
     return re.sub(r"\bof (?!the )(\w+ `)", r"of the \1", text)
 

@@ -201,7 +201,7 @@ def test_what_never_happens_is_told_with_how_far_it_came(tmp_path, quantity, wor
     solver = {"duration": 1.0, "instants": 201}
     folder = run(panel(campaign="never", quantities={"t": quantity}, solver=solver), tmp_path)
     told = (folder / "summary.md").read_text()
-    assert "`t` happens in none of the" in told
+    assert "`t` exists in none of the" in told
     assert words in told
 
 

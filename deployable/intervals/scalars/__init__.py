@@ -27,4 +27,5 @@ from .surrogate import (
     find_influence,
     fit_scalar,
     share_borders,
+    trial_points,
 )

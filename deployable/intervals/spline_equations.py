@@ -31,21 +31,10 @@ def in_blocks(function: Callable, points: np.ndarray) -> np.ndarray:
 
 def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return the squares (P, N) of the distances between points x (P, k) and `points` (N, k)."""
-    return squares_from(x, columns_for_squares(points))
-
-
-def columns_for_squares(points: np.ndarray) -> np.ndarray:
-    """Return what `squares_from` needs of points (N, k): columns (k + 2, N)."""
-    return np.array([*(-2.0 * points.T), np.ones(len(points)), (points**2).sum(axis=1)])
-
-
-def squares_from(x: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Return the squares (P, N) of the distances between points x (P, k) and others, of which
-    `columns_for_squares` gave `columns`: one product of matrices."""
-    rows = np.ones((len(x), len(columns)))
-    rows[:, :-2] = x
-    rows[:, -2] = np.einsum("ij,ij->i", x, x)
-    values = rows @ columns
+    rows, columns = np.ones((len(x), x.shape[1] + 2)), np.ones((x.shape[1] + 2, len(points)))
+    rows[:, :-2], columns[:-2] = x, -2 * points.T
+    rows[:, -2], columns[-1] = (np.einsum("ij,ij->i", y, y) for y in (x, points))
+    values = rows @ columns  # one product is faster than sums over large arrays
     return np.maximum(values, 0.0, out=values)
 
 

@@ -211,8 +211,13 @@ class Experiment:
 
     @cached_property
     def peaks(self) -> list[Any]:
-        """Quantities that are read between the recorded instants, too."""
-        return [quantity for quantity in self.quantity_list if quantity.peak_column]
+        """Quantities that are read between the recorded instants, too: not a value at one of
+        these."""
+        parts = (self.solver.instants - 1) / self.solver.duration
+        peaks = [quantity for quantity in self.quantity_list if quantity.peak_column]
+        return [
+            q for q in peaks if q.kind != "value" or abs(q.instant * parts % 1 - 0.5) < 0.499999
+        ]
 
     def readings(self, step: float) -> int:
         """Return into how many parts the time between two instants is divided to read `peaks` of

@@ -8,23 +8,13 @@ it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (
 chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_equations.py."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import scipy
 
 from .errors import IntervalError
 from .formula import Formula, cubes
-from .spline_equations import (
-    Polyharmonic,
-    columns_for_squares,
-    distinct,
-    in_blocks,
-    line_rows,
-    solve_line,
-    squares,
-    squares_from,
-)
+from .spline_equations import Polyharmonic, distinct, in_blocks, line_rows, solve_line, squares
 
 MAX_RUNS = 4000  # the spline's matrix is full
 _SCALE_RUNS = 400  # runs that choose the scales
@@ -82,26 +72,9 @@ class Spline:
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, ...) of the spline at `points` (P, k) in [-1, 1]^k."""
-        flat, points = self.weights.reshape(len(self.weights), -1), np.asarray(points, dtype=float)
-        if len(self.points) == 1 or self.on_line:
-            values = in_blocks(lambda x: self.basis(x) @ flat, points)
-        else:
-            count, free, columns = len(self.points), *self._columns
-            weights, constant, slopes = flat[:count], flat[count], flat[count + 1 :]
-
-            def evaluate(x: np.ndarray) -> np.ndarray:
-                square = squares_from(x, columns)
-                square *= np.sqrt(square)
-                return square @ weights + (constant + x @ slopes)
-
-            values = in_blocks(evaluate, points[:, free] * self.scales[free])
+        flat = self.weights.reshape(len(self.weights), -1)
+        values = in_blocks(lambda x: self.basis(x) @ flat, np.asarray(points, dtype=float))
         return values.reshape(len(points), *self.weights.shape[1:])
-
-    @cached_property
-    def _columns(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (k) of coordinates that count, and what squares of distances need of the runs."""
-        free = self.scales > 0
-        return free, columns_for_squares((self.points * self.scales)[:, free])
 
     def formula(self) -> Formula:
         """Write the spline of a single number (weights (N + 1 + f, 1), on a line (2 N, 1)) as a

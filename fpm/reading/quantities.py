@@ -20,8 +20,10 @@ MARGIN_READS = ("opening", "slide_opening", *CATCH_RATES)
 
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
-BETWEEN_KINDS = {"largest", "smallest", "smallest_at", "overshoot", "mean", "rms", "settling", "crossing",
-           "value"}  # fmt: skip
+BETWEEN_KINDS = {
+    *("largest", "smallest", "smallest_at", "overshoot"),
+    *("mean", "rms", "settling", "crossing", "value"),
+}
 """Kinds of quantities that are read between instants, too."""
 
 _ABSENT = -1e30  # a number that a run does not have, as files hold finite ones

@@ -190,6 +190,16 @@ def test_parameters_of_what_acts_can_be_intervals(made):
     assert (damper.damping, scene.kinds[Friction][0].moment) == (0.5, 0.1)
 
 
+def test_motors_on_one_joint_add(made):
+    """1 * 1 - 2 * 0.2 of both motors, and 0.5 * 0.3 of a servo of the rate."""
+    rest = '<actuator><motor name="m" joint="a"/><motor name="n" joint="a" gear="-2"/>'
+    rest += '<velocity name="v" joint="a" kv="0.5"/></actuator>'
+    rest += '<keyframe><key name="on" ctrl="1 0.2 0.3"/></keyframe>'
+    _, structure, _ = made(model('<joint name="a"/>', rest), "on")
+    (motor,) = structure.build().kinds[TorqueMotor]
+    assert motor.torque == pytest.approx(0.75)
+
+
 @pytest.mark.parametrize("lengths", ["0.9", "0.5 0.9"])
 def test_parameters_of_a_tendon_can_be_intervals(made, lengths):
     _, structure, _ = made(model(FREE, TIE.replace("0.9", lengths)))

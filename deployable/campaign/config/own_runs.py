@@ -63,6 +63,9 @@ def own_points(experiment: Any) -> np.ndarray:
             text = f"{places[row]}: {name} = {column[row]:.9g} is outside its interval"
             raise OwnRunsError(f"{text}; allowed: {lower:.9g} to {upper:.9g}")
         values[:, [*intervals].index(name)] = np.clip(column, lower, upper)
+    if not np.ptp([experiment.nominal, *values], axis=0).any():
+        text = "no run differs from the nominal one; allowed: at least one that does"
+        raise OwnRunsError(f"{'file' if design.file else 'values'}: {text}")
     return experiment.box.to_unit(values)
 
 
@@ -83,7 +86,8 @@ def _read_columns(design: Any, experiment: Any) -> tuple[dict[str, np.ndarray], 
             if isinstance(fault, str) and fault != NO_UNIT:
                 table.refuse(table.head, f"{name}: {fault}")
             missing = ", ".join(n for n in experiment.intervals if n not in table.names)
-            text = f"there is no interval {name}{did_you_mean(name, experiment.intervals)}"
+            word = name.replace("±", " ").partition(" ")[0]
+            text = f"there is no interval {name}{did_you_mean(word, experiment.intervals)}"
             text += f", and no column {missing}" if missing else ""
             table.refuse(table.head, f"{text}; allowed: {names}, and `run` or `note`")
     if not columns:

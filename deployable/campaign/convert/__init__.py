@@ -388,9 +388,9 @@ class Draft:
                     self.leave_out(f"limit of tendon {name} at {low:.6g} m", "cables do not push")
 
     def add_actuators(self) -> None:
-        """Add actuators on joints at a constant control: what stays of their force is a torque
-        motor; what falls with the position is a spring, with the rate a damper."""
-        m = self.m
+        """Add actuators on joints at a constant control: what stays of their force is one torque
+        motor on each joint; what falls with the position is a spring, with the rate a damper."""
+        m, motors = self.m, dict[int, dict]()
         for i in range(m.nactuator):
             a, name, joint = m.actuator(i), self.name_of("actuator", i), int(m.actuator_trnid[i, 0])
             bias = a.biasprm[:3] * a.biastype[0]
@@ -410,8 +410,12 @@ class Draft:
             if stiffness:
                 rest = self.parameter(f"{name}_target", force / stiffness, unit, name)
                 self.act(joint, name, "stiffness", stiffness, rest=rest)
+            elif joint in motors:
+                motors[joint]["value"] = digits(motors[joint]["value"] + force)
+                self.notes.append(f"actuator {name} is part of the torque motor on its joint")
             else:
                 self.act(joint, name, "motor", force)
+                motors[joint] = [*self.table["parameters"].values()][-1]
             self.act(joint, name, "damping", damping)
             self.notes.append(f"actuator {name} has the control {control:g} all the time")
             if a.forcelimited[0] or m.jnt_actfrclimited[joint]:

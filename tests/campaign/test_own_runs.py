@@ -100,7 +100,7 @@ def test_parameters_without_a_column_are_nominal(config, tmp_path):
     [
         ("k,c\n0.05,0\n0.06,0\n", {}, "doe.csv, line 3: k = 0.06 is outside its interval; allowed: "
          "0.045 to 0.055"),
-        ("k,c\n0.05,0\n", {}, "design.file: no run differs from the nominal one; allowed: at least"),
+        ("k\n0.05\n", {}, "design.file: no run differs from the nominal one; allowed: at least"),
         ("k ± 1,c\n0.05,0\n", {}, "there is no interval k ± 1 (did you mean k?), and no column k;"),
         ("k,cc\n0.05,0\n", {}, "there is no interval cc (did you mean c?), and no column c;"),
         ("k [m],c\n0.05,0\n", {}, "line 1: the unit of k does not fit; allowed: N m rad-1"),

@@ -86,8 +86,8 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
               "gain": pytest.approx(half - whole, abs=1e-3), "gain_uncertainty": ANY}
     }  # fmt: skip
     assert fails["requirement"] == "in_time"
-    # A thousandth beyond the border, where the run does fail.
-    assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
+    # At most some thousandth beyond the border, where the run does fail.
+    assert 0.999 < (0.1 - fails["at"]["k"]) / (share * 0.005) < 1.0011
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text

@@ -20,10 +20,16 @@ from deployable.campaign.plan.plan import RunAccount
 from deployable.campaign.text.numbers import interval
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
-from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
+from deployable.intervals.scalars import (
+    Limit,
+    Occurrence,
+    ScalarSurrogate,
+    fit_scalar,
+    share_of_box,
+)
 from deployable.intervals.scalars.fits import choose_fit
 from deployable.intervals.scalars.occurrence import FittedOccurrence
-from evidence.search.fractions import one_number, play
+from evidence.search.fractions import BOXES, is_covered, one_number, play, truths
 
 HAPPENS = LimitSpec("there", 0, "happens", 1.0)
 BEYOND_THE_ERROR = 3.0
@@ -133,9 +139,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
     there = float(occurrence.decision(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
-    limit = Limit(
-        SimpleNamespace(occurrence=occurrence, rival=None), "happens", 1.0, border_error=found
-    )
+    limit = Limit(ScalarSurrogate(None, occurrence), "happens", 1.0, border_error=found)
     share, open_ = share_of_box([limit], np.ones(1))
     assert share - open_ < 0.35 < share
 
@@ -333,6 +337,43 @@ def test_a_share_that_no_run_tells_is_open_with_half_an_interval_too():
     rows = play(box, "default", box.truth())
     assert [row["kind"] for row in rows] == ["fraction", *2 * ["halved", "gain"]]
     assert {row["said"] for row in rows} == {0.0} and {row["open"] for row in rows} == {1.0}
+
+
+def test_a_fit_to_a_grid_is_tested_about_the_border_of_a_limit():
+    """A step of 0.1 between two levels of the grid, beside which every fit to its runs is exact."""
+    (box,) = (box for box in BOXES if box.name == "small step")
+    rows = [row for row in play(box, "default", truths()[box.name]) if row["kind"] == "fraction"]
+    assert [row["fraction"] for row in rows] == ["at most 0.2", "at most 0.5"]
+    assert all(map(is_covered, rows)) and all(0 < row["open"] < 0.02 for row in rows)
+
+
+@pytest.mark.parametrize(("count", "half"), [(24, 0.15), (32, 0.1)])
+def test_a_band_in_which_one_run_lies_is_covered(count, half):
+    """Of |x - 0.3 y - 0.2| below its half width: the smooth border closes about the run, and its
+    own band is too narrow by half; the nearest runs tell more."""
+    points = scan_points(np.ones(2, dtype=bool), count)
+    happens = np.abs(points @ [1.0, -0.3] - 0.2) < half
+    assert happens.sum() == 1
+    limit = Limit(ScalarSurrogate(None, Occurrence(points, happens)), "happens", 1.0)
+    share, open_ = share_of_box([limit], np.ones(2))
+    assert 0.5 * open_ < half - share < open_ < share + 0.02
+
+
+def test_further_runs_that_fail_end_the_search_and_not_the_campaign():
+    """A third of the runs may fail, and every further one does."""
+    model = ClosedBench(Closed("limit", 1, 11, 0.0), 9)
+    model.around.solver.failures = 0.3
+
+    def evaluate(plan, points):
+        run = SimpleNamespace(id=tuple(points[0].tolist()), normalized=points[0])
+        model.failures = [*model.failures, SimpleNamespace(run=run)]
+        return np.full((2, 1, 1), np.nan)
+
+    model.evaluate = evaluate
+    for x in np.linspace(0.01, 0.99, 20):
+        model.add([np.array([x])])
+    runs = len(model.points) + len(model.failures)
+    assert 0.3 * (runs - 1) < len(model.failures) <= 0.3 * runs + 1
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-14])

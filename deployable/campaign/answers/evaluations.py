@@ -27,7 +27,6 @@ from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRun
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import (
     Simulation,
-    check_failures,
     check_structure,
     notify_reruns,
 )
@@ -140,9 +139,12 @@ class ModelEvaluator:
 
     @property
     def spare_failures(self) -> int:
-        """How many more runs may fail, and one beside, before too many have (`check_failures`)."""
-        total = len(self.points) + self.rest_count + (count := len(self.failed_points))
-        return max(0, int(self.experiment.solver.failures * total) - count - 1)
+        """How many more runs may fail, and one beside, before further ones end (`add`); below -1
+        where more failed than `solver.failures` allows."""
+        if not (count := len(self.failed_points)):
+            return 0
+        total = len(self.points) + self.rest_count + count
+        return int(self.experiment.solver.failures * total) - count - 1
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """Return the index of the evaluator's run nearest to a normalized point (k), and its
@@ -172,10 +174,10 @@ class ModelEvaluator:
     def add(self, points: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
         (`points`, `numbers`, `margins`, `refinements`), and return the index (P) of the run at each
-        point, or of the nearest once `max_refinements` are added, or the `account` allows no more,
-        or where the run fails, which goes to `failures`; `CampaignError` if too many did."""
+        point, or of the nearest once `max_refinements` are added, too many runs failed, or the
+        `account` allows no more, or where the run fails, which goes to `failures`."""
         additions: list[np.ndarray] = []
-        for point in points:
+        for point in points if self.spare_failures >= -1 else ():
             present = np.array([*self.points, *self.failed_points, *additions])
             present = present.reshape(-1, self.points.shape[1])
             is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
@@ -254,7 +256,7 @@ class ModelEvaluator:
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord | None]:
         """The `RunRecord` of each of a plan's runs, simulated unless stored, whatever the `account`
-        allows; None of one that fails. Raises `CampaignError` if too many of all runs fail."""
+        allows; None of one that fails."""
         self.account.count_runs([run.id for run in runs])
         store = open_store(self.keep, self.store, plan.experiment)
         records: dict = {}
@@ -276,8 +278,6 @@ class ModelEvaluator:
         if plan is self.plan:
             known_ids = {f.run.id for f in (*self.planned_failures, *self.failures)}
             self.failures = [*self.failures, *(f for f in failures if f.run.id not in known_ids)]
-            total = len(self.points) + self.rest_count + len(self.failed_points) + len(records)
-            check_failures(plan, [*self.planned_failures, *self.failures], total)
         if self.further_runs and plan is self.plan:
             for run in runs:
                 if run.id in records:

@@ -26,6 +26,7 @@ _OPEN = 0.05  # of the width: error of an upper bound that may not exist
 _STAGNANT = 0.9  # of the error with half as many runs: what does not fall by more is given up
 _MOST_TURNS = 16  # runs for each parameter where expressions of the structure turn back or bend
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
+_BORDER_RUNS = 4  # about the border that a fit gives a limit
 _FAILURE_POINTS, _SPARE = 2, 6  # about the border to failed runs, while so many more may fail
 
 
@@ -117,7 +118,7 @@ def converge_bounds(
         unmet = progress.find_unmet(bounds, len(model.points))
         points = _infill(unmet if is_extra else bounds)
         if not is_extra:
-            points += _find_deciding_points(model, bounds, specs, has_borders=True)
+            points += _find_deciding_points(model, bounds, specs, 0 if iteration else _BORDER_RUNS)
         if unmet and (is_extra or not points):
             points += [*_spread(model, max(LANES, len(model.points) // 4))]
         if is_extra and not points and confirmations > 0:
@@ -304,21 +305,25 @@ def _infill(bounds: Sequence[QuantityBounds]) -> list[np.ndarray]:
 
 def _find_deciding_points(
     model: ModelEvaluator, bounds: Sequence[QuantityBounds], specs: Sequence[LimitSpec],
-    has_borders: bool = False,
+    border_runs: int | None = None,
 ) -> list[np.ndarray]:  # fmt: skip
     """Unit points (k) that decide limits of all quantities, where no run was made: their worst
-    places, where runs may fail nearest to the nominal values, and, with `has_borders`, the border
-    of a limit that jumps there, which no fit tells."""
+    places, where runs may fail nearest to the nominal values, and, if `border_runs` is a number,
+    the border of a limit that jumps there, which no fit tells, and so many points about one that a
+    fit tells: no run between the levels of a grid tests a fit to it."""
     if not specs:
         return []
     assessment = assess_limits(model, [b.surrogate for b in bounds], specs)
+    has_borders = border_runs is not None
     points = list(assessment.points)
     if assessment.doubt is not None:
         border, spare = assessment.limits[-1].surrogate.occurrence, model.spare_failures
-        points += [assessment.doubt] if spare else []
+        points += [assessment.doubt] if spare > 0 else []
         points += [*border.infill_points(_FAILURE_POINTS if has_borders and spare > _SPARE else 0)]
     for limit in assessment.limits[: len(specs)] if has_borders else []:
-        if limit.border is not None and limit.border.open_fraction > _MIN_FRACTION:
+        if limit.border is None and limit.surrogate.fit is not None:
+            points += list(limit.fitted_border.infill_points(border_runs or 0))
+        elif limit.border is not None and limit.border.open_fraction > _MIN_FRACTION:
             points += list(limit.border.infill_points(_SURFACE))
     return model.find_missing(points)
 

@@ -109,8 +109,8 @@ class Solver:
     scale."""
     failures: Annotated[float, Rule(least=0, most=1, unit="1")] = 0.1
     """Largest share of runs that may fail. Up to this share, failed runs are left out of the fits
-    and count as failing every requirement; beyond it the campaign ends. The nominal run may not
-    fail."""
+    and count as failing every requirement. If more runs of the design fail, the campaign ends; if
+    more do with the further runs, no others are made. The nominal run may not fail."""
 
     def __post_init__(self):
         if self.step != "auto" and self.step > self.duration:

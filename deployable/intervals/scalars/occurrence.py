@@ -86,10 +86,10 @@ class Occurrence:
         1.8 over the root of their number times as much."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self._stretch_count))
+        return self.band(points) * min(1.0, _CONFIDENCE / np.sqrt(self.stretch_count))
 
     @cached_property
-    def _stretch_count(self) -> float:
+    def stretch_count(self) -> float:
         """How many stretches of the border err each by itself, at least 1."""
         spacing = len(self.points) ** (-1.0 / max(int(self._free.sum()), 1))
         cells = np.unique(np.round(self._support_vectors[0] / (2 * spacing)), axis=0)
@@ -240,6 +240,17 @@ class Occurrence:
             points = scan_points(free, _POINTS, seed=2, corners=False)
         points[:, ~free] = self.points[0, ~free]
         return points
+
+
+class NearestOccurrence(Occurrence):
+    """In which part of the box an event occurs, if it does where it does in the nearest run: a
+    rival of the smooth border, which tells what few runs leave open. The decision function is the
+    difference of the distances from the nearest run without it and from the nearest with it."""
+
+    def _border(self, x: np.ndarray) -> np.ndarray:
+        kinds = (scipy.spatial.cKDTree(self.points[k]) for k in (~self.happens, self.happens))
+        miss, hit = (tree.query(x)[0] for tree in kinds)
+        return miss - hit
 
 
 def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:

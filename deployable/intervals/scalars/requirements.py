@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..designs import scan_points
-from .occurrence import FittedOccurrence, Occurrence
+from .occurrence import FittedOccurrence, NearestOccurrence, Occurrence
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
@@ -24,6 +24,10 @@ _CLEARLY = 0.5  # of what a fit leaves open: a border by runs that leaves less i
 _FACTOR, _LEAST_COUNT = 2.0, 5  # times the volume of so many runs at least, told wrongly: likewise
 _PART = 2.0**0.5  # of a border that counts in part, fewer stretches err each by itself
 _RIVALRY = 10.0  # times the errors of the fit: kinds that predict worse have no say in proportion
+_CALIBRATED = 0.8  # of what errors of fits alone change, in several directions, where they cancel
+_NEAREST_SAY = 2.5  # times what the border of the nearest runs changes: two deviations, calibrated
+_STRETCHES = 5.0  # of a border: with more than these the nearest runs say less
+_FEW = 5  # directions in which a border by runs is not biased by the corners of the box
 _ROUNDING = 1e-9  # of the width of the runs: by so much an extreme may be beyond a limit
 _OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their sets, each by itself
 _MOST_VALUES = 40_000_000  # points on such lines, times runs
@@ -37,13 +41,15 @@ class Limit:
     "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if the
     event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh and
     step, in the quantity's unit; border_error: their error in the decision function, by which the
-    event occurs (`Occurrence.decision`); infinite if finer runs differ in whether it does."""
+    event occurs (`Occurrence.decision`); infinite if finer runs differ in whether it does;
+    by_nearest: whether a border that only runs tell is that of the nearest runs."""
 
     surrogate: Any
     kind: str
     level: float
     run_error: float = 0.0
     border_error: float = 0.0
+    by_nearest: bool = False
 
     def conditions(
         self, points: np.ndarray, cache: dict | None = None, has_errors: bool = True
@@ -76,8 +82,9 @@ class Limit:
             open_band = _PART * open_band
         if self.border is not None:
             border = self.border
-            band = border.usual_band(points)
-            error = band + self.run_error * self._steepness
+            error = np.zeros(len(points))
+            if has_errors:
+                error = border.usual_band(points) + self.run_error * self._steepness
             return [(decision, open_band), (border.decision(points), error)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - evaluate(surrogate.predict))
@@ -86,18 +93,30 @@ class Limit:
 
     @cached_property
     def rival(self) -> "Limit | None":
-        """The limit with the other kind of fits (`ScalarSurrogate.rival`); None without such."""
-        rival = None if self.surrogate is None else self.surrogate.rival
-        if rival is None:
+        """The limit with the other kind of fits (`ScalarSurrogate.rival`), and with the borders of
+        the nearest runs where only runs tell them; None without such."""
+        if self.surrogate is None:
             return None
-        if self.kind != "happens" and self.border is not None:  # which no fit tells
+        rival, border = self.surrogate.rival or self.surrogate, self.surrogate.occurrence
+        if type(border) is Occurrence and border.is_mixed:
+            nearest = NearestOccurrence(border.points, border.happens)
+            rival = replace(rival, occurrence=nearest)
+        by_runs = self.kind != "happens" and self.border is not None
+        if by_runs:  # which no fit tells
             rival = replace(rival, fit=self.surrogate.fit)
-        return replace(self, surrogate=rival)
+        if rival is self.surrogate and not by_runs:
+            return None
+        return replace(self, surrogate=rival, by_nearest=True)
 
     @cached_property
     def rivalry(self) -> float:
-        """How much the other kind of fits has to say, from 0 to 1: less where it predicts left-out
-        runs far worse, as a spline does where a polynomial is exact."""
+        """How much the other kind of fits has to say, from 0 to 2: less where it predicts left-out
+        runs far worse, as a spline does where a polynomial is exact. The nearest runs have as much
+        as of two deviations, and less where many stretches of a border err each by itself."""
+        borders = self.surrogate.occurrence, self.kind != "happens" and self.border
+        counts = [x.stretch_count for x in borders if type(x) is Occurrence and x.is_mixed]
+        if counts:
+            return _NEAREST_SAY * min(1.0, (_STRETCHES / min(counts)) ** 0.5)
         fits = [self.surrogate.fit, getattr(self.surrogate.occurrence, "fit", None)]
         pairs = [(fit.mean_error, fit.rival.mean_error) for fit in fits if fit and fit.rival]
         ratios = [_RIVALRY * mean / rival_mean for mean, rival_mean in pairs if rival_mean > 0]
@@ -107,7 +126,8 @@ class Limit:
     def border(self) -> Any:
         """The border by runs alone between those that keep the level and those that do not, where
         it leaves less of the box open than the fit does, or than the volume next to runs whose side
-        the fit to all others tells wrongly, as beside steps, plateaus and jumps."""
+        the fit to all others tells wrongly, as beside steps, plateaus and jumps; in many
+        directions, where one run in a corner says little, also less than by the usual errors."""
         fit = self.surrogate.fit
         if fit is None:
             return None
@@ -115,13 +135,26 @@ class Limit:
         border = Occurrence(fit.points, margins >= 0)
         if not border.is_mixed:
             return None
-        by_fit = FittedOccurrence(fit.points, margins >= 0, fit, fit.error, self.level)
         is_wrong = (self.find_margins(fit.values - fit.left_out) >= 0) != (margins >= 0)
         is_wrong &= np.abs(fit.left_out) > _ROUNDING * np.ptp(fit.values)
+        by_fit = self.fitted_border
         most = _CLEARLY * by_fit.open_fraction
         if is_wrong.sum() >= _LEAST_COUNT:
             most = max(most, _FACTOR * float(is_wrong @ border.cells))
-        return border if border.open_fraction < most else None
+        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > _FEW
+        if is_wide and border.usual_open_fraction >= by_fit.usual_open_fraction:
+            return None
+        if border.open_fraction >= most:
+            return None
+        return NearestOccurrence(fit.points, border.happens) if self.by_nearest else border
+
+    @cached_property
+    def fitted_border(self) -> FittedOccurrence:
+        """The border by the fit between where the quantity, which has one, keeps the level and
+        where not."""
+        fit = self.surrogate.fit
+        is_kept = self.find_margins(fit.values) >= 0
+        return FittedOccurrence(fit.points, is_kept, fit, fit.error, self.level)
 
     @cached_property
     def _steepness(self) -> float:
@@ -255,7 +288,9 @@ def shares_of_box(
         sizes = np.abs(np.concatenate(changes, axis=1).mean(axis=1)).tolist()
         for i, row, change, deviation in zip(numbers, means, sizes, deviations, strict=True):
             fraction, least, most, coarse = row
-            open_ = max(most - fraction, fraction - least, change) + abs(coarse - fraction)
+            is_whole = single or any(limit.run_error or limit.border_error for limit in sets[i])
+            open_ = max(most - fraction, fraction - least, change)
+            open_ = open_ * (1.0 if is_whole else _CALIBRATED) + abs(coarse - fraction)
             if fraction == 1 and len(starts) > 1 and not _is_kept(sets[i], *corners):
                 open_ += _MISSED_LINES / len(starts)
             shares[i] = fraction, float(np.hypot(open_, _STUDENT * deviation))

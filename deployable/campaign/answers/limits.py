@@ -86,12 +86,12 @@ def assess_limits(
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of values and of decision functions (sign: whether one exists), or None."""
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
-    limits = [
-        Limit(
-            surrogates[spec.quantity], spec.kind, spec.level, *map(float, errors[:, spec.quantity])
+    limits = []
+    for spec in specs:
+        run_error, border_error = map(float, errors[:, spec.quantity])
+        limits.append(
+            Limit(surrogates[spec.quantity], spec.kind, spec.level, run_error, border_error)
         )
-        for spec in specs
-    ]
     upper, failed_points = model.experiment.box.free.astype(float), model.failed_points
     worst = [limit.worst(-upper, upper) for limit in limits]
     runs = np.concatenate([model.points, failed_points])

@@ -7,15 +7,13 @@ Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the li
 which it is positive definite (Wendland 2005, chapter 8)."""
 
 from collections.abc import Callable, Iterable
-from functools import wraps
-from typing import Any
 
 import numpy as np
 import scipy
 
 from .errors import IntervalError
 
-_COLUMNS, _BLOCK, _SMALL_COUNT = 512, 256, 64
+_COLUMNS, _BLOCK = 512, 256
 _CONDITION = 1e9  # of the equations of runs left out together: above it others give no spline
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
@@ -31,27 +29,9 @@ def in_blocks(function: Callable, points: np.ndarray) -> np.ndarray:
 
 def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return the squares (P, N) of the distances between points x (P, k) and `points` (N, k)."""
-    rows, columns = np.ones((len(x), x.shape[1] + 2)), np.ones((x.shape[1] + 2, len(points)))
-    rows[:, :-2], columns[:-2] = x, -2 * points.T
-    rows[:, -2], columns[-1] = (np.einsum("ij,ij->i", y, y) for y in (x, points))
-    values = rows @ columns  # one product is faster than sums over large arrays
+    values = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
+    values -= 2 * x @ points.T
     return np.maximum(values, 0.0, out=values)
-
-
-def keep_last(function: Callable) -> Callable:
-    """Return a method of points that keeps its values for the array that it was called with last,
-    and for the last of more than a few points, where searches begin: other functions of the same
-    points depend on the same values."""
-
-    @wraps(function)
-    def method(self: Any, points: np.ndarray) -> np.ndarray:
-        key = f"_last_{function.__name__}_{len(points) > _SMALL_COUNT}"
-        last = self.__dict__.get(key)
-        if last is None or last[0] is not points:
-            last = self.__dict__[key] = points, function(self, points)
-        return last[1]
-
-    return method
 
 
 def stands_alone(points: np.ndarray) -> np.ndarray:

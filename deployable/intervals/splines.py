@@ -256,9 +256,8 @@ def _rows(x, points, scales) -> np.ndarray:
     x, points = (x * scales)[:, free], (points * scales)[:, free]
     if len(points) == 1:
         return np.ones((len(x), 1))
-    cubes = squares(x, points)
-    cubes *= np.sqrt(cubes)
-    return np.concatenate([cubes, np.ones((len(x), 1)), x], axis=1)
+    square = squares(x, points)
+    return np.concatenate([square * np.sqrt(square), np.ones((len(x), 1)), x], axis=1)
 
 
 def _system(points, scales) -> Polyharmonic:

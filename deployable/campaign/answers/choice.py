@@ -121,12 +121,11 @@ def answer(
 def _search(
     model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
-    """Return the best and the safest choice (None without a safe one), the safe range of each
-    chosen value and the choices that were tried, after the deciding places are simulated, or after
-    `iterations`. The best choice is judged with runs at its worst places."""
+    """Return the results of `_best` after the deciding places are simulated, or after `iterations`.
+    The best choice is judged with runs at its worst places."""
     start = time.monotonic()
     for iteration in range(iterations + 1):
-        best, safest, problem, trials = _best(model, base, choose, specs)
+        best, safest, safe_ranges, trials = _best(model, base, choose, specs)
         points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
         points += [] if safest is None else [*safest.worst]
         points = model.find_missing([point for point in points if np.isfinite(point).all()])
@@ -138,8 +137,6 @@ def _search(
             f"{base.name}: choosing, {len(model.points)} runs, round {iteration + 1} of at most "
             f"{iterations}, at most {duration_text(max(1.0, seconds))} left"
         )
-    numbers = range(0 if safest is None else len(best.values))
-    safe_ranges = [problem.find_safe_range(best, i) for i in numbers]
     best = _confirm(model, base, choose, specs, best, iterations)
     return best, safest if best.is_safe else None, safe_ranges, trials
 
@@ -240,14 +237,16 @@ def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 
 def _best(
     model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
-) -> tuple[Any, Any, ChoiceProblem, list]:
-    """Find the best and the safest choice (`intervals.scalars.Choice`; None without a safe one),
-    the problem that they solve, and the choices that were tried."""
+) -> tuple[Any, Any, list, list]:
+    """Find the best and the safest choice (`intervals.scalars.Choice`), the safe range of each
+    chosen value, and the choices that were tried. Without a safe choice the safest is None and the
+    ranges are empty."""
     problem = _problem(model, experiment, choose, specs)
     best, trials = problem.find_best()
     if not best.is_safe or not np.isfinite(best.safety):
-        return best, None, problem, trials
-    return best, problem.find_safest(trials, best), problem, trials
+        return best, None, [], trials
+    ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
+    return best, problem.find_safest(trials, best), ranges, trials
 
 
 def _problem(

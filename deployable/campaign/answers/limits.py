@@ -18,7 +18,6 @@ from deployable.intervals.scalars import (
     find_max_scale,
     fit_scalar,
     sub_box,
-    trial_points,
 )
 
 _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border a run is made
@@ -120,7 +119,7 @@ def assess_limits(
     doubt = failure_point
     if len(failed_points) and largest[1] != len(specs):
         inner = sub_box(model.nominal, largest[0])
-        doubt = extreme(border.decision, -1.0, *inner, trial_points(*inner, runs), climbs=1)[1]
+        doubt = extreme(border.decision, -1.0, *inner, runs, climbs=1)[1]
     doubt = doubt if len(failed_points) else None
     return LimitAssessment(specs, limits, margins, worst, largest, failure_point, doubt)
 

@@ -27,5 +27,4 @@ from .surrogate import (
     find_influence,
     fit_scalar,
     share_borders,
-    trial_points,
 )

@@ -18,7 +18,7 @@ from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
 from ..formula import Formula, polynomial
-from ..spline_equations import distinct, in_blocks, keep_last, stands_alone
+from ..spline_equations import distinct, in_blocks, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 if TYPE_CHECKING:
@@ -161,7 +161,6 @@ class Fit:
         function = getattr(self.function, "trend", self.function)
         return self if function is self.function else replace(self, function=function)
 
-    @keep_last
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P) of the function at `points` (P, k) in [-1, 1]^k."""
         return self.function.evaluate(np.asarray(points, dtype=float))[:, 0]

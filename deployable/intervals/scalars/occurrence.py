@@ -18,7 +18,7 @@ import scipy
 
 from ..designs import scan_points, spread_points
 from ..formula import Formula
-from ..spline_equations import distinct, in_blocks, keep_last, squares, stands_alone
+from ..spline_equations import distinct, in_blocks, squares, stands_alone
 
 if TYPE_CHECKING:
     from .fits import Fit
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 _POINTS, _CANDIDATES = 8192, 2048
 _MOST = 1000  # runs that a border is fitted to, in half a second: those nearest to unlike ones
 _LENGTH = 2.0  # of the kernel: the side of the box
-_ROUNDING = 1e-12  # of the largest size of a function: an error that says nothing
 _NOISE = 1e-10  # added to the kernel of a run with itself, so that rounding is no obstacle
 _LEAST = 5e-4  # unit distance of two runs about a border, below which none is sought
 REACH = 0.25
@@ -169,7 +168,6 @@ class Occurrence:
     def _free(self) -> np.ndarray:
         return np.ptp(self.points, axis=0) > 0
 
-    @keep_last
     def _border(self, x: np.ndarray) -> np.ndarray:
         """Evaluate the smoothest function that separates the runs with the event from those
         without."""
@@ -255,15 +253,8 @@ class NearestOccurrence(Occurrence):
 
 def matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
-    distance = squares(x, points)
-    distance *= 5 / _LENGTH**2
-    np.sqrt(distance, out=distance)
-    values = distance / 3
-    values += 1
-    values *= distance
-    values += 1
-    values *= np.exp(np.negative(distance, out=distance), out=distance)
-    return values
+    distance = np.sqrt(5 * squares(x, points)) / _LENGTH
+    return (1 + distance + distance**2 / 3) * np.exp(-distance)
 
 
 @dataclass(frozen=True)
@@ -283,8 +274,7 @@ class FittedOccurrence(Occurrence):
         """Return whether the decision function agrees with every run: it is at least minus `error`
         in runs with the event, and below `tolerance` (in its unit) in those without."""
         decision = self.decision(self.points)
-        rounding = _ROUNDING * np.abs(decision).max()
-        agreement = decision[self.happens] >= -self.error - rounding
+        agreement = decision[self.happens] >= -self.error
         return bool(agreement.all() and (decision[~self.happens] < tolerance).all())
 
     def decision(self, points: np.ndarray) -> np.ndarray:
@@ -327,10 +317,17 @@ class JointOccurrence(Occurrence):
         least = self._decisions(points).argmin(axis=0)
         return self._over_sizes(rows)[least, np.arange(len(points))]
 
-    @keep_last
     def _decisions(self, points: np.ndarray) -> np.ndarray:
-        """Decision functions (parts, P) at points, over their sizes."""
-        return self._over_sizes([part.decision(points) for part in self.parts])
+        """Decision functions (parts, P) at points, over their sizes; kept for those asked last, as
+        a band is asked for where the decision was."""
+        if self._last.get("points") is not points:
+            rows = self._over_sizes([part.decision(points) for part in self.parts])
+            self._last.update(points=points, rows=rows)
+        return self._last["rows"]
+
+    @cached_property
+    def _last(self) -> dict[str, np.ndarray]:
+        return {}
 
     def _over_sizes(self, rows: Sequence[np.ndarray]) -> np.ndarray:
         return np.array([row / size for row, size in zip(rows, self._part_sizes, strict=True)])

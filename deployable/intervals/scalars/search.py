@@ -16,7 +16,7 @@ from ..box import MOST_FULL, ROUNDING
 from ..designs import spread_points
 from .fits import Fit, level
 from .occurrence import REACH, Occurrence
-from .surrogate import Extremes, ScalarSurrogate, extreme, trial_points
+from .surrogate import Extremes, ScalarSurrogate, extreme
 
 TOLERANCE = 1e-3
 """A bound is converged when nothing may exceed the extreme run by this fraction of the width."""
@@ -198,7 +198,7 @@ def _moves(
         candidate[j] = x
     gains = sign * (predict(candidates) - predict(argument[None]))
     order = np.argsort(-gains, kind="stable")
-    points = [extreme(predict, sign, -side, side, trial_points(-side, side, argument[None]), 1)[1]]
+    points = [extreme(predict, sign, -side, side, argument[None], 1)[1]]
     points.append(trend.end(sign, -side, side)[1])
     for most in (len(order), 4):
         points.append(argument.copy())

@@ -43,34 +43,26 @@ class Extremes:
         return self.high - self.low
 
 
-def trial_points(
-    lower: np.ndarray, upper: np.ndarray, extra_points: np.ndarray | None = None
-) -> np.ndarray:
-    """Return the points (P, k) at which `extreme` looks first: points spread over the part of the
-    box from `lower` to `upper` (k each, in [-1, 1]), its faces and corners, and those of
-    `extra_points` (P, k; None: none) that lie in it."""
-    middle, half = (lower + upper) / 2, (upper - lower) / 2
-    trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)
-    if extra_points is None or not len(extra_points):
-        return trial
-    in_part = ((extra_points >= lower - 1e-12) & (extra_points <= upper + 1e-12)).all(axis=1)
-    return np.concatenate([trial, np.clip(extra_points[in_part], lower, upper)])
-
-
 def extreme(
     function: Function,
     sign: float,
     lower: np.ndarray,
     upper: np.ndarray,
-    trial: np.ndarray,
+    extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> tuple[float, np.ndarray]:
     """Find the largest (sign 1) or least (sign -1) value that a function attains over the part of
     the box from `lower` to `upper` (k each, in [-1, 1]), and where (k); both NaN if it has none
     there. function: takes points (P, k) and returns values (P), NaN where it has none. The best of
-    the points `trial` (P, k, `trial_points`); from the best `climbs` of them (on a line one, at 0
-    none) a quasi-Newton search goes on (L-BFGS-B), which takes a smooth function."""
+    points spread over the part, its faces and corners, and of those `extra_points` (P, k; None:
+    none) that lie in it; from the best `climbs` of them (on a line one, at 0 none) a quasi-Newton
+    search goes on (L-BFGS-B), which takes a smooth function."""
+    lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     middle, half = (lower + upper) / 2, (upper - lower) / 2
+    trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)
+    if extra_points is not None and len(extra_points):
+        in_part = ((extra_points >= lower - 1e-12) & (extra_points <= upper + 1e-12)).all(axis=1)
+        trial = np.concatenate([trial, np.clip(extra_points[in_part], lower, upper)])
     values = function(trial)
     is_number = np.isfinite(values)
     if not is_number.any():
@@ -79,17 +71,12 @@ def extreme(
     free = half > 0
     if free.sum() == 1:
         climbs = min(climbs, 1)  # on a line the points are close enough
-    signed_values = sign * values
-    order = (
-        np.argsort(-signed_values, kind="stable")[:climbs]
-        if climbs > 1
-        else [signed_values.argmax()]
-    )
+    order = np.argsort(-sign * values, kind="stable")[: max(climbs, 1)]
     best, argument = float(values[order[0]]), trial[order[0]].copy()
     if not free.any() or not climbs:
         return best, argument
     # The search needs numbers everywhere; where there are none is worse than all that was tried.
-    worst, scale = float(signed_values.min()), float(np.ptp(values)) or 1.0
+    worst, scale = float((sign * values).min()), float(np.ptp(values)) or 1.0
     rows = np.flatnonzero(free)
 
     def loss(local: np.ndarray) -> tuple[float, np.ndarray]:
@@ -205,7 +192,7 @@ class ScalarSurrogate:
         of best points from which a search goes on."""
         if lower is None and upper is None and not options:
             return self._whole_range
-        part = self._with_trial(*self._part(lower, upper))
+        part = (*self._part(lower, upper), self._trial_points)
         low, argmin = extreme(self.evaluate, -1.0, *part, **options)
         high, argmax = extreme(self.evaluate, 1.0, *part, **options)
         return Extremes(low, high, argmin, argmax)
@@ -221,34 +208,27 @@ class ScalarSurrogate:
         """Return the upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the
         box from `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained;
         both NaN without values. climbs: number of best points from which a local search starts."""
-        return self._find_once(self.evaluate, sign, *self._part(lower, upper), climbs)
+        part = self._part(lower, upper)
+        return self._find_once(self.evaluate, sign, *part, self._trial_points, climbs)
 
-    def _find_once(self, function: Function, sign, lower, upper, climbs):
+    def _find_once(self, function: Function, sign, lower, upper, points, climbs):
         """Return the result of `extreme` for a function of this surrogate, computed once, since
         limits of the same quantity ask for the same."""
         key = (function.__name__, sign, lower.tobytes(), upper.tobytes(), climbs)
         if key not in self._extremes:
-            part = self._with_trial(lower, upper)
-            self._extremes[key] = extreme(function, sign, *part, climbs)
+            self._extremes[key] = extreme(function, sign, lower, upper, points, climbs)
         return self._extremes[key]
 
     @cached_property
     def _extremes(self) -> dict[tuple, tuple[float, np.ndarray]]:
         return {}
 
-    def _with_trial(
-        self, lower: np.ndarray, upper: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the corners of a part of the box and the points to be tried there, with the runs
-        and the limit-state surface; the same array if asked again, whose values may be known."""
-        if not all(map(np.array_equal, self._last_part[:2], (lower, upper))):
-            extra = np.concatenate([self.occurrence.points, self.occurrence.surface_points])
-            self._last_part[:] = lower, upper, trial_points(lower, upper, extra)
-        return lower, upper, self._last_part[2]
-
     @cached_property
-    def _last_part(self) -> list[np.ndarray]:
-        return [np.zeros(0)] * 3
+    def _trial_points(self) -> np.ndarray | None:
+        """Unit points (P, k) at which extremes are sought: runs, and the limit-state surface."""
+        if self.fit is None:
+            return None
+        return np.concatenate([self.fit.points, self.occurrence.surface_points])
 
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
@@ -267,8 +247,9 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
+        decision, points = self.occurrence.decision, self.occurrence.points
         sign = 1.0 if happens else -1.0
-        value, point = self._find_once(self.occurrence.decision, sign, lower, upper, climbs=1)
+        value, point = self._find_once(decision, sign, lower, upper, points, climbs=1)
         return point if (value >= 0) == happens else None
 
 
@@ -422,8 +403,7 @@ def _width_error(
     quantity has no such border."""
     if not surrogate.occurrence.is_mixed:
         return np.nan
-    width = surrogate.range(lower, upper).width
-    part = surrogate._with_trial(*surrogate._part(lower, upper))
+    part, width = surrogate._part(lower, upper), surrogate.range(lower, upper).width
     widths = [] if rival is None else [rival.range(lower, upper, climbs=1).width]
 
     def evaluate_beside(points: np.ndarray, side: float) -> np.ndarray:
@@ -433,7 +413,9 @@ def _width_error(
 
     for side in (-1.0, 1.0):
         high, low = (
-            extreme(partial(evaluate_beside, side=side), sign, *part, climbs=1)[0]
+            extreme(
+                partial(evaluate_beside, side=side), sign, *part, surrogate._trial_points, climbs=1
+            )[0]
             for sign in (1.0, -1.0)
         )
         widths.append(np.subtract(high, low))

@@ -7,6 +7,7 @@ have the names that the kinds give them; all others are fixed. Files of one run 
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -123,7 +124,7 @@ class Curves:
     dropped_events: int
     step: float
 
-    @property
+    @cached_property
     def openings(self) -> dict[str, np.ndarray]:
         """Openings (joint coordinates) (t,) of all hinges by name: rad, of slides m."""
         return {**self.select_columns("opening"), **self.select_columns("slide_opening")}

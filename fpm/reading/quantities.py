@@ -19,7 +19,8 @@ from fpm.files.trajectory import IMPACTS, PEAK, Column, Curves
 from fpm.reading import margins
 from fpm.reading.events import SPREAD, cubic_through, extreme_value, find_root, peak, value_at
 
-MARGIN_READS = ("opening", "slide_opening", "latch_rate", "slide_latch_rate")
+CATCH_RATES = ("latch_rate", "slide_latch_rate")
+MARGIN_READS = ("opening", "slide_opening", *CATCH_RATES)
 """Variables that the margins of impacts are read off."""
 
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
@@ -54,13 +55,10 @@ def gate_margin(curves: Curves, event: str, element: Eventful) -> float:
     passes = times if len(times) else curves.times("misses", [element.name])
     if not len(passes):
         return min(_lack(curves.time, gap), -_TINY)
-    rates = [_arrival_rate(curves, gap, time) for time in passes]
-    catch_rates = {
-        **curves.select_columns("latch_rate"),
-        **curves.select_columns("slide_latch_rate"),
-    }
-    if len(times) and (label := element.name.removeprefix("latch ")) in catch_rates:
-        rates = [catch_rates[label][-1]]
+    label, columns = element.name.removeprefix("latch "), curves.columns
+    keys = [key for name in CATCH_RATES if (key := (name, label)) in columns] if len(times) else ()
+    rates = [columns[key][-1] for key in keys]
+    rates = rates or [_arrival_rate(curves, gap, time) for time in passes]
     energies = 0.5 * np.square(rates)
     limit = 0.5 * gate.largest_rate**2 or np.inf
     margin = float(np.max(energies * (1.0 - energies / limit)))

@@ -103,7 +103,7 @@ def test_defaults_are_those_of_the_models(raw):
     assert config.experiment.design.method == "tensor_roots"
     assert config.experiment.design.order == 3
     assert config.experiment.solver.safety == Solver().safety
-    assert config.jobs.group == 32
+    assert config.jobs.group == 64
 
 
 def test_a_scan_has_no_order_unless_it_is_given(raw):

@@ -351,7 +351,7 @@ class Jobs:
     runs. Few jobs are best, but at least one for each core. `auto` makes eight jobs, or one for
     each core of this machine: fewer if a job had less than 512 runs, up to 64 if it had more than
     4,096. It also gives all cores of this machine as many jobs."""
-    group: Annotated[int, Rule(least=1)] = 32
+    group: Annotated[int, Rule(least=1)] = 64
     """Runs that are integrated together. They are written while the next ones are integrated, so
     this limits memory and the loss of a killed job."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"

@@ -24,8 +24,10 @@ MARGIN_READS = ("opening", "slide_opening", "latch_rate", "slide_latch_rate")
 
 _START_SHARE = 1e-3  # share of the way within which it is at its gate from the start
 _TINY = 1e-12  # rad²/s², m²/s²: the size of a margin, at least
-BETWEEN = {"largest", "smallest", "smallest_at", "overshoot", "mean", "rms", "settling", "crossing",
-           "value"}  # fmt: skip
+READ_KINDS = {
+    "largest", "smallest", "smallest_at", "overshoot", "mean", "rms", "settling", "crossing",
+    "value",
+}  # fmt: skip
 """Kinds of quantities that are read between instants, too."""
 
 _ABSENT = -1e30  # a number that a run does not have, as files hold finite ones
@@ -146,9 +148,9 @@ class Quantity:
     @property
     def peak_column(self) -> Column | None:
         """Column of runs that have the number already, read between instants, too; None of others
-        than BETWEEN, and of values at another quantity."""
+        than READ_KINDS, and of values at another quantity."""
         response = self.response
-        if self.kind not in BETWEEN or response.along or isinstance(self.instant, Quantity):
+        if self.kind not in READ_KINDS or response.along or isinstance(self.instant, Quantity):
             return None
         details = {"about": self.target, "within": self.tolerance or None, "at": self.instant}
         if self.kind == "crossing":

@@ -27,7 +27,7 @@ _RIVALRY = 10.0  # times the errors of the fit: kinds that predict worse have no
 _FIT_SHARE = 0.8  # of what errors of fits alone change, in several directions, where they cancel
 _NEAREST_SAY = 2.5  # times what the border of the nearest runs changes: two deviations, calibrated
 _STRETCHES = 5.0  # of a border: with more than these the nearest runs say less
-_MOST_PLAIN = 5  # directions in which a border by runs is not biased by the corners of the box
+_DIRECTIONS = 5  # directions in which a border by runs is not biased by the corners of the box
 _ROUNDING = 1e-9  # of the width of the runs: by so much an extreme may be beyond a limit
 _OUTLOOK, _BATCHES = 512, 8  # lines along a halved interval at first; their sets, each by itself
 _MOST_VALUES = 40_000_000  # points on such lines, times runs
@@ -141,7 +141,7 @@ class Limit:
         most = _CLEARLY * by_fit.open_fraction
         if is_wrong.sum() >= _LEAST_COUNT:
             most = max(most, _FACTOR * float(is_wrong @ border.cells))
-        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > _MOST_PLAIN
+        is_wide = (np.ptp(fit.points, axis=0) > 0).sum() > _DIRECTIONS
         if is_wide and border.usual_open_fraction >= by_fit.usual_open_fraction:
             return None
         if border.open_fraction >= most:

@@ -254,8 +254,10 @@ def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at()
     np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])
 
 
-@pytest.mark.parametrize("level", [0.5, 0.2])
-def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(level, monkeypatch):
+@pytest.mark.parametrize(("level", "peak"), [(0.5, 0.0), (0.2, 0.0), (0.5, 0.05)])
+def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
+    level, peak, monkeypatch
+):
     """A number that jumps by 3 far from the best: (k - 0.17)^2 10 + 0.3 mass, least at k = 0.17
     with 0.95 to 1.05 of the mass: 0.315 at most."""
     mass = {"nominal": 1.0, "relative": 0.05}
@@ -273,9 +275,17 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(leve
         values = box.from_unit(np.array(points))[:, [box.names.index(n) for n in ("k", "mass")]]
         k, weight = values.T
         number = 10 * (k - 0.17) ** 2 + 0.3 * weight + np.where(k < 0.083, 3 + 20 * k, 0.0)
+        number += peak * (np.maximum(abs(k - 0.17), abs(weight - 1.03)) < 1e-6)
         return number[:, None], np.full((len(k), 1), np.nan)
 
+    def earlier_runs(model, base):
+        """A run of the campaign itself, about k = 0.17, which has a peak that no fit shows."""
+        box = model.experiment.box
+        place = box.to_unit([[{"k": 0.17, "mass": 1.03}[name] for name in box.names]])
+        return place, evaluate(model, plan, place)[0]
+
     monkeypatch.setattr(ModelEvaluator, "evaluate", evaluate)
+    monkeypatch.setattr(choice_answer, "_earlier_runs", earlier_runs)
     monkeypatch.setattr(choice_answer, "read_plan", lambda path: plan)
     monkeypatch.setattr(choice_answer, "write_result", lambda path, text: found.update(text=text))
     choice_answer.answer(Folder("none"), wanted.choose, wanted.requirements, wanted.verify,
@@ -285,9 +295,11 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(leve
     (best,), (goal,) = choice["parameters"], choice["goals"]
     assert choice["kept"] == choice["safe"] == (level > 0.315)
     worst = 10 * (abs(best["value"] - 0.17) + 0.01 * best["value"]) ** 2 + 0.315
-    assert goal["value"] == pytest.approx(worst, abs=1e-3) and worst < 0.317
-    assert goal["error"] < 0.01 and abs(best["value"] - 0.17) < 0.01
+    if abs(best["value"] - 0.17) <= 0.01 * best["value"]:
+        worst = max(worst, 0.309 + peak)
+    assert goal["value"] == pytest.approx(worst, abs=1e-3)
+    assert peak or (worst < 0.317 and goal["error"] < 0.01 and abs(best["value"] - 0.17) < 0.01)
     assert choice["runs"] < 120
     rows = choice["goals"] + choice["limits"]
     assert all(row["ran"] and row["simulated"] == pytest.approx(worst, abs=1e-6) for row in rows)
-    assert all(goal["value"] >= row["simulated"] for row in rows)
+    assert all(goal["value"] >= row["simulated"] - 1e-6 for row in rows)

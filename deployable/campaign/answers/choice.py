@@ -25,7 +25,7 @@ from deployable.campaign.config.sections import (
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, Runs, choose_step, read_plan
-from deployable.campaign.results.quantity_results import QuantityResults, number
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.numbers import duration_text
@@ -150,34 +150,56 @@ def _confirm(
     iterations: int,
 ) -> Any:
     """Judge the values of a choice again with runs at its worst places, until these stay where runs
-    are, or so many times. A goal or limit is what the run there has if that is worse."""
-    problem = _problem(model, base, choose, specs)
+    are, or so many times. A goal or limit is that of a run in the choice's box that is worse, also
+    of a run that the campaign made before."""
+    problem, earlier = _problem(model, base, choose, specs), _earlier_runs(model, base)
     for _ in range(iterations):
         count = len(model.points)
-        model.add(model.find_missing([*np.concatenate(best.goal_points), *best.worst]))
+        worse = _by_runs(problem, best, choose, specs, base, *earlier)
+        places = [*best.goal_points, best.worst, *worse.goal_points, worse.worst]
+        model.add(model.find_missing([*np.concatenate(places)]))
         if len(model.points) == count:
             break
         problem = _problem(model, base, choose, specs)
         best = problem.judge(best.values)
+    return _by_runs(problem, best, choose, specs, base, model.points, model.numbers)
 
-    def value(point: np.ndarray, q: int) -> float:
-        row, distance = model.nearest(point)
-        return float(model.numbers[row, q]) if distance <= SAME_RUN else np.nan
 
-    names, goals, margins = list(model.experiment.quantities), [], []
-    for (_, end, name), goal, points in zip(
-        choose.goals, best.goals, best.goal_points, strict=True
-    ):
-        *low, high = (value(point, names.index(name)) for point in points)
-        worse = np.fmin if end == "lower" else np.fmax
-        goals.append(worse(goal, high - sum(low)))
-    for spec, limit, margin, point in zip(
-        specs, problem.limits, best.margins, best.worst, strict=True
-    ):
-        has_run = model.nearest(point)[1] <= SAME_RUN
-        number = np.array(value(point, spec.quantity))
-        margins.append(min(margin, limit.find_margins(number)) if has_run else margin)
-    return problem.weigh(best, goals, margins)
+def _earlier_runs(model: ModelEvaluator, base: Experiment) -> tuple[np.ndarray, np.ndarray]:
+    """Return points (R, k), in the unit coordinates of `model`, and quantities (R, q) of the runs
+    that the campaign's other answers rest on."""
+    runs, box = FittedRuns.read(model.folder), model.experiment.box
+    nominal = base.parameters(dict(zip(base.intervals, base.nominal, strict=True)))
+    columns = dict(zip(base.box.names, base.box.from_unit(runs.points).T, strict=True))
+    values = [columns.get(name, np.full(len(runs.points), nominal[name])) for name in box.names]
+    return box.to_unit(np.transpose(values)), runs.numbers
+
+
+def _by_runs(
+    problem: ChoiceProblem, best: Any, choose: Choose, specs: list[LimitSpec], base: Experiment,
+    points: np.ndarray, numbers: np.ndarray,
+) -> Any:  # fmt: skip
+    """Return a choice whose goals and margins are those of runs in its box, where these are worse.
+    points (R, k), numbers (R, q): of runs and their quantities."""
+    lower, upper = problem.box(best.values)
+    is_inside = ((points >= lower - SAME_RUN) & (points <= upper + SAME_RUN)).all(axis=1)
+    points, columns = points[is_inside], numbers[is_inside].T
+    goals, margins = best.goals.copy(), best.margins.copy()
+    goal_points, worst = [*best.goal_points], best.worst.copy()
+    for i, (_, end, name) in enumerate(choose.goals):
+        column = columns[[*base.quantities].index(name)]
+        if np.isfinite(column).any():
+            least, most = int(np.nanargmin(column)), int(np.nanargmax(column))
+            rows = {"lower": [least], "upper": [most], "width": [least, most]}[end]
+            value = column[rows[-1]] - (column[least] if end == "width" else 0.0)
+            if not (value >= goals[i] if end == "lower" else value <= goals[i]):
+                goals[i], goal_points[i] = value, points[rows]
+    for i, (spec, limit) in enumerate(zip(specs, problem.limits, strict=True)):
+        found = limit.find_margins(columns[spec.quantity])
+        if len(found) and found.min() < margins[i]:
+            margins[i], worst[i] = found.min(), points[found.argmin()]
+    choice = problem.weigh(best, goals, margins)
+    return replace(choice, goal_points=goal_points, worst=worst)
 
 
 def _zoom(

@@ -89,7 +89,8 @@ class ModelEvaluator:
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
     ) -> None:
-        self.plan, self.jobs, self.notify, self.threads = plan, jobs, notify, threads
+        self.plan, self.jobs, self.folder = plan, jobs, folder
+        self.notify, self.threads = notify, threads
         # Single runs must keep whole responses, not only their extremes.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)

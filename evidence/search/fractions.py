@@ -97,7 +97,8 @@ class ClosedEvaluator(ModelEvaluator):
         quantities = [
             SimpleNamespace(
                 name=name, long_name=name, unit="1", kind="largest", is_time=False, least=None,
-                response=SimpleNamespace(long_name=name), number=1, instant=None,
+                response=SimpleNamespace(kind="sum", long_name=name, subjects=()),
+                number=1, instant=None,
                 always_exists=not (box.latest or self._comes_and_goes(name)),
             ) for name in names
         ]  # fmt: skip

@@ -290,7 +290,7 @@ def test_faces_that_pass_through_each_other_are_told(raw, tmp_path, keep):
             least = min(opening.min() for opening in curves[run.id].openings.values())
             assert samples["overlap"].values[row] == -least > SOFT
         most = float(samples["overlap"].max())
-    assert f"overlap by up to {most:.2g} rad" in sentence("soft", {"overlap": most})
+    assert f"overlap by up to {most:.2g} rad" in sentence("soft", {"overlap": most, "closures": []})
 
 
 def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):

@@ -125,3 +125,9 @@ def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
 def test_what_rigid_holds_refuse(element, message):
     with pytest.raises(fpm.SceneError, match=message):
         bars().add(element)
+
+
+def test_a_release_does_not_watch_an_opening_at_which_a_latch_holds():
+    """Rounding alone would say whether the opening passes the level."""
+    with pytest.raises(fpm.SceneError, match="no latch holds the other hinge; watch that latch"):
+        bars(latch=0.4).add(Release(0, watch=1, level=0.4))

@@ -92,7 +92,8 @@ def test_the_part_of_the_box_that_fails_is_drawn(opened):
     assert {met for _, _, met, _ in panel.marks} == {True, False}
     assert all(near for *_, near in panel.marks)  # there is no other parameter
     for x, _, met, _ in panel.marks:
-        assert met == (0.095 + 0.01 * x > exact)
+        k = 0.095 + 0.01 * x
+        assert met == (k > exact) or abs(k - exact) < 1e-6 * exact, "runs lie at the very border"
     (low, bottom), (high, top) = panel.feasible
     share = opened.facts["together"]["max_interval_scale"]
     assert (low, high) == pytest.approx((0.5 - 0.5 * share, 0.5 + 0.5 * share))
@@ -132,6 +133,7 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
             run = data.runs[shown.run]
             np.testing.assert_allclose(run.values, end, rtol=1e-12)
             (opening,) = curves_in(folder / "trajectories")[run.id].openings.values()
-            np.testing.assert_array_equal(run.curves[0], opening)
+            # Its step is that of the run but for rounding, as nothing is read between instants.
+            np.testing.assert_allclose(run.curves[0], opening, rtol=1e-11, atol=1e-15)
     further = [run for run in data.runs if run.role == REFINEMENT]
     assert not set(map(data.runs.index, further)) & set(data.unfitted_runs)

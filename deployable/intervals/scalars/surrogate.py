@@ -375,8 +375,6 @@ def find_influence(
     errors = np.full(k, surrogate.error)
     previous = previous if previous is not None and previous.fit is not None else surrogate
     changes = [_width_error(surrogate, rival, -side, side)]
-    # What the corrections at runs add to the width of the whole box, the polynomial lacks in parts.
-    changes.append(full_surrogate.range().width - surrogate.range().width)
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
@@ -390,7 +388,9 @@ def find_influence(
             errors[j] = np.fmax(errors[j], _width_error(surrogate, rival, lower, upper))
             if is_endless and surrogate.find_place(lower, upper, False) is not None:
                 widths[j] = np.nan
-    errors = np.fmax(errors, np.fmax.reduce(np.abs(changes)))
+    # What the corrections at runs add to the width of the whole box, the polynomial lacks in parts.
+    lack = abs(full_surrogate.range().width - surrogate.range().width)
+    errors = np.fmax(errors, np.fmax.reduce(changes)) + lack
     share = _contributions(lone_widths, surrogate.error)
     return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved, errors)
 

@@ -56,7 +56,11 @@ class Release(ExactConnector):
         if self.watch >= 0 and not abs(scene.hinges[self.watch].opening - self.level) > 1e-9:
             allowed = "an opening that the other hinge does not have at the start"
             raise SceneError(f"level of {title}", self.level, allowed)
-        labels = [latch.label(scene) for latch in Latch.find(scene)]
+        latches = Latch.find(scene)
+        if any(x.is_exact and x.hinge == self.watch and x.angle == self.level for x in latches):
+            allowed = "an opening at which no latch holds the other hinge; watch that latch instead"
+            raise SceneError(f"level of {title}", self.level, allowed)
+        labels = [latch.label(scene) for latch in latches]
         if self.latch and self.latch not in labels:
             allowed = f"a latch of the scene: {', '.join(labels) or 'there is none'}"
             raise SceneError(f"latch watched by {title}", self.latch, allowed)

@@ -277,7 +277,7 @@ class ChooseSection:
         dict[
             str, Annotated[Pair, Rule(PAIR, text="Range of the nominal value.", unit="parameter")]
         ],
-        Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
+        Rule("a mapping of 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
     `relative` grows with the choice, any other keeps its width; a parameter without an interval is
@@ -455,7 +455,7 @@ class Config:
     solver: Solver = Solver()
     intervals: Annotated[
         dict[str, OneInterval],
-        Rule("a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
+        Rule("a mapping of 1 to 60 parameter names to intervals", least=1, most=60),
     ]
     """The uncertain parameters, by the scene's parameter names."""
     design: DesignSection = DesignSection()
@@ -527,8 +527,8 @@ class Config:
     verify: Verify = Verify()
     requirements: Annotated[
         dict[FreeName, Annotated[
-            dict[str, Annotated[Limits, Rule("a mapping with `at_least`, `at_most` or "
-                "`happens`, by quantity as in `{t_shut: {at_most: 0.32}}`")]],
+            dict[str, Annotated[Limits, Rule("a mapping from quantities to `at_least`, "
+                "`at_most` or `happens`, such as `{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 text="The limits of one requirement, by quantity; all of them must hold. A list "
                 "`cases: [on ground]` beside them restricts it to these cases."),

@@ -274,8 +274,8 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
     would choose itself, and each unknown name in it. user_config: the config without defaults."""
     if config.accuracy is None:
         return []
-    text = "not allowed beside accuracy, which chooses it; allowed: one of the two"
-    problems = [f"{key}: {text}" for key in EXCLUSIVE if key in user_config]
+    text = "accuracy makes this choice itself; allowed: {key} or accuracy, not both"
+    problems = [f"{key}: {text.format(key=key)}" for key in EXCLUSIVE if key in user_config]
     if len(config.intervals) > MOST_FULL:
         problems.append(
             f"accuracy: not allowed with {len(config.intervals)} intervals; allowed: up to "
@@ -349,7 +349,7 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
     if name not in (real := real_names(scene)):
         return unknown(name, "real parameter", real)
     if not low < high:
-        return f"{show([low, high])} is not allowed; allowed: a lower and a larger upper end"
+        return f"{show([low, high])} is not allowed; allowed: first the lower end, then the upper end"
     parameter = scene.parameters[name]
     for value in choose.ends(name, experiment):
         if not allows(parameter, value):

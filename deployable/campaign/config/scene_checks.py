@@ -349,7 +349,9 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
     if name not in (real := real_names(scene)):
         return unknown(name, "real parameter", real)
     if not low < high:
-        return f"{show([low, high])} is not allowed; allowed: first the lower end, then the upper end"
+        return (
+            f"{show([low, high])} is not allowed; allowed: first the lower end, then the upper end"
+        )
     parameter = scene.parameters[name]
     for value in choose.ends(name, experiment):
         if not allows(parameter, value):

@@ -53,7 +53,11 @@ def facts_of_cases(
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
     answers: dict[str, dict[str, list[str]]] = {question: {} for question in _QUESTIONS}
-    for name, facts in summaries.items():
+    # Cases that fail come first: what they ask for is to be read before the rest.
+    for name in sorted(
+        summaries, key=lambda name: GROUPS[(verdicts[name] or {"met": "all"})["met"]]
+    ):
+        facts = summaries[name]
         for text in _notes(facts):
             notes.setdefault(text, []).append(name)
         for question, macro in _QUESTIONS.items():

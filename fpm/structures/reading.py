@@ -65,6 +65,8 @@ def read_text(path: str | Path) -> str:
         damage = error.reason if isinstance(error, DamagedError) else ""
         reason = damage or getattr(error, "strerror", None) or str(error)
         reason += search_hint(path) if isinstance(error, FileNotFoundError) else ""
+        if Path(path).is_dir():
+            reason = "it is a folder; allowed: a YAML file"
         problem = Problem(0, f"the file cannot be read: {reason}")
         raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None
 
@@ -221,6 +223,8 @@ def _why_not_yaml(error: Exception, text: str) -> tuple[int, str]:
     mark, words = _reason(error)
     lines = ["", *text.splitlines()]
     line = mark.line + 1 if mark else 0
+    if line < len(lines) and (key := re.search(r"[{,]\s*\w+:\s[^,{}]*\s(\w+):", lines[line])):
+        return line, f"this is not YAML: a comma is missing before `{key[1]}:`"
     if "colon" in words and line < len(lines):
         indent = re.sub(r"[^ -].*", "", lines[line], flags=re.S)
         previous = max([n for n in range(1, line) if lines[n].strip()], default=line)

@@ -86,7 +86,7 @@ def test_curves_are_compared_where_both_have_values(duration, instants):
     [
         (["a"], "a: nothing to compare; allowed: two different folders or more"),
         (["a", "./a"], "a: the same folder is given twice; allowed: two different folders"),
-        (["a", "b"], "a is no folder; allowed: a folder of finished results"),
+        (["a", "b"], "a is not the path of a folder; allowed: a folder of finished results"),
         (["empty", "a"], "empty has no summary.json; allowed: a folder of finished results"),
         (["begun", "a"], "begun has no bounds.nc; allowed: a folder of finished results"),
     ],

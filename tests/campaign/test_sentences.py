@@ -383,7 +383,7 @@ CASES_OF_CASES = {
           (DECIDING, DECIDING | HAPPENS | {"kept": True, "close": []})),
         ("deciding", DECIDING | {"close": []}),
         *(("run_there", DECIDING | {"simulated": None, "ran": ran}) for ran in (True, False)),
-        ("limit_cell", None), ("limit_cell", LIMIT), ("limit_cell", LIMIT | {"met": "all", "share": 1.0}),
+        *(("limit_cell", row) for row in (None, LIMIT, LIMIT | {"met": "all", "share": 1.0})),
         ("quantity_cell", None), ("quantity_cell", NEVER), ("quantity_cell", TIME),
         ("quantity_cell", TIME | {"runs_without": 2, "predicted_ends": ["upper"], "error": None}),
         ("curve_cell", None), ("curve_cell", WIDE),

@@ -141,7 +141,10 @@ def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_pa
     for arguments, words in (
         ([str(results), "--run", "zz"], "there is no run 'zz'; allowed: nominal, or an id of"),
         ([str(results), "--run", ""], "there is no run ''"),
-        ([str(results), "--set", "L=2"], "the runs of a campaign are as they are"),
+        (
+            [str(results), "--set", "L=2"],
+            "has finished runs, whose parameters and duration cannot be set",
+        ),
         ([str(tmp_path)], "no samples.nc"),
         (["pendulum", "--run", "abc"], "needs the folder of a campaign's results"),
         (["pendulum", "--set", "L=-1"], "L = -1 is not allowed"),

@@ -52,6 +52,10 @@ def resolve_tests(
 def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment) -> Iterator[str]:
     curves = {curve.name: curve for curve in experiment.response_list if curve.kind != "margin"}
     columns = [name for name in (*file.columns, *file.faults) if not name.endswith(_BAND)]
+    if test.columns.keys() <= curves.keys() and {*test.columns.values()} <= {*columns}:
+        pairs = ", ".join(f"{column}: {response}" for response, column in test.columns.items())
+        yield f"columns: a column of the file comes first, then its response; allowed: {{{pairs}}}"
+        return
     for column, response in test.columns.items():
         band = column + _BAND
         if fault := file.faults.get(column) or file.faults.get(band):

@@ -313,7 +313,8 @@ def answer_problems(campaign: Campaign) -> list[str]:
             if quantity not in quantities:
                 text = unknown(quantity, "quantity", quantities)
                 if quantity in campaign.experiment.responses:
-                    text += f", or one of this response such as `{{largest: {quantity}}}`"
+                    example = f"`quantities: {{largest_{quantity}: {{largest: {quantity}}}}}`"
+                    text = f"this is a response; allowed: a quantity, such as {example}"
                 problems.append(f"requirements.{name}.{quantity}: {text}")
     if campaign.choose.parameters:
         problems += _choose_problems(campaign.experiment, campaign.choose)

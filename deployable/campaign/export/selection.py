@@ -110,8 +110,8 @@ def choose(
     if path.is_dir():
         if settings or duration is not None:
             raise CampaignError(
-                f"{source}: the runs of a campaign are as they are; parameters and duration can be "
-                "set where its config stands in place of its folder"
+                f"{source} has finished runs, whose parameters and duration cannot be set; give "
+                "the config of the campaign in place of its folder"
             )
         try:
             return _select_results_run(Folder(path), run)

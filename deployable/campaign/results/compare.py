@@ -58,7 +58,7 @@ def _folders(paths: Sequence[str | Path]) -> dict[str, Folder]:
     for folder in folders.values():
         for name in ("summary.json", folder.plan.name, "bounds.nc"):
             if not (folder / name).exists():
-                fault = "is no folder" if not folder.path.is_dir() else f"has no {name}"
+                fault = f"has no {name}" if folder.path.is_dir() else "is not the path of a folder"
                 text = f"{folder.path} {fault}; allowed: a folder of finished results"
                 raise CampaignError(f"{text}, of a campaign with cases that of one case")
     return folders

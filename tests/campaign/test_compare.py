@@ -35,7 +35,7 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
         "k 0.1 N m/rad, ± 5 %; solver.instants 401; design.order 3; verify.max_iterations 6; "
         "no responses.speed; no requirements.far",
         "k 0.2 N m/rad, ± 5 %; solver.instants 801; design.order 4; verify.max_iterations 5; "
-        "responses.speed opening_rate: hinge; requirements.far final opening of the hinge is at "
+        "responses.speed opening_rate: hinge; requirements.far final opening of the `hinge` is at "
         "least 0.1 rad"]  # fmt: skip
     (t_open,) = [row for row in facts["quantities"] if row["name"] == "t_open"]
     for row, k in zip(t_open["by_case"], (0.1, 0.2), strict=True):

@@ -60,7 +60,7 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     assert main(["compare", *pair]) == 0
     text = capsys.readouterr().out
     assert text.startswith("# Comparison of weak, strong\n") and "## Curves by case" in text
-    assert "- speed: " in text and "\n  - weak: –\n" in text and "\\`" not in text
+    assert "- `speed`: " in text and "\n  - weak: –\n" in text and "\\`" not in text
     assert "No: 1 of 2 cases (“weak”) does not meet all requirements." in text
 
 

@@ -40,7 +40,7 @@ ODD = {
     "absent": (lambda path: None, "No such file"),
     "dangling": (lambda path: path.symlink_to("nowhere"), "No such file"),
     "loop": (loop, "symbolic links"),
-    "folder": (lambda path: path.mkdir(), "directory"),
+    "folder": (lambda path: path.mkdir(), "folder"),
     "device": (lambda path: path.symlink_to("/dev/zero"), "a device or a pipe"),
     "pipe": (os.mkfifo, "a device or a pipe"),
     "sparse": (sparse, "at most 1048576 bytes"),

@@ -152,10 +152,10 @@ def _confirm(
     """Judge the values of a choice again with runs at its worst places, until these stay where runs
     are, or so many times. A goal or limit is that of a run in the choice's box that is worse, also
     of a run that the campaign made before."""
-    problem, earlier = _problem(model, base, choose, specs), _earlier_runs(model, base)
+    problem, runs = _problem(model, base, choose, specs), _earlier_runs(model, base)
     for _ in range(iterations):
         count = len(model.points)
-        worse = _by_runs(problem, best, choose, specs, base, *earlier)
+        worse = _by_runs(problem, best, choose, specs, base, *runs)
         places = [*best.goal_points, best.worst, *worse.goal_points, worse.worst]
         model.add(model.find_missing([*np.concatenate(places)]))
         if len(model.points) == count:
@@ -195,9 +195,9 @@ def _by_runs(
             if not (value >= goals[i] if end == "lower" else value <= goals[i]):
                 goals[i], goal_points[i] = value, points[rows]
     for i, (spec, limit) in enumerate(zip(specs, problem.limits, strict=True)):
-        found = limit.find_margins(columns[spec.quantity])
-        if len(found) and found.min() < margins[i]:
-            margins[i], worst[i] = found.min(), points[found.argmin()]
+        of_runs = limit.find_margins(columns[spec.quantity])
+        if len(of_runs) and of_runs.min() < margins[i]:
+            margins[i], worst[i] = of_runs.min(), points[of_runs.argmin()]
     choice = problem.weigh(best, goals, margins)
     return replace(choice, goal_points=goal_points, worst=worst)
 

@@ -118,7 +118,7 @@ STUDIES = {
         ),
         Study(
             "benchmark",
-            "Measuring the solver, the workflow and, where they are installed, Exudyn and MuJoCo",
+            "Measuring the solver, the workflow and, where it is installed, Exudyn",
             uses=("evidence/benchmark",),
             exclusive=True,
             quick=True,

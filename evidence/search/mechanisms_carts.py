@@ -1,4 +1,4 @@
-"""Carts on slides and flaps on hinges, with latches, stops, friction and loads: closed forms."""
+"""Carts on slides and flaps on hinges, with latches, stops and friction: closed forms."""
 
 from __future__ import annotations
 
@@ -114,25 +114,11 @@ def amplitude(k: Values, c: Values, m: Values = 1.0) -> Values:
     return np.sqrt((answer + transient) ** 2 @ WEIGHTS / 2)[:, None]
 
 
-def corner(v: Values, k: Values, F: Values) -> Values:
-    """Time and rate at 0.62, reached against a spring and a load."""
-    w, offset = np.sqrt(k), F / k
-    time = reach(offset, v, w, 0.62 + offset)
-    energy = v**2 - k * 0.62**2 - 2 * F * 0.62
-    return columns(time, exists(np.isfinite(time), np.sqrt(np.maximum(energy, 0))))
-
-
 def plateau(v: Values, m: Values) -> Values:
     """How far a cart goes into a spring of two slopes, up to a latch at 0.5."""
     energy = m * v**2 / 2
     stretch = np.minimum(2 * np.sqrt(0.9 + energy) - 1.8, 0.5)  # 1 + energy - 0.1 under the root
     return columns(np.where(energy < 0.1, np.sqrt(energy / 2.5), stretch))
-
-
-def humps(k: Values, c: Values) -> Values:
-    """Where a cart let go at 1 is after 2 s."""
-    w = np.sqrt(k - c**2 / 4)
-    return columns(np.exp(-c) * (np.cos(2 * w) + c / (2 * w) * np.sin(2 * w)))
 
 
 def stop(v: Values, k: Values) -> Values:
@@ -144,24 +130,9 @@ def stop(v: Values, k: Values) -> Values:
     return columns(time, np.where(energy > 0, 0.25 + deep, v / w), -q * deep)
 
 
-def rebound(v: Values, c: Values, m: Values) -> Values:
-    """Rate with which a damped stop at 0.1 throws a cart back."""
-    z = c / (2 * np.sqrt(400 * m)) + 0j
-    s = np.sqrt(1 - z**2 + 1e-14)
-    angle = np.log((z - 1j * s) / (z + 1j * s)) / -2j
-    angle = np.where(z.real < 1, np.arctan2(s.real, z.real), angle)
-    return columns(-v * np.exp(-2 * z / s * angle).real)
-
-
 def margin(kt: Values, M: Values, h: Values) -> Values:
     """Least margin of a spring against friction and a harness, at 0.7 rad or at the end."""
     return columns(kt / 3 * np.minimum(1.8 / (M + h), (2.5 - np.pi / 2) / M) - 1)
-
-
-def relay(k: Values, k2: Values, r2: Values, idle: Values) -> Values:
-    """Times of two latches, the first of which lets the second cart go."""
-    first = np.arccos(1 - 0.3 / 0.5) / np.sqrt(k)
-    return columns(first, first + reach(-r2, 0 * r2, np.sqrt(k2), 0.3 - r2) + 0 * idle)
 
 
 def separatrix(v: Values, q: Values) -> Values:
@@ -174,13 +145,6 @@ def separatrix(v: Values, q: Values) -> Values:
         for level in (0.45, 0.5)
     ]
     return columns(*(exists(time <= 3, time) for time in times))
-
-
-def slow(v: Values, c: Values, m: Values) -> Values:
-    """Time at which a cart that a damper brakes is caught at 0.6, and where it is after 3 s."""
-    distance, rate = m * v / c, c / m
-    time = -np.log(np.where(distance > 0.6, 1 - 0.6 / distance, np.nan)) / rate
-    return columns(exists(time <= 3, time), np.minimum(distance * (1 - np.exp(-3 * rate)), 0.6))
 
 
 def capture(v: Values, k: Values) -> Values:
@@ -210,11 +174,6 @@ def swings(v: Values, k: Values, c: Values) -> Values:
     return columns(catch, np.where(np.isfinite(catch), rate(catch), 0.0))
 
 
-def swing(v: Values, k: Values, m: Values, F: Values) -> Values:
-    """How far a cart goes against a spring and a load."""
-    return columns(np.sqrt((F / k) ** 2 + m * v**2 / k) - F / k)
-
-
 def of_columns(function):
     """A model of points (P, k) from a function of their columns."""
     return lambda points: function(*np.asarray(points, dtype=float).T)
@@ -237,9 +196,6 @@ DAMPER = "oil: {type: damper, joint: rail, damping: c}"
 RMS = {"size": {"rms": "x"}}
 
 BOXES = (
-    box("race of two latches", {"v": (-2, 2), "r": (-0.1, 0.25)}, FIRST,
-        of_columns(lambda v, r: race(v, r, 9.0)),
-        SPRING.replace("stiffness: k", "stiffness: 9 N/m") % "r" + RACE),
     box("race, three parameters", {"v": (0.4, 2.2), "r": (-0.2, 0.2), "k": (6, 12)}, FIRST,
         of_columns(race), SPRING % "r" + RACE),
     box("ratchet", {"v": (1.3, 2.2), "k": (4, 8), "r": (0.1, 0.3)},
@@ -251,55 +207,28 @@ BOXES = (
         "push: {type: torsion spring, joint: rail, stiffness: kt, rest: phi}; "
         "dry: {type: friction, joint: rail, moment: M, sticks: exactly}",
         {"x": X, "w": RATE}, opening="0"),
-    box("latch in 60 %", {"k": (15, 25), "r": (0.4, 0.65)}, CATCH_QUANTITIES, of_columns(latch),
-        SPRING % "r" + PIN % "1 m", WITH_RATE),
     box("latch in 5 %", {"k": (15, 25), "r": (0.4, 0.54), "d": (1.0, 1.2)}, CATCH_QUANTITIES,
         of_columns(latch), SPRING % "r" + PIN % "d", WITH_RATE),
-    box("needle", {"k": (60, 140)}, RMS, of_columns(lambda k: amplitude(k, 0.3)),
-        (SPRING % "0 m" + DAMPER).replace("damping: c", "damping: 0.3 N s/m"), duration=12,
-        instants=1201, top=DRIVE),
     box("needle, two parameters", {"k": (60, 140), "c": (0.2, 0.6)}, RMS, of_columns(amplitude),
         SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
-    box("resonance inside", {"k": (60, 140), "c": (1.5, 2.5), "mass": (0.9, 1.1)}, RMS,
-        of_columns(amplitude), SPRING % "0 m" + DAMPER, duration=12, instants=1201, top=DRIVE),
-    box("corner", {"v": (1.0, 1.6), "k": (4, 8), "F": (0.2, 1.0)},
-        {"t": CATCH, "rate": {"value": "w", "at": "t"}}, of_columns(corner),
-        SPRING % "0 m" + PIN % "0.62 m", {"x": X, "w": RATE}),
     box("plateau", {"v": (0.3, 1.1), "mass": (0.8, 1.2)}, {"far": {"largest": "x"}},
         of_columns(plateau), "bent: {type: tabulated spring, joint: rail, "
         "positions: [0 m, 0.2 m, 0.6 m], forces: [0 N, -1 N, -1.2 N]}; " + PIN % "0.5 m"),
-    box("two humps", {"k": (4, 60), "c": (0.1, 0.6)}, {"end": {"final": "x"}}, of_columns(humps),
-        SPRING % "0 m" + DAMPER, duration=2, opening="1 m"),
     box("stop hit or not", {"v": (0.4, 1.2), "k": (4, 8)},
         {"t": {"event": "hits"}, "far": {"largest": "x"}, "force": {"smallest": "f"}},
         of_columns(stop), SPRING % "0 m"
         + "end: {type: stop, joint: rail, upper: 0.25 m, stiffness: 400 N/m}",
         {"x": X, "f": {"joint_moment": "rail", "part": "stop"}}, duration=1.2),
-    box("rebound", {"v": (0.5, 1.5), "c": (2, 60), "mass": (0.8, 1.2)}, {"back": {"final": "w"}},
-        of_columns(rebound),
-        "end: {type: stop, joint: rail, upper: 0.1 m, stiffness: 400 N/m, damping: c}",
-        {"x": X, "w": RATE}, duration=1.0),
     box("margin", {"kt": (0.8, 1.2), "M": (0.1, 0.2), "h": (0.05, 0.25)}, {}, of_columns(margin),
         "push: {type: torsion spring, joint: rail, stiffness: kt, rest: 2.5 rad}; "
         "dry: {type: friction, joint: rail, moment: M}; wires: {type: tabulated spring, "
         "joint: rail, angles: [0, 0.7 rad, 1.4 rad], moments: [0, -h, 0]}", {}, duration=0.001,
         opening="0",
         margins={"sheet": {"along": "rail", "to": "90 deg", "standard": "nasa-std-5017b"}}),
-    box("relay", {"k": (8, 12), "k2": (8, 12), "r2": (0.14, 0.2), "idle": (0.5, 2)},
-        {"t": CATCH, "t2": {"event": "latches", "of": "second"}}, of_columns(relay),
-        SPRING % "0.5 m" + PIN % "0.3 m" + "; go: {type: release, joint: other, watch: pin}; "
-        "push2: {type: spring, joint: other, stiffness: k2, rest: r2}; "
-        "second: {type: latch, joint: other, position: 0.3 m, side: below}",
-        bodies="two: {mass: 1 kg, centre: b, inertia: [1, 1, 1]}; "
-        "three: {mass: idle, centre: e, inertia: [1, 1, 1]}",
-        joints="other: {type: prismatic, parts: [ground, two], at: b, axis: x}; "
-        "third: {type: prismatic, parts: [ground, three], at: e, axis: x}"),
     box("separatrix", {"v": (0.8, 1.6), "q": (3.5, 4.5)},
         {"t": {"crossing": "x", "level": 0.45, "way": "rising"}, "t2": CATCH},
         of_columns(separatrix), "away: {type: tabulated spring, joint: rail, "
         "positions: [-1 m, 1 m], forces: [-q*(1 m), q*(1 m)]}; " + PIN % "0.5 m", opening="-0.5 m"),
-    box("slows down", {"v": (0.8, 1.2), "c": (1, 2), "mass": (0.9, 1.1)},
-        {"t": CATCH, "end": {"final": "x"}}, of_columns(slow), DAMPER + "; " + PIN % "0.6 m"),
     box("passed too fast", {"v": (0.6, 1.4), "k": (2, 6)},
         {"t": CATCH, "missed": {"event": "misses"}}, of_columns(capture),
         SPRING % "0 m" + (PIN % "0.3 m").replace("}", SLOW % 0.8), duration=1),
@@ -307,6 +236,4 @@ BOXES = (
         of_columns(swings),
         SPRING % "0 m" + DAMPER + "; " + (PIN % "0.2 m").replace("}", SLOW % 0.9),
         WITH_RATE),
-    box("swing of four", {"v": (1, 2), "k": (4, 8), "mass": (0.8, 1.2), "F": (0.1, 0.6)},
-        {"far": {"largest": "x"}}, of_columns(swing), SPRING % "0 m", duration=1.5),
 )  # fmt: skip

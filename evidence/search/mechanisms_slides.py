@@ -1,4 +1,4 @@
-"""Boxes of slides and rotors with known bounds: slack, friction, stall, play, contacts, releases.
+"""Boxes of slides and rotors with known bounds: slack, friction, stall, play, releases.
 
 Masses on slides and bodies on hinges, so that each run has a closed form or one equation of motion.
 """
@@ -120,37 +120,6 @@ def column(*arrays: np.ndarray) -> list[np.ndarray]:
     return [a[:, None] for a in arrays]
 
 
-def integrate(
-    rates: Callable[[float, np.ndarray], np.ndarray], state: np.ndarray, duration: float, steps: int
-) -> np.ndarray:
-    """States (steps + 1, n, P) by the classical Runge-Kutta method."""
-    h, states = duration / steps, [state]
-    for number in range(steps):
-        t, y = number * h, states[-1]
-        a = rates(t, y)
-        b = rates(t + h / 2, y + h / 2 * a)
-        c = rates(t + h / 2, y + h / 2 * b)
-        states.append(y + h / 6 * (a + 2 * b + 2 * c + rates(t + h, y + h * c)))
-    return np.array(states)
-
-
-def cubic_crossing(
-    x: np.ndarray, v: np.ndarray, h: float, number: int = 1, travel: int = 0
-) -> np.ndarray:
-    """Time (P) of the nth zero of values x (T, P) with rates v, by cubics between instants."""
-
-    def value(t: np.ndarray) -> np.ndarray:
-        i = np.clip((t / h + 1e-9).astype(int), 0, len(x) - 2)
-        s, lanes = np.clip(t / h - i, 0, 1), np.arange(x.shape[1])[:, None]
-        a, b, p, q = x[i, lanes], x[i + 1, lanes], h * v[i, lanes], h * v[i + 1, lanes]
-        return (
-            (1 + 2 * s) * (1 - s) ** 2 * a + s * (1 - s) ** 2 * p
-            + s**2 * (3 - 2 * s) * b - s**2 * (1 - s) * q
-        )  # fmt: skip
-
-    return crossing(value, h * np.arange(len(x)), number, travel)
-
-
 def hang(v, m, EA):
     """What hangs on a cable and is kicked up: when the cable goes slack, and is tight again."""
     k = EA + m * G
@@ -165,41 +134,6 @@ def hang(v, m, EA):
     )  # fmt: skip
 
 
-HUMP, TABLE = [-2, 0, 0.6, 1, 1.6, 2.4, 4], [2, 0, -1, 0, 1, 0, -2]
-
-
-def creep(w, M, a):
-    """A hub with dry friction on a spring with a hump, which it passes or comes back from."""
-    p, f = np.array(HUMP[:-1], float), np.multiply.outer(a, TABLE[:-1])
-    rise = np.multiply.outer(a, np.diff(TABLE) / np.diff(HUMP))
-    steps = f * np.diff(HUMP) + rise * np.diff(HUMP) ** 2 / 2
-    work = np.cumsum(np.column_stack([0 * a, steps[:, :-1]]), axis=1)
-    rows, x, energy = np.arange(len(a)), 0 * a, 0.25 * w**2
-    moves, side, largest = np.ones(len(a), bool), np.ones(len(a)), x
-    for _ in range(20):
-        i = np.clip(np.searchsorted(HUMP, x, "right") - 1, 0, len(p) - 1)
-        z = x - p[i]
-        level = energy - (work + f * 0)[rows, i] - f[rows, i] * z - rise[rows, i] * z**2 / 2
-        slope, drag = f - (M * side)[:, None], (M * side * x)[:, None]
-        rest = level[:, None] + work + drag - (M * side)[:, None] * p
-        root = np.sqrt(slope**2 - 2 * rise * rest)
-        flat = rise == 0
-        ends = [
-            np.where(flat, -rest / slope, (-slope + travel * root) / rise) for travel in (1, -1)
-        ]
-        validity = [(y >= 0) & (y <= np.diff(HUMP)) for y in ends]
-        travels = [side[:, None] * (y + p - x[:, None]) for y in ends]
-        travels = [
-            np.where(ok & (d > 1e-6), d, np.inf) for d, ok in zip(travels, validity, strict=True)
-        ]
-        x = np.where(moves, x + side * np.min(travels, axis=(0, 2)), x)
-        largest = np.maximum(largest, x)
-        pull = a * np.interp(x, HUMP, TABLE)
-        moves = moves & (abs(pull) > M)
-        side, energy = np.where(moves, np.sign(pull), side), 0 * a
-    return x, largest
-
-
 def stall(T, wn, k):
     """A motor that winds up a spring, and may stall before it has turned by 1 rad."""
     J, rest = 0.1, T / k
@@ -211,18 +145,6 @@ def stall(T, wn, k):
 
     reach = crossing(lambda t: turn(t) - 1, times)
     return reach, summit(turn, times)
-
-
-def tilt(b, w0, L, i):
-    """A rod that is let go in gravity of a direction b, tilted out of its plane by i."""
-    pull = 1.5 * G * np.cos(i) / L
-
-    def rates(t, y):
-        return np.array([y[1], pull * np.sin(b - y[0])])
-
-    x, v = np.moveaxis(integrate(rates, np.array([0 * b, w0]), 2.0, 1000), 1, 0)
-    speed = np.sqrt(w0**2 + 2 * pull * (1 - np.cos(b)))
-    return cubic_crossing(x - 2.9, v, 0.002), speed
 
 
 def play(r, k, J, b):
@@ -244,20 +166,6 @@ def play(r, k, J, b):
     )  # fmt: skip
 
 
-def clash(ma, mb, v, kb):
-    """A mass that hits another one, which a spring sends back to hit again."""
-
-    def rates(t, y):
-        push = 2000 * np.maximum(y[0] - y[2] - 0.1, 0)
-        return np.array([y[1], -push / ma, y[3], (push - kb * y[2]) / mb])
-
-    zero = 0 * ma
-    y = integrate(rates, np.array([zero, v, zero, zero]), 1.2, 1200)
-    force = 2000 * (y[:, 0] - y[:, 2] - 0.1)
-    slope = 2000 * (y[:, 1] - y[:, 3])
-    return peak(force.T), cubic_crossing(force - 1, slope, 1e-3, 2, 1), y[-1, 1]
-
-
 def chain(ta, ka, JA, kb):
     """A panel let go at a time, whose latch, unless it is passed too fast, lets another go."""
     w = np.sqrt(ka / JA)
@@ -265,13 +173,6 @@ def chain(ta, ka, JA, kb):
     latch = np.where(rate < 3, ta + np.arccos(1 - 1 / 1.2) / w, np.nan)
     last = np.where(rate < 3, 1.0, 1.2 * (1 - np.cos(w * (2.0 - ta))))
     return latch, latch + np.arccos(1 - 1 / 3) / np.sqrt(kb / 0.5), last
-
-
-def strike(F, m, k, d):
-    """A mass that a force drives against an elastic stop, once and again."""
-    hit, w = np.sqrt(2 * d * m / F), np.sqrt(k / m)
-    phase = np.arctan2(F * hit / m / w, -F / k)
-    return -F - np.sqrt(F**2 + 2 * k * F * d), hit + 2 * phase / w
 
 
 def settle(x, k, J, c):
@@ -282,41 +183,6 @@ def settle(x, k, J, c):
         return swing(t, *column(x, 0 * x, np.sqrt(k / J), c / (2 * J)))
 
     return (6 - crossing(lambda t: abs(turn(6 - t)) - 0.05, times, 1, 1),)
-
-
-def overshoot(J, k, c):
-    """A hub on a damped spring: it goes beyond where it comes to rest, or creeps there."""
-    w, d, times = np.sqrt(k / J), c / (2 * J), np.linspace(0, 6, 121)
-
-    def turn(t):
-        unity = np.ones_like(J)
-        return 1 + swing(t, *column(-unity, 0 * unity, w, d))
-
-    return np.maximum(summit(turn, times) - 1, 0), crossing(lambda t: turn(t) - 1.02, times)
-
-
-def third(x, J, k, c):
-    """When a hub whose swings fade passes a level for the second time on its way up."""
-    times = np.linspace(0, 6, 241)
-
-    def turn(t):
-        return swing(t, *column(x, 0 * x, np.sqrt(k / J), c / (2 * J)))
-
-    return (crossing(lambda t: turn(t) - 0.3, times, 2, 1),)
-
-
-def ratio(F, c, m):
-    """A mass that a force drives through oil."""
-
-    def travel(t):
-        return (F / c)[:, None] * (t - (m / c)[:, None] * -np.expm1(-t * (c / m)[:, None]))
-
-    end = F / c * -np.expm1(-8 * c / m)
-    return (
-        crossing(lambda t: travel(t) - 1, np.linspace(0, 8, 17)),
-        end,
-        travel(np.full((1, 1), 2.0))[:, 0],
-    )
 
 
 def eight(m, ka, kb, ca, cb, x, v, i):
@@ -333,11 +199,6 @@ def eight(m, ka, kb, ca, cb, x, v, i):
     )  # fmt: skip
 
 
-def speed(u, v, w):
-    """Speed of a body that is thrown: limits of it are balls."""
-    return (np.sqrt(u**2 + v**2 + w**2),)
-
-
 def corner(x, v, F, H):
     """When a latch catches that forces drive a mass to: in time in a corner of the box."""
     a, travel = F + H, 1.3 - x
@@ -352,12 +213,6 @@ def band(u, v, w, M, p):
     catch = (remainder > 0) & (remainder < 1)
     times = (rate - np.sqrt(np.maximum(remainder, 0))) / M
     return np.where(catch, times, np.nan), np.where(catch, p, rate**2 / (2 * M))
-
-
-def outer(a, b, c, d):
-    """When a mass comes to a latch: in time outside of a ball."""
-    times = 0.9 / np.sqrt(a**2 + b**2 + c**2 + d**2)
-    return (np.where(times < 1, times, np.nan),)
 
 
 ANGLE, TRAVEL = {"angle": {"opening": "axle"}}, {"way": {"opening": "slide"}}
@@ -391,23 +246,6 @@ gravity: [-9.81, 0, 0]
         },
     ),
     mechanism(
-        "friction and hump",
-        "w rad/s 1.1 1.6,M N_m 0.12 0.18,a N_m 0.4 0.6",
-        ROTOR.replace("Iz", "0.5")
-        + """
-opening_rates: {kick: {joint: axle, rate: w}}
-actions:
-  dry: {type: friction, joint: axle, moment: M, sticks: exactly}
-  hump: {type: tabulated spring, joint: axle, moments: [2*a, 0, -a, 0, a, 0, -2*a],
-    angles: [-2 rad, 0, 0.6 rad, 1 rad, 1.6 rad, 2.4 rad, 4 rad]}
-""",
-        creep,
-        ANGLE,
-        {"stays": {"final": "angle"}, "farthest": {"largest": "angle"}},
-        duration=20.0,
-        instants=1001,
-    ),
-    mechanism(
         "motor stalls",
         "T N_m 1 2,wn rad/s 1 3,k N_m/rad 1.2 1.8",
         ROTOR.replace("Iz", "0.1")
@@ -421,23 +259,6 @@ actions:
         {"t_one": {"crossing": "angle", "level": 1}, "farthest": {"largest": "angle"}},
         duration=6.0,
         instants=1201,
-    ),
-    mechanism(
-        "direction of gravity",
-        "b rad 1.25 1.6,w rad/s 0 1.5,L m 0.4 0.6,i rad 0 0.5",
-        """
-points: {o: [0, 0, 0], end: [L, 0, 0]}
-bodies: {rod: {type: rod, from: o, to: end, mass: 1, diameter: 1 mm}}
-joints: {axle: {type: revolute, parts: [ground, rod], at: o, axis: z, opening: 0}}
-opening_rates: {kick: {joint: axle, rate: w}}
-gravity: [(9.81 m/s2)*cos(b)*cos(i), (9.81 m/s2)*sin(b)*cos(i), (9.81 m/s2)*sin(i)]
-""",
-        tilt,
-        ANGLE | {"rate": {"opening_rate": "axle"}},
-        {"t_over": {"crossing": "angle", "level": 2.9}, "fastest": {"largest": "rate"}},
-        duration=2.0,
-        instants=801,
-        edges={"t_over": (np.nan, 0.778633)},  # from rest at b = 1.45, by quadrature
     ),
     mechanism(
         "play of a drive",
@@ -457,34 +278,6 @@ actions: {drive: {type: motor, joint: axle, rate: r, curve: one, stiffness: k, b
         },
         duration=2.0,
         instants=1001,
-    ),
-    mechanism(
-        "masses that clash",
-        "ma kg 0.5 1.5,mb kg 0.5 1.5,v m/s 0.5 1,kb N/m 2 20",
-        """
-points: {o: [0, 0, 0], far: [0.3 m, 0, 0]}
-bodies:
-  a: {mass: ma, centre: o, box: [2 cm, 2 cm, 2 cm]}
-  b: {mass: mb, centre: far, box: [2 cm, 2 cm, 2 cm]}
-joints:
-  slide: {type: prismatic, parts: [ground, a], at: o, axis: x, opening: 0}
-  other: {type: prismatic, parts: [ground, b], at: far, axis: x, opening: 0}
-opening_rates: {kick: {joint: slide, rate: v}}
-struts:
-  contact: {type: spring, between: [{part: a, at: o}, {part: b, at: far}], stiffness: 2000,
-    rest: 0.2 m, acts: push}
-actions: {back: {type: spring, joint: other, stiffness: kb, rest: 0}}
-record: {a: {part: a, at: o}}
-""",
-        clash,
-        {"force": {"strut_force": "contact"}, "va": {"velocity": "a", "component": "x"}},
-        {
-            "peak": {"largest": "force"},
-            "again": {"crossing": "force", "level": 1, "way": "rising", "number": 2},
-            "leaves": {"final": "va"},
-        },
-        duration=1.2,
-        instants=1201,
     ),
     mechanism(
         "release by a latch",
@@ -515,20 +308,6 @@ actions:
         instants=801,
     ),
     mechanism(
-        "blow on a stop",
-        "F N 2 4,mass kg 0.5 1,k N/m 500 1000,d m 0.05 0.1",
-        SLIDE
-        + """
-loads: {push: {part: block, at: o, force: [F, 0, 0]}}
-actions: {end: {type: stop, joint: slide, upper: d, stiffness: k}}
-""",
-        strike,
-        {"blow": {"joint_moment": "slide", "part": "stop"}},
-        {"hardest": {"smallest": "blow"}, "t_off": {"event": "leaves", "of": "slide"}},
-        duration=1.0,
-        instants=1001,
-    ),
-    mechanism(
         "settling",
         "x rad 0.4 0.6,k N_m/rad 15 40,Iz kg_m2 0.4 0.6,c N_m_s/rad 0.6 1.4",
         ROTOR
@@ -543,61 +322,6 @@ actions:
         start="x",
         duration=6.0,
         instants=1201,
-    ),
-    mechanism(
-        "overshoot",
-        "Iz kg_m2 0.3 0.7,k N_m/rad 8 16,c N_m_s/rad 2 8",
-        ROTOR
-        + """
-actions:
-  wind: {type: torsion spring, joint: axle, stiffness: k, rest: 1 rad}
-  oil: {type: damper, joint: axle, damping: c}
-""",
-        overshoot,
-        ANGLE,
-        {
-            "over": {"overshoot": "angle", "about": 1},
-            "t_over": {"crossing": "angle", "level": 1.02},
-        },
-        duration=6.0,
-        instants=1201,
-        edges={"t_over": (np.nan, np.pi / np.sqrt(8 / 0.7 * (1 - 0.779703**2)))},  # a summit of 2 %
-    ),
-    mechanism(
-        "second crossing",
-        "x rad 0.9 1.1,Iz kg_m2 0.4 0.6,k N_m/rad 8 12,c N_m_s/rad 0.2 0.8",
-        ROTOR
-        + """
-actions:
-  wind: {type: torsion spring, joint: axle, stiffness: k, rest: 0}
-  oil: {type: damper, joint: axle, damping: c}
-""",
-        third,
-        ANGLE,
-        {"t_up": {"crossing": "angle", "level": 0.3, "way": "rising", "number": 2}},
-        start="x",
-        duration=6.0,
-        instants=1201,
-        edges={"t_up": (np.nan, 3.459788)},  # t = 4 pi / sqrt(8 / 0.6 - (log(1.1 / 0.3) / t)**2)
-    ),
-    mechanism(
-        "ratio",
-        "F N 1 4,c N_s/m 1 4,mass kg 0.5 2",
-        SLIDE
-        + """
-loads: {push: {part: block, at: o, force: [F, 0, 0]}}
-actions: {oil: {type: damper, joint: slide, damping: c}}
-record: {block: {part: block, at: o}}
-""",
-        ratio,
-        TRAVEL | {"speed": {"velocity": "block", "component": "x"}},
-        {
-            "t_one": {"crossing": "way", "level": 1},
-            "end": {"final": "speed"},
-            "at_two": {"value": "way", "at": 2},
-        },
-        duration=8.0,
-        instants=1601,
     ),
     mechanism(
         "eight parameters",
@@ -624,20 +348,6 @@ gravity: [(9.81 m/s2)*sin(i), 0, -(9.81 m/s2)*cos(i)]
         duration=2.0,
         instants=801,
         edges={"t_in": (np.nan, 0.701177)},  # by SQP: the latest summit at the level
-    ),
-    mechanism(
-        "ball of three",
-        "u m/s -1 1,v m/s -1 1,w m/s -1 1",
-        """
-bodies: {block: {mass: 1, centre: o, box: [5 cm, 5 cm, 5 cm]}}
-initial_velocities: {throw: {part: block, about: o, velocity: [u, v, w]}}
-record: {block: {part: block, at: o}}
-""",
-        speed,
-        {"speed": {"velocity": "block", "component": "norm"}},
-        {"end": {"final": "speed"}},
-        duration=0.1,
-        instants=11,
     ),
     mechanism(
         "corner of four",
@@ -672,19 +382,5 @@ actions:
         {"t_latch": {"event": "latches"}, "stays": {"final": "angle"}},
         duration=4.0,
         instants=801,
-    ),
-    mechanism(
-        "outside of a ball",
-        "a m/s -1 1,b m/s -1 1,c m/s -1 1,d m/s -1 1",
-        SLIDE.replace("mass: mass", "mass: 1")
-        + """
-opening_rates: {kick: {joint: slide, rate: sqrt(a*a + b*b + c*c + d*d)}}
-actions: {pin: {type: latch, joint: slide, position: 0.9 m, side: below}}
-""",
-        outer,
-        TRAVEL,
-        {"t_latch": {"event": "latches"}},
-        duration=1.0,
-        instants=101,
     ),
 )

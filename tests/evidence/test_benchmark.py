@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from evidence.benchmark.peers import compare, mjcf, structures
+from evidence.benchmark.peers import compare, structures
 from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages
 from evidence.rows import Row
@@ -39,13 +39,6 @@ def test_exudyn_runs_where_it_is_installed():
         pytest.skip("exudyn is not installed, and EXUDYN_PYTHON is not set")
     check(compare.exudyn(0.002, 1, cases=1))
     check(structures.exudyn(1, structures.CASES[:2], steps=2))
-
-
-@pytest.mark.slow
-def test_mujoco_runs_the_same_models():
-    rows = mjcf.compare(1, names=["free_body", "four_bar"], steps=(2e-3, 5e-4))
-    check(rows)
-    assert len(rows) == 6 and rows[0].passed and rows[3].passed
 
 
 def test_the_structures_are_what_exudyn_is_told():

@@ -58,21 +58,6 @@ def _links(count: int) -> dict[str, int]:
 
 ACCURACY_CASES = (
     AccuracyCase(
-        "one", "Bennett linkage, a ± 1 %, 0.4 s",
-        {
-            "scene": {"name": "bennett"},
-            "solver": {"duration": 0.4, "instants": 801},
-            "intervals": {"a": {"nominal": 0.035, "relative": 0.01}},
-            "responses": _BENNETT,
-        },
-        {
-            **_grids("elements"),
-            "scan 8, 6 elements": scan(8, _links(6)),
-            "scan 16, 12 elements": scan(16, _links(12)),
-        },
-        scan(17, _links(24)),
-    ),
-    AccuracyCase(
         "three", "Bennett linkage, a ± 1 %, K_F ± 5 %, E ± 5 %, 0.4 s",
         {
             "scene": {"name": "bennett"},
@@ -143,19 +128,5 @@ ACCURACY_CASES = (
         },
         {**_grids("elements"), "scan 16, 4 elements": scan(16, {"elements": 4})},
         scan(64, {"elements": 32}),
-    ),
-    AccuracyCase(
-        "panel", "Panel that a spring unfolds, k ± 5 %, mass ± 2 %, 1 s",
-        {
-            "scene": _file("panel"),
-            "solver": {"duration": 1.0, "instants": 501},
-            "intervals": {"k": {"relative": 0.05}, "mass": {"relative": 0.02}},
-            "responses": {
-                "x": {"position": "tip", "component": "x"},
-                "speed": {"velocity": "tip", "component": "norm"},
-            },
-        },
-        {**_grids("elements"), "scan 16, 2 elements": scan(16, {"elements": 2})},
-        scan(64, {"elements": 16}),
     ),
 )  # fmt: skip

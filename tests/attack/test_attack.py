@@ -27,7 +27,7 @@ def victims(tmp_path_factory):
 @pytest.mark.slow
 def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
     rng, ledger = random.Random(20), Ledger()
-    for number in range(3):
+    for number in range(2):
         attack_by_kill(rng.choice(victims), tmp_path / f"kill{number}", ledger, rng)
         attack_by_full_disk(rng.choice(victims), tmp_path / f"disk{number}", ledger, rng)
     assert not ledger.bad, ledger.bad[0]
@@ -44,8 +44,7 @@ def test_a_mutant_is_changed_in_one_place():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("text", ["x = 2\n", "y = 1\n"])
-def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path, text):
+def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path):
     code = tmp_path / "mine.py"
     code.write_text("x = 2\n", encoding="utf-8")
     (tmp_path / "test_a.py").write_text("def test_a():\n    assert False\n", encoding="utf-8")
@@ -53,8 +52,8 @@ def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path, text):
     test = "import mine\ndef test_c():\n    assert mine.x == 2\n"
     (tmp_path / "test_c.py").write_text(test, encoding="utf-8")
     hunt, tests = Hunt(1), ["test_a.py", "test_b.py", "test_c.py"]
-    noticed = hunt.find_detector(tmp_path, code, text, tests)
-    assert noticed == (None if text == "x = 2\n" else "FAILED test_c.py::test_c")
+    assert hunt.find_detector(tmp_path, code, "x = 2\n", tests) is None
+    assert hunt.find_detector(tmp_path, code, "y = 1\n", tests) == "FAILED test_c.py::test_c"
     assert hunt.left_out == ["test_a.py", "test_b.py"]
     assert "Not counted, as they fail without a change: test_a.py, test_b.py." in hunt.table()
     assert code.read_text(encoding="utf-8") == "x = 2\n"

@@ -1,9 +1,11 @@
-"""The energy balance is right to the second order in the step, with every kind of element."""
+"""With every kind of element the energy balance is right to the second order in the step, and a run
+has the same bits alone and beside others."""
 
 import numpy as np
 import pytest
-from balances import SCENES, STEPS, off
+from balances import DURATION, INSTANTS, SCENES, STEPS, off
 
+import fpm
 from fpm.elements import KINDS, kinds_of
 
 # The exact ones are blows: impulses at other joints, which turn meanwhile, do work of the first
@@ -18,6 +20,23 @@ def test_every_balance_is_of_the_second_order(name):
     coarse, fine = (off(SCENES[name](), step) for step in STEPS)
     assert np.log2(coarse / fine) >= LOWER.get(name, 1.9)
     assert fine <= 5e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_has_the_same_bits_alone_and_beside_others(name):
+    """Beside two that turn faster, so that events come at other times."""
+    scenes = [SCENES[name]() for _ in range(3)]
+    for scene, factor in zip(scenes, (1.3, 1.0, 2.0), strict=True):
+        scene.velocity, scene.spin = factor * scene.velocity, factor * scene.spin
+    run = {"duration": DURATION, "instants": INSTANTS, "step": STEPS[1], "energy_tolerance": 1e9}
+    _, beside, _ = fpm.simulate(scenes, **run)
+    (alone,) = fpm.simulate(scenes[1], **run)
+    assert np.array_equal(alone.events, beside.events)
+    for energy, values in alone.energies.items():
+        assert np.array_equal(values, beside.energies[energy]), energy
+    for opening, values in alone.openings.items():
+        assert np.array_equal(values, beside.openings[opening]), opening
 
 
 def test_every_kind_that_moves_energy_is_among_them():

@@ -89,13 +89,6 @@ def test_a_rubbing_cable_whose_point_is_free_keeps_momentum():
     assert np.abs(outcome.energies["balance"]).max() < 1e-3 * outcome.energies["kinetic"][0]
 
 
-def test_alone_and_in_a_batch_it_gives_the_same_bits(lifted):
-    alone = fpm.simulate(capstan(0.05), duration=2.2, instants=221, step=2e-4)[0]
-    for name, values in alone.energies.items():
-        assert np.array_equal(values, lifted[0][1].energies[name])
-    assert np.array_equal(alone.points["weight"][0], lifted[0][1].points["weight"][0])
-
-
 def test_the_stable_step_is_that_of_stuck_stretches():
     limit = fpm.find_stable_step(atwood(1.0, 1.0, 0.1, EA=1e6))
     # A mass on its stretch of 1 m, stuck at the point.

@@ -129,19 +129,6 @@ def test_the_stable_step_holds_wherever_a_running_cable_s_points_move_to():
     assert 1e6 * true_square(rest / 2 * back, np.ones(3), rest) == pytest.approx(square, rel=1e-6)
 
 
-def test_alone_and_in_a_batch_it_gives_the_same_bits(bounce):
-    starts = [0.5, 0.8, 0.95]
-    batch = fpm.simulate([hung(s) for s in starts], duration=3.0, instants=3001, step=1e-3)
-    for k in (0, 1):
-        assert np.array_equal(batch[1].points["mass"][k], bounce.points["mass"][k])
-    for name, values in bounce.energies.items():
-        assert np.array_equal(batch[1].energies[name], values)
-    assert np.array_equal(batch[1].events, bounce.events)
-    recorded = [o.records["cable_tension"].values for o in (batch[1], bounce)]
-    assert np.array_equal(*recorded)
-    assert not np.array_equal(batch[0].events[0], bounce.events[0])
-
-
 def test_a_cable_on_an_arm_turns_the_body():
     """A body that a cable holds beside its centre, at rest: moment and force of the tension."""
     scene = hung(arm=0.3, preload=MASS * G)

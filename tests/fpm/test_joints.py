@@ -8,7 +8,6 @@ import fpm
 from evidence.verification.mechanisms import (
     GRAVITY,
     Z,
-    n_four_bar_scene,
     on_ground,
     rigid_bricard,
     rod,
@@ -127,22 +126,6 @@ def test_a_loop_that_cannot_close_fails_by_name():
     (outcome,) = fpm.simulate(scene, duration=1.0, instants=11, step=1e-3, energy_tolerance=1e9)
     assert "a joint is open" in str(outcome.failure)
     assert outcome.failure.element.startswith("joint pin")
-
-
-@pytest.mark.slow
-def test_samples_do_not_depend_on_their_neighbours():
-    """Alone and in a batch, bit for bit, though one of them needs more rounds."""
-    scenes = []
-    for k in range(3):
-        scene = n_four_bar_scene()
-        scene.velocity *= 1 + 9 * (k == 1)
-        scene.spin *= 1 + 9 * (k == 1)
-        scenes.append(scene)
-    together = fpm.simulate(scenes, duration=0.3, instants=31, step=1e-3)
-    for scene, outcome in zip(scenes, together, strict=True):
-        (alone,) = fpm.simulate(scene, duration=0.3, instants=31, step=1e-3)
-        assert np.array_equal(alone.points["B0"], outcome.points["B0"])
-    assert not np.array_equal(together[0].points["B0"], together[1].points["B0"])
 
 
 @pytest.mark.slow

@@ -134,17 +134,6 @@ def test_where_a_constant_moment_has_no_energy_does_not_matter(ran, name):
     np.testing.assert_allclose(opening(ran[name]), CONSTANT[0] / J / 2 * time**2, atol=1e-9)
 
 
-@pytest.mark.slow
-def test_on_openings_alone_and_in_a_batch_are_the_same_bits(ran):
-    for name in ("held", "slow enough", "stops", "hits", "tape"):
-        (alone,) = fpm.simulate(CASES[name], **RUN)
-        beside = ran[name]
-        assert np.array_equal(opening(alone), opening(beside))
-        assert np.array_equal(alone.events, beside.events)
-        for energy, values in alone.energies.items():
-            assert np.array_equal(values, beside.energies[energy]), energy
-
-
 def test_the_least_energy_of_a_table_is_zero():
     spring = TableSpring(0, *TAPE)
     grid = np.linspace(-0.5, 2.0, 100001)
@@ -239,6 +228,8 @@ def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():
         (Friction(0, -1.0), "moment of friction"),
         (Friction(0, 1.0, bristle_deflection=0.0), "bristle deflection of friction"),
         (Friction(0, 1.0, damping=-1.0), "damping of friction"),
+        (Friction(5, 1.0, None), "hinge of friction"),
+        (Friction(0, -1.0, None), "moment of friction"),
         (Stop(0, np.nan, "above", 1.0), "angle of stop"),
         (Stop(0, 0.0, "up", 1.0), "side of stop"),
         (TableSpring(0, (0.0,), (1.0,)), "angles of spring by a table"),

@@ -68,18 +68,6 @@ def test_a_rigid_latch_catches_the_same_openings_as_others(ran):
 
 
 @pytest.mark.slow
-def test_held_openings_alone_and_in_a_batch_are_the_same_bits(ran, kept):
-    cases = {**{n: (CASES[n], ran[n]) for n in ("caught", "swings", "tolerant")},
-             "and latches": (HELD["and latches"], kept["and latches"])}  # fmt: skip
-    for name, (scene, beside) in cases.items():
-        (alone,) = fpm.simulate(scene, **RUN)
-        assert np.array_equal(angles_of(alone), angles_of(beside)), name
-        assert np.array_equal(alone.events, beside.events)
-        for energy, values in alone.energies.items():
-            assert np.array_equal(values, beside.energies[energy]), (name, energy)
-
-
-@pytest.mark.slow
 def test_moments_that_hold_are_told_apart_and_reactions_know_them(ran):
     """The latch's moment and work; and, once all is one pendulum, the force of the root on it."""
     asked = [("joint_moment", "knee latch"), ("joint_work", "knee latch"),

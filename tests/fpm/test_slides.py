@@ -118,21 +118,6 @@ def test_the_stable_step_of_a_cross_holds_wherever_it_turns():
 
 
 @pytest.mark.slow
-def test_all_that_acts_is_the_same_alone_and_in_any_batch():
-    run = {"duration": 0.8, "instants": 401, "step": 2e-4}
-    scenes = [scene_of_all(speed) for speed in (1.0, 0.7, 1.3)]
-    together = fpm.simulate(scenes, **run)
-    for scene, outcome in zip(scenes, together, strict=True):
-        (alone,) = fpm.simulate(scene, **run)
-        assert outcome.failure is None
-        assert np.array_equal(outcome.events, alone.events)
-        for name, values in alone.openings.items():
-            assert np.array_equal(outcome.openings[name], values), name
-        for name, values in alone.energies.items():
-            assert np.array_equal(outcome.energies[name], values), name
-
-
-@pytest.mark.slow
 def test_files_have_what_slides_and_their_latches_did(tmp_path):
     (outcome,) = fpm.simulate(scene_of_all(), duration=0.8, instants=401, step=2e-4)
     data = outcome.dataset()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from evidence.benchmark import campaigns, kernel, overheads
-from evidence.benchmark.peers import compare, structures
+from evidence.benchmark.peers import compare
 from evidence.results import Report
 from evidence.rows import Row, set_group
 
@@ -21,7 +21,6 @@ _PARTS = {
     "runs": (campaigns.MANY_GROUP, lambda n: campaigns.many_runs(1024 // n, 3 if n == 1 else 1)),
     "deploys": (campaigns.MANY_GROUP, lambda n: campaigns.deploys(2 if n == 1 else 1)),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
-    "structures": (structures.GROUP, lambda n: structures.exudyn(3 if n == 1 else 1)),
 }
 
 

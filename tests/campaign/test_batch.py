@@ -23,7 +23,6 @@ from deployable.campaign.results.templates import sentence
 from deployable.campaign.runs import batch as batches
 from deployable.campaign.runs.batch import Simulation, clocks, run_batch
 from deployable.campaign.samples.samples import gather
-from deployable.campaign.text.numbers import duration_text
 from fpm.files.seals import seal
 
 KEEP = ["trajectories", "responses"]
@@ -299,10 +298,3 @@ def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):
     monkeypatch.setattr(fpm.solver.pack, "MOST_EVENTS", 1)
     with pytest.raises(CampaignError, match="contact events, more than are kept"):
         run_all(check_config(raw), tmp_path, "trajectories")
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"), [(4.4, "4 s"), (95, "1 min 35 s"), (7260, "2 h 1 min")]
-)
-def test_durations_are_told_as_people_do(seconds, text):
-    assert duration_text(seconds) == text

@@ -38,22 +38,12 @@ def solver(text: str) -> str:
 
 CASES = {
     "control characters": (changed("mine", "mi\x07ne"), ["line 1", r"'\x07'"]),
-    "a date that is none": (changed("mine", "2020-02-30 x"), ["campaign", "2020-02-30 x"]),
     "an integer of 400 digits": (solver("duration: " + 400 * "9"), ["solver.duration", "number"]),
     "deep nesting": (changed("mine", 3000 * "[" + 3000 * "]"), ["nested too deep", "20"]),
     "recursive nesting": (changed("mine", "&a [*a]"), ["line 1: *a stands for what &a marks"]),
-    "nesting by aliases": (
-        "a0: &a0 x\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 30)),
-        ["line 21: nested too deep"],
-    ),
     "an alias bomb": (BOMB + GOOD, ["20000 values", "fewer"]),
     "a list of 10 MB": (changed("mine", f"[{5_000_000 * 'x,'}]"), ["bytes", "at most"]),
     "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(80_000)), ["20000 values"]),
-    "Smolyak 16 in eight directions": (
-        changed("  a: {nominal: 0.035, relative: 0.01}\n", EIGHT)
-        + "design: {method: smolyak, order: 16}\n",
-        ["design.order", "100000 runs"],
-    ),
     "Smolyak 8 in eight directions": (
         changed("  a: {nominal: 0.035, relative: 0.01}\n", EIGHT)
         + "design: {method: smolyak, order: 8}\n",
@@ -63,27 +53,14 @@ CASES = {
         changed("elements: 2", "elements: 100000000"),
         ["scene.parameters.elements", "100000000", "to 1000"],
     ),
-    "no end of time": (solver("duration: 1.0e300"), ["solver.duration", "1e+300", "1e6"]),
     "no time at all": (solver("duration: 5.0e-324"), ["solver.duration", "5e-324", "1e-9"]),
     "too many steps": (solver("duration: 1.0e+6"), ["solver.duration", "steps", "at most 1e+09"]),
-    "a step of nothing": (solver("duration: 1.0, step: 1.0e-300"), ["solver.step", "1e-300 s"]),
     "a step far above the limit": (
         solver("duration: 1.0, instants: 11, step: 0.01"), ["solver.step", "0.01 s", "auto"],
     ),
     "too many instants for memory": (solver("instants: 1000000"), ["solver.instants", "memory"]),
-    "a response's long name": (changed("BD", 246 * "v"), ["responses.vvv", "64 letters"]),
     "a campaign's long name": (changed("mine", 300 * "m"), ["campaign", "64 letters"]),
-    "a campaign that ends in a newline": (changed("mine", '"mine\\n"'), ["campaign", "letters"]),
     "a response that ends in a newline": (changed("  BD:", '  "BD\\n":'), ["responses.BD"]),
-    "E in GPa": (
-        changed("elements: 2", "elements: 2, E: 1.0"),
-        ["scene.parameters.E", "1.0 is not allowed", "(Pa)"],
-    ),
-    "a in mm": (
-        changed("elements: 2}", "elements: 2, a: 35}").replace(
-            "a: {nominal: 0.035, ", "E: {"),
-        ["scene.parameters.a", "35 is not allowed", "to 10 (m)"],
-    ),
     "an interval of a in mm": (
         changed("nominal: 0.035", "nominal: 35"), ["intervals.a", "lower end 34.65", "to 10 (m)"],
     ),

@@ -159,23 +159,17 @@ def test_a_text_stands_for_its_number(panel, key, text, number):
     ("solver.duration", "3 m", "a number from 1e-9 to 1e6 (s), with or without a unit that fits"),
     ("solver.duration", "3 %", "(s), with or without"),
     ("solver.instants", "3 s", "a whole number from 2 to 1000000"),
-    ("intervals.k.relative", "3 deg", "a number of at least 0, or in %"),
     ("intervals.k", {"absolute": "10 %"}, "(N m rad-1), with or without a unit that fits"),
     ("intervals.rest", {"lower": "3 %", "upper": 3}, "(degree), with or without"),
     ("requirements.in_time.t.at_most", "3 rad", "a number (s), with or without"),
     ("requirements.in_time.most.at_most", "3 m/s2", "a number (m s-1), with or without"),
     ("quantities.t.level", "3 %", "a number (rad), with or without"),
-    ("quantities.t.level", "3 mm", "a number (rad), with or without"),
-    ("quantities.v", {"value": "tip", "at": "3 m"}, "a number (s), with or without"),
-    ("published.tip", "3 Hz", "a number (m s-1), with or without"),
     ("scene.parameters.L", "3 kg", "a number (m), with or without"),
     ("scene.parameters.elements", "3 deg", "a number, or in %"),
     ("choose.parameters.L", [1, "2 s"], "two numbers (m), with or without"),
     ("design.order", "3 s", "a whole number from 1 to 64"),
     ("solver.duration", "80e-3", "(did you mean 0.08?)"),
     ("solver.step", "1e999 s", "`auto` or a number above 0 (s), with or without"),
-    ("solver.step", "2 s s", "`auto` or a number above 0 (s), with or without"),
-    ("solver.step", "2*3 s", "`auto` or a number above 0 (s), with or without"),
 ])  # fmt: skip
 def test_a_unit_that_does_not_fit_is_refused_once(panel, key, text, allowed):
     with pytest.raises(ConfigError) as caught:

@@ -72,18 +72,6 @@ def test_bounds_contain_every_run_and_the_error_what_they_missed(parts):
     xr.testing.assert_identical(include_runs(after, runs, values), after)
 
 
-def test_arguments_are_parameter_values_at_which_the_bound_is_taken():
-    box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
-    design = make_design("tensor_lobatto", box, 6)
-    bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
-    for side, where in (("inner_upper", "argmax"), ("inner_lower", "argmin")):
-        values = bounds[where][0].values
-        at = np.array([wave(v)[i] for i, v in enumerate(values)])
-        np.testing.assert_allclose(at, bounds[side][0].values, atol=1e-5)
-    assert (bounds["lower"][0] <= bounds["inner_lower"][0]).all()
-    assert float(bounds["gap_share_of_width"][0]) < 2e-3
-
-
 def test_order_of_runs_and_a_larger_set_of_runs_do_not_matter():
     box = Box(["f"], [0.9], [1.1])
     few, many = make_design("tensor_lobatto", box, 4), make_design("tensor_lobatto", box, 8)

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 import fpm
-from fpm.elements import Damper, Hinge, SyncLoop, TorsionSpring
+from fpm.elements import Damper, Hinge, TorsionSpring
 
-KINDS = {"Gravity", "Damping", "Beams", "Hinge", "TorsionSpring", "Damper", "SyncLoop"}
+KINDS = {"Gravity", "Damping", "Beams", "Hinge", "TorsionSpring", "Damper"}
 """Kinds of element that are described to a peer."""
 
 
@@ -18,9 +18,8 @@ def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
     spin (n, 3), and what is held (n, 6); bodies: node, mass, principal inertias; elements: nodes,
     length (m) and section rigidities; hinges: the two nodes, arms (m) and frames (3, 3) in each
     node's own axes whose third column is the hinge axis, the axes of the point that are held, and
-    spring and damper with the opening at the start (rad); loops: the two hinges' numbers, radii,
-    stiffness and the slip at the start; points: node and arm. ignore: names of kinds that are left
-    out, since they do not act; ValueError for others that cannot be described."""
+    spring and damper with the opening at the start (rad); points: node and arm. ignore: names of
+    kinds that are left out, since they do not act; ValueError for others that cannot be told."""
     unknown = {kind.__name__ for kind, group in scene.kinds.items() if group} - KINDS - set(ignore)
     if unknown or scene.damping:
         raise ValueError(f"peers cannot be told of {sorted(unknown) or 'damping'}")
@@ -55,7 +54,6 @@ def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
         "bodies": bodies,
         "elements": elements,
         "hinges": [_hinge(scene, index, hinge) for index, hinge in enumerate(scene.hinges)],
-        "loops": [_loop(scene, loop) for loop in SyncLoop.find(scene)],
         "points": {
             name: {"node": beam.particle, "arm": beam.arm.tolist()}
             for name, beam in scene.points.items()
@@ -83,19 +81,4 @@ def _hinge(scene: fpm.Scene, index: int, hinge: Hinge) -> dict:
         "rest": moment / stiffness if stiffness else 0.0,
         "damping": sum(damper.damping for damper in Damper.find(scene) if damper.hinge == index),
         "support": hinge.support,
-    }
-
-
-def _loop(scene: fpm.Scene, loop: SyncLoop) -> dict:
-    paths = [
-        radius * (scene.hinges[hinge].opening - rest)
-        for hinge, radius, rest in zip(loop.hinges, loop.radii, loop.rest, strict=True)
-    ]
-    if np.isfinite(loop.preload):
-        raise ValueError("peers cannot be told of loops that get slack")
-    return {
-        "hinges": list(loop.hinges),
-        "radii": list(loop.radii),
-        "stiffness": loop.stiffness,
-        "slip": paths[0] - paths[1],
     }

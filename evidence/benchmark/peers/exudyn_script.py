@@ -1,6 +1,6 @@
 """A structure in Exudyn: a script for the interpreter that has Exudyn, whatever its version.
 
-Reads {"structure": ..., "planar": bool, "duration": s, "instants": n, "runs": [...]} from the file
+Reads {"structure": ..., "duration": s, "instants": n, "runs": [...]} from the file
 named in its first argument, and prints one JSON object per run, with the places of the structure's
 named points at the instants. The compiled module without range checks is taken."""
 
@@ -12,7 +12,6 @@ sys.exudynFast = True
 
 import exudyn as exu  # noqa: E402
 import numpy as np  # noqa: E402
-import planar_exudyn_script  # noqa: E402
 import spatial_exudyn_script  # noqa: E402
 from exudyn import itemInterface as item  # noqa: E402
 
@@ -24,10 +23,7 @@ def run(task, options):
     exu.config.printToConsole = False
     system = exu.SystemContainer()
     mbs = system.AddSystem()
-    if task.get("planar"):
-        points = planar_exudyn_script.build(mbs, task["structure"])
-    else:
-        points = spatial_exudyn_script.build(mbs, task["structure"], explicit)
+    points = spatial_exudyn_script.build(mbs, task["structure"], explicit)
     position = exu.OutputVariableType.Position
     sensors = {
         name: mbs.AddSensor(

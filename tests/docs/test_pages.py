@@ -74,10 +74,7 @@ CAMPAIGNS = {
 }  # fmt: skip
 
 # Of the studies, those parts that a page runs alone and that take seconds are run here.
-QUICK_PARTS = {
-    "benchmark": {"structures"},
-    "verification": {"45° bend"},
-}
+QUICK_PARTS = {"verification": {"45° bend"}}
 
 # All else of them takes long; with its cpu time on a slow core, and the tests that run smaller
 # ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
@@ -269,12 +266,12 @@ def test_nothing_is_excused_that_no_page_asks_for():
 
 @pytest.mark.parametrize(
     "command",
-    ["benchmark", "benchmark --strict --only campaign", "benchmark --only structures cost",
+    ["benchmark", "benchmark --strict --only campaign", "verification --only '45° bend' pendulum",
      "verification --strict", "tradeoff --only asked-latch"],
 )  # fmt: skip
 def test_what_takes_long_is_known_by_what_a_command_runs(command):
     assert not _is_quick(shlex.split(command))
-    assert _is_quick(["benchmark", "--strict", "--only", "structures"])
+    assert _is_quick(["verification", "--strict", "--only", "45° bend"])
 
 
 # A snippet that defines a class or a function of a kernel is a form; `named` is run.

@@ -13,7 +13,6 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.config.measured import measured_warnings, read_test
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.stages import STAGES
-from evidence.measured.study import measure_synthetic, report
 from fpm.structures.curves_file import CurvesFileError
 
 FOLDER = Path(__file__).parents[2] / "config/measured"
@@ -210,14 +209,3 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
     assert "Check test again agrees: " in summary
     sheet = (folder / "review.csv").read_text(encoding="utf-8")
     assert "the intervals that remain after the tests" in sheet
-
-
-@pytest.mark.slow
-def test_an_arm_with_air_is_refuted_by_the_study():
-    test = measure_synthetic(100, "air")
-    assert test["refuted"] and test["attained"] > test["least"] > 1
-    truth = {**test, "lack": "", "is_left": False, "refuted": True, "runs": 100}
-    failed = [
-        row.name for row in report({"truths": [truth], "lacks": [test]}).rows if row.is_failed
-    ]
-    assert failed == ["tests whose truth is left"]

@@ -22,14 +22,14 @@ def test_true_bounds_are_those_of_the_closed_form():
 
 @pytest.mark.slow  # compiles
 def test_carts_move_as_their_closed_forms():
-    box = mechanisms_carts.BOXES[3]
+    (box,) = (box for box in mechanisms_carts.BOXES if box.name == "plateau")
     answer = mechanisms.play(
         box,
         mechanisms.truths("mechanisms_carts")[box.name],
-        {"design": {"method": "smolyak", "order": 2}},
+        {"design": {"method": "smolyak", "order": 1}},
     )
     # As near as a search goes on, a thousandth of the width.
-    assert max(bound["runs_off"] for bound in answer["bounds"] if "rate" in bound["bound"]) < 1e-3
+    assert max(bound["runs_off"] for bound in answer["bounds"]) < 1e-3
 
 
 @pytest.mark.parametrize("name", ["step 1", "both", "rare"])

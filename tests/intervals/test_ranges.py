@@ -136,7 +136,7 @@ def exact_value(c, indices, x):
     return total
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.integers(1, 3),
     st.integers(1, 4),

@@ -8,7 +8,6 @@ from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.contact import Contact
 from fpm.elements.openings.damper import Damper
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.journal import Journal
@@ -16,7 +15,7 @@ from fpm.elements.openings.latch import Latch
 from fpm.elements.openings.motor import Motor
 from fpm.elements.openings.opening import Opening
 from fpm.elements.openings.release import Release
-from fpm.elements.openings.stop import Stop
+from fpm.elements.openings.stop import Contact, Stop
 from fpm.elements.openings.sync_loop import SyncLoop
 from fpm.elements.openings.table_spring import TableSpring
 from fpm.elements.openings.torque_motor import TorqueMotor

@@ -148,7 +148,7 @@ class ElementType:
     has_memory: ClassVar[bool] = True  # whether forces depend on the way to where they act
 
     noun: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
-    cost: ClassVar[float] = 100.0  # ns, of one element in a step of eight runs (effort.py)
+    cost: ClassVar[float] = 100.0  # ns, of one element in a step of eight runs (timestep.py)
 
     # -- of one element -----------------------------------------------------------------------
 
@@ -315,7 +315,7 @@ class ElementType:
     @classmethod
     def cost_in(cls, scene: SceneData) -> float:
         """Return the core time (ns) of all elements of the type in a time step of eight runs of the
-        scene side by side, to estimate run times (scenes/effort.py): `cost` for each."""
+        scene side by side, to estimate run times (scenes/timestep.py): `cost` for each."""
         return cls.cost * len(cls.names(scene))
 
     @classmethod

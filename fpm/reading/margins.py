@@ -16,7 +16,7 @@ from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.travel import Travel, component_classes, find_reels, sweep
 from fpm.travel.path import TINY
-from fpm.travel.positions import interpolate
+from fpm.travel.travel import interpolate
 
 WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"
 """Variables of what is recorded (fpm.reading.variables)."""

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from fpm.assembly import MisfitError, assemble
-from fpm.assembly.equilibrium import balance
+from fpm.assembly import MisfitError, assemble, balance
 from fpm.elements import Gravity
+from fpm.elements.batch import turns_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses, consistent_scene

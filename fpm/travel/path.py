@@ -11,8 +11,7 @@ import numpy as np
 from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of
 from fpm.assembly.element_forces import BalanceForces, ElementForces
 from fpm.assembly.matrices import full, scale_matrix, sparse
-from fpm.assembly.newton import linearise
-from fpm.assembly.search import FARTHEST, MisfitError
+from fpm.assembly.search import FARTHEST, MisfitError, linearise
 from fpm.elements.cross import cross
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError

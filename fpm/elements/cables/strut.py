@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.declare import number, plain_field, topology
-from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
+from fpm.elements.cables.cable import Piece, bounding_springs, with_arms
 from fpm.elements.kind import ElementType, Energy, Series, VirtualBeam
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.openings.table_spring import table_array

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from fpm.declare import NumberLimits
+from fpm.elements.batch import turns_of
 from fpm.elements.joints import joint_arrays as arrays
 from fpm.elements.joints.hinge import (
     Hinge,
@@ -29,7 +30,6 @@ from fpm.elements.kind import AXES, VirtualBeam
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 CONDITION, MULTIPLY_ADD = 240.0, 1.5
@@ -241,7 +241,7 @@ class Joint(JointBase):
     def _elimination(cls, scene):
         """Bodies of a scene's joints, those at the sides of each joint (-1: none), whether each can
         move; order of elimination, and the later joints that each is coupled to."""
-        from fpm.elements.joints.joint_pattern import elimination, neighbours
+        from fpm.elements.joints.joint_arrays import elimination, neighbours
 
         bodies = sorted(set(cls.moved_particles(scene)))
         slot = {p: s for s, p in enumerate(bodies)}
@@ -271,7 +271,7 @@ class Joint(JointBase):
     @classmethod
     def pack(cls, batch):
         from fpm.elements.joints import joint_kernels  # noqa: F401, its hooks
-        from fpm.elements.joints.joint_pattern import pattern
+        from fpm.elements.joints.joint_arrays import pattern
 
         scene, joints = batch.scene, cls.find(batch.scene)
         bodies, slots, movable, order, followers = cls._elimination(scene)

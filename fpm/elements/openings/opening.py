@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fpm.declare import SLIDE_UNITS, index
+from fpm.elements.batch import turns_of
 from fpm.elements.cross import cross
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import Deformations, ElementType, Energy, Gate, Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")

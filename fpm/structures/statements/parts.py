@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from fpm.declare import Number
-from fpm.elements.bars.beam import Material, Section, triad
-from fpm.elements.bars.lumping import lump
+from fpm.elements.bars.beam import Material, Section, lump, triad
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.structures.builder import POINT_TOL, Body
@@ -171,7 +170,7 @@ def _straight(scene, args, points, directions, normal) -> list[int]:
 
 def _stretches(scene, args, points, directions, normal) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points. Each stretch is
-    lumped by itself (lumping.py); where two meet, masses and inertias add."""
+    lumped by itself (beam.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
     lumps = [lump(size(end - start), *shape) for start, end in pairwise(points)]

@@ -200,20 +200,17 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side, a tuple: for each group in
-        `scene` the particles of its elements, and one bool, whether any element has, or may have,
-        axes other than its particles' (`has_frames`)."""
+        """For each group the particles of its elements; then whether any has, or may have, axes
+        other than its particles' (`has_frames`)."""
         return tuple(b.nodes.tobytes() for b in cls.find(scene)), has_frames(scene)
 
     @classmethod
     def names(cls, scene):
-        """Return the names of a scene's beam elements: the group's and a number, as "link[0]"."""
+        """Name of the group and a number, as "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.find(scene) for i in range(len(b.length))]
 
     @classmethod
     def deformations(cls, scene):
-        """Return the independent deformations (Deformations) of all beam elements of a scene, with
-        their stiffness, for the stable time step: six springs of each element, as in `modes`."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.find(scene):

@@ -182,8 +182,6 @@ class Cable(ElementType):
         return Cable(name, beams, stiffness, float(rest), **fields)
 
     def check(self, scene):
-        """Check that the cable fits into a scene: its numbers, a name that no other cable has,
-        points on two or more particles, an unstrained length always above 0; else SceneError."""
         super().check(scene)
         owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
@@ -258,7 +256,6 @@ class Cable(ElementType):
             yield beam, self.stiffness * max(strain, 0.0) * (1 if is_end else 2)
 
     def topology(self):
-        """Return what must agree in scenes run side by side: name, particles, curve, friction."""
         particles = tuple(beam.particle for beam in self.beams)
         return self.name, particles, self.curve, self.has_friction, self.drum
 
@@ -287,23 +284,19 @@ class Cable(ElementType):
 
     @classmethod
     def cost_in(cls, scene):
-        """Return the core time (ns) of all cables of a scene in a time step, to estimate run times:
-        `cost` for each stretch between two points, RUBBING with friction."""
         costs = [cls.cost if cable.friction is None else FRICTION_COST for cable in cls.find(scene)]
         counts = [len(cable.beams) - 1 for cable in cls.find(scene)]
         return float(np.dot(costs, counts))
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of a scene's cables without friction, for moving a joint coordinate slowly
-        through static equilibria (fpm/travel), which counts friction by itself."""
+        """Return copies without friction, which fpm/travel counts by itself."""
         return [replace(cable, friction=None) for cable in cls.find(scene)]
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) at least as stiff as a scene's cables can become, for the
-        stable step. Arms bear the tension at the start; a larger one strains the cable to beyond
-        its shortest arm."""
+        """Arms bear the tension at the start; a larger one strains the cable to beyond its
+        shortest arm."""
         bounds = bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
         cables = enumerate(cls.find(scene))
         return with_arms(bounds, ((i, *pull) for i, c in cables for pull in c.pulls(scene)))
@@ -335,9 +328,7 @@ class Cable(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the series of one sample's cables: "cable_tension" (N), "cable_length" (m,
-        strained), and of those that run over points "stretch_tension" and "cable_slip" (m,
-        unstrained, that has run over each point, > 0 towards the end)."""
+        """`cable_slip` (m, unstrained) is what has run over each point, > 0 towards the end."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {

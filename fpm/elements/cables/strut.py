@@ -42,8 +42,6 @@ class Strut(ElementType):
     takes = Damping.takes
 
     def check(self, scene):
-        """Check that the strut fits into a scene: a name that no other strut has, two particles,
-        points apart, finite forces at increasing distances above 0; else SceneError."""
         super().check(scene)
         if self.name in [strut.name for strut in Strut.find(scene)]:
             raise SceneError("strut", self.name, "a name that no other strut has")
@@ -63,7 +61,6 @@ class Strut(ElementType):
         return f"strut {self.name}"
 
     def topology(self):
-        """Return what must agree in scenes run side by side: name, particles, size of the table."""
         return self.name, tuple(beam.particle for beam in self.beams), len(self.lengths)
 
     @property
@@ -107,9 +104,8 @@ class Strut(ElementType):
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) at least as stiff as the struts of a scene, for the stable
-        time step: along by the steepest slope; across and, on arms, against turns by the largest
-        force of the table or at the start (at the length then); None: nothing stiff moves."""
+        """Along by the steepest slope; across and, on arms, against turns by the largest force of
+        the table or at the start (at the length then)."""
         struts = cls.find(scene)
         forces = [max(map(abs, (*s.forces, s.force(s.distance(scene))))) for s in struts]
         stiffness = [
@@ -122,8 +118,6 @@ class Strut(ElementType):
 
     @classmethod
     def dampings(cls, scene):
-        """Return dampers (Deformations, with N s/m in the field `stiffness`) at least as strong as
-        those of the struts of a scene, for the stable time step; None: nothing is damped."""
         return cls._bounds(scene, [strut.damping for strut in cls.find(scene)])
 
     @classmethod
@@ -133,8 +127,6 @@ class Strut(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Struts: what these say there;
-        others as ElementType.array. batch: the scenes that are simulated side by side."""
         struts = cls.find(batch.scene)
         match name:
             case "particle":
@@ -152,8 +144,7 @@ class Strut(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return "strut_force" (N, above 0 where it pushes, damper included) and "strut_length" (m)
-        of all struts of one sample, Series (t, struts)."""
+        """`strut_force` (N) is above 0 where the strut pushes, damper included."""
         names = tuple(strut.name for strut in cls.find(scene))
         force, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         text = "force of the struts, above 0 where they push"

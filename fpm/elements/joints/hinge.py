@@ -84,8 +84,6 @@ class JointBase(ElementType):
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check, before the joint is added, that no hinge or joint of the scene has its name; else
-        raises SceneError. scene: the joint is not yet in it."""
         names = {self.name, self.joint}
         if isinstance(self, Hinge) and self.number:
             names = {self.name}  # the first opening has checked for the joint
@@ -99,14 +97,11 @@ class JointBase(ElementType):
 
     @classmethod
     def moved_particles(cls, scene):
-        """Return the indices of the particles of all elements of this type in a scene, one by one,
-        possibly repeated: the type's kernels move these, unless a Drive prescribes their motion."""
         return [p for element in cls.find(scene) for p in element.particles]
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the largest gap (m) and tilt (rad; its sine if small) of one sample over all
-        elements, two Series (t,) by variable name."""
+        """Largest gap (m) and tilt (rad; its sine if small) over all elements."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -197,12 +192,10 @@ class Hinge(JointBase):
 
     @classmethod
     def find(cls, scene):
-        """Return those hinges of a scene whose constraints are solved for each by itself
-        (`are_alone`); all others are solved as coupled joints (Joint.find)."""
+        """Return those whose constraints are solved for each by itself (`are_alone`)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Return what scenes run side by side must share: name, type, particles, axes held."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod

@@ -216,13 +216,12 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """Return what scenes run side by side must share: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
     def find(cls, scene):
-        """Return the joints of a scene that are solved together: those added as joints, those made
-        of hinges not solved alone (`are_alone`), and those that hold joint coordinates."""
+        """Return the joints that are solved together: those added as joints, those made of hinges
+        not solved alone (`are_alone`), and those that hold joint coordinates."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
@@ -264,7 +263,7 @@ class Joint(JointBase):
 
     @classmethod
     def cost_in(cls, scene):
-        """Return the core time (ns) of a scene's joints in a step, by the size of equations."""
+        """By the size of the equations."""
         conditions, operations = cls.elimination(scene)
         return CONDITION * conditions + MULTIPLY_ADD * operations
 

@@ -105,8 +105,7 @@ class Friction(ExactConnector):
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of the scene's friction for slow motions (fpm/travel), whose bristles slip
-        at once. One with a `load` gets moment 0: Scene.bearings gives it."""
+        """Bristles slip at once. One with a `load` gets moment 0: Scene.bearings gives it."""
         frictions = [
             replace(friction, bristle_deflection=SWEEP_DEFLECTION, damping=0.0)
             for friction in cls.find(scene)
@@ -114,8 +113,7 @@ class Friction(ExactConnector):
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """Add the element to a scene; one with a `load` also adds moment / load (m; on slides
-        without unit) to scene.bearings[hinge], for slow motions."""
+        """One with a `load` adds moment / load (m; on slides without unit) to scene.bearings."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -125,8 +123,6 @@ class Friction(ExactConnector):
         return any(friction.load is not None for friction in cls.find(scene))
 
     def check(self, scene):
-        """Check fields, table (no share below 0), `load` (above 0, without a table), and that what
-        sticks exactly is on an angle and has neither; else SceneError."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if self.is_exact and (hinge.slides or self.load is not None or self.angles):
@@ -152,8 +148,6 @@ class Friction(ExactConnector):
         return self.bristle_deflection and self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """Return the damping of the bristle while it sticks (N m s/rad): the field `damping`, else
-        0.3 of critical for the inertias of the hinge's two particles."""
         if self.damping is not None or self.stiffness is None:
             return self.damping or 0.0
         inverse = mobility(scene, self.hinge)
@@ -166,14 +160,10 @@ class Friction(ExactConnector):
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum (N m) of the moments of friction that sticks exactly, the most that it may
-        bear in closed loops at rest, for the tolerance of the energy balance."""
         return float(sum(f.moment for f in cls.find(scene) if f.is_exact))
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Frictions; None for what no element has."""
-
         def bristle(f, scene):
             if f.is_exact:
                 return 0.0, 0.0, 0.0, 0.0, f.moment

@@ -37,14 +37,11 @@ class AnyMotor(Connector):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the fields, and that its hinge in `scene` has no other motor; SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded moments (N m, on slides N) of one sample's motors after a run, Series
-        (t, motors) by variable name. part: the motors' arrays; scene, lane: of the sample."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun
@@ -88,16 +85,12 @@ class Motor(AnyMotor, ExactConnector):
         return float(self.start + self.turn * distance)
 
     def rate_at_start(self, scene) -> float:
-        """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
-        where its curve (not by rate) is constant then. scene: has the curve."""
         curve = scene.curve(self.curve)
         if self.by_rate:
             return float(self.turn * curve.value(0.0))
         return curve.rate_after(0.0, self.turn)
 
     def check(self, scene):
-        """Check the fields, and that what a motor prescribes exactly at time 0 is the hinge's joint
-        coordinate in the scene, within AT_START (rad, m); raises SceneError if not."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if self.is_exact and abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -113,8 +106,6 @@ class Motor(AnyMotor, ExactConnector):
         return *super().topology(), self.backlash is None
 
     def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the motor limits the stable time step: with
-        backlash ONSET times its own, as that of a stop. scene: not used."""
         return self.damping * (1.0 if self.backlash is None else ONSET)
 
     @classmethod

@@ -51,7 +51,6 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return, of `scene`, what scenes run side by side must share: hinges' names, particles."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -82,7 +81,6 @@ class Opening(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return `opening` (rad) and, of slides, `slide_opening` (m) of one sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -94,7 +92,6 @@ class ConnectorElement(ElementType):
     reads: ClassVar[tuple[type, ...]] = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that a hinge exists, and is one that the field allows."""
         super().check_index(scene, field, value)
         if not (field.types or field.only_angles):
             return
@@ -112,7 +109,6 @@ class ConnectorElement(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return an array for the kernels: "openings", or as ElementType.array."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -167,14 +163,10 @@ class Connector(ConnectorElement):
 
     @classmethod
     def deformations(cls, scene):
-        """Return how motions of particles strain the joint coordinates on which the type's springs
-        act, with their stiffness, for the stable time step, as if all acted; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.find(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles move the joint coordinates on which the type's dampers
-        act, with their damping in the field `stiffness`, for the stable time step; None: none."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.find(scene)])
 
     @classmethod
@@ -184,7 +176,6 @@ class Connector(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return an array for the kernels: "rates" (`pack_past`), or as ConnectorElement.array."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)

@@ -41,9 +41,6 @@ class Release(ExactConnector):
     noun = "release"
 
     def check(self, scene):
-        """Check that the release has a finite time or watches a latch or a hinge of `scene`, not at
-        the level at the start, that its hinge has no other one, and that its spring has an opening
-        to hold; raises SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -73,8 +70,7 @@ class Release(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Releases: "latch_row": index of the latch watched,
-        -1: none; "latches": their states, None: none is watched; others as ExactConnector.array."""
+        """ "latch_row": index of the latch watched, -1: none; "latches": states, None: none watched."""
         if name not in ("latch_row", "latches"):
             return super().array(name, batch)
         numbers = {latch.label(batch.scene): i for i, latch in enumerate(Latch.find(batch.scene))}

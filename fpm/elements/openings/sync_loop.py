@@ -52,8 +52,6 @@ class SyncLoop(ConnectorElement):
     has_memory = False
 
     def check(self, scene):
-        """Check that the loop has a name of its own, two different hinges, and radii other than 0,
-        before it is added to the scene; raises SceneError if not."""
         super().check(scene)
         title = self.title(scene)
         if self.name in [loop.name for loop in SyncLoop.find(scene)]:
@@ -83,11 +81,8 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) that represent a scene's loops in the stable time step: one
-        on each hinge of a loop, both together at least as stiff as the loop. None if no loop can
-        move.
-
-        By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1.
+        """One spring on each hinge of a loop, both together at least as stiff as the loop. By
+        Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1.
         With s1 : s2 as r² w, where w is each hinge's `mobility`, the bound is exact if they share
         no body."""
         hinges, stiffness, element = [], [], []
@@ -106,8 +101,6 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Loops: "hinge": (loops, 2); "backlash": (loops, 1,
-        lanes), m, None: none; others as ConnectorElement.array."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         if name == "backlash":
@@ -116,8 +109,6 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return after a run {"loop_force": Series} of one sample, (t, loops) N: difference of both
-        strands' tensions of each. part: arrays of all loops (Loops); scene, lane: of the sample."""
         names = tuple(loop.name for loop in cls.find(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

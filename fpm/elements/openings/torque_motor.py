@@ -32,12 +32,10 @@ class TorqueMotor(AnyMotor):
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):
-        """Return the damping (N m s/rad, on slides N s/m) by which the motor limits the stable time
-        step: the largest fall of its torque, or force, with the speed."""
+        """The largest fall of its torque, or force, with the speed."""
         most = max(map(abs, scene.curve(self.curve).extremes()))
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum of the absolute torques (N m; N) of motors at rest."""
         return float(sum(abs(motor.torque) for motor in cls.find(scene)))

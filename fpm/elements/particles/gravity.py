@@ -28,11 +28,9 @@ class Gravity(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """Return the Gravity elements of a scene; [] where they add up to 0: no weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     def check(self, scene):
-        """Check that the curve exists, and that gravity with one is alone in the scene."""
         super().check(scene)
         curves = [g.curve for g in scene.kinds.get(Gravity, []) if np.any(g.acceleration)]
         if curves and max(self.curve, *curves) >= 0:
@@ -45,7 +43,6 @@ class Gravity(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return the index of the curve of gravity, or None without one."""
         curve = cls.curve_of(scene)
         return None if curve < 0 else curve
 
@@ -55,8 +52,6 @@ class Gravity(ElementType):
 
     @classmethod
     def held_up(cls, scene):
-        """Return the weight (N) of all particles of a scene together, which joints may have to bear
-        at rest; the tolerance of the energy balance follows from it."""
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod

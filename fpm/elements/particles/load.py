@@ -42,17 +42,12 @@ class Load(ArmElement):
     noun = "load"
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: indices of particle and curve."""
         return self.particle, self.curve
 
     @classmethod
     def held_up(cls, scene):
-        """Return the sum of the sizes of all forces (N) of a scene's loads, which joints may have
-        to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(np.linalg.norm(load.force) for load in cls.find(scene)))
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum of the sizes of all moments (N m) of a scene's loads, which exactly held
-        hinges may have to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(np.linalg.norm(load.moment) for load in cls.find(scene)))

@@ -18,8 +18,8 @@ from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures.builder import Body, Builder, Ground, Point
-from fpm.structures.doubts import find_doubts, find_far_point
 from fpm.structures.model import FileStatements
+from fpm.structures.plausible import find_doubts, find_far_point
 from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
 

@@ -20,28 +20,25 @@ from fpm.elements.cross import columns, cross, length
 from fpm.elements.kind import Deformations, ElementType, Energy, Watch
 from fpm.errors import SceneError
 
-
-def _bend_failure(values: dict[str, float]) -> tuple[str, str]:
-    return (
+BEND = Watch(
+    "bend", 0.25, False,
+    lambda values: (
         f"an element is bent or twisted by {values['bend']:.2g} rad, too much for linear theory",
         "refine the mesh: the bend and twist of an element fall with its length",
-    )
-
-
-def _strain_failure(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"the surface of an element is strained by {values['strain']:.2g}, which no beam bears",
-        "no mesh or step helps where links are bent to a radius below their own height or "
-        "stretched by half: stiffen their material, or soften what bends them",
-    )
-
-
-BEND = Watch("bend", 0.25, False, _bend_failure)
+    ),
+)  # fmt: skip
 """Largest sine of the angle between an element's chord and its ends, and of its twist. Whipping
 links whose elements bend by so much have errors of some percent (docs/extremes.md); beyond that the
 energy still balances, on a wrong curve. A finer mesh bends less."""
 
-STRAIN = Watch("strain", 0.5, False, _strain_failure)
+STRAIN = Watch(
+    "strain", 0.5, False,
+    lambda values: (
+        f"the surface of an element is strained by {values['strain']:.2g}, which no beam bears",
+        "no mesh or step helps where links are bent to a radius below their own height or "
+        "stretched by half: stiffen their material, or soften what bends them",
+    ),
+)  # fmt: skip
 """Largest strain at the surface of an element: its stretch, and half its height over the radius to
 which it is bent. At 0.5 that radius is the height: no beam, whatever the mesh. (A bar curved to
 such a radius is 8 % stiffer than a straight one: Winkler's theory of curved bars.)"""
@@ -326,15 +323,11 @@ SMALLEST_END = 0.1
 """Least share of an element's mass that an end particle may keep."""
 
 
+@lru_cache(64)
 def end_weights(elements: int, order: int | None = None) -> np.ndarray:
     """Return the masses (n+1,) of the particles of a slender link, as fractions of the mass of one
     element. elements: their number n, at least 1; order: highest order of differences in Gregory's
     end corrections, 0 (the trapezium rule) to 4; None: n/2, but 2 to 4 (0 for one element)."""
-    return np.array(_end_weights(elements, order))
-
-
-@lru_cache(64)
-def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
     weights = np.ones(elements + 1)
     weights[[0, -1]] = 0.5
     if order is None:
@@ -345,7 +338,8 @@ def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
             weight = -GREGORY[k - 1] * (-1) ** j * math.comb(k, j)
             weights[j] += weight
             weights[-1 - j] += weight
-    return tuple(weights.tolist())
+    weights.flags.writeable = False
+    return weights
 
 
 def lump(length: float, elements: int, section, material, scale: float = 1.0):
@@ -360,7 +354,7 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
     if not scale >= 1.0:
         raise SceneError("rotational inertia scale", scale, "a number >= 1")
     n, l = int(elements), length / elements
-    weights = end_weights(n)
+    weights = end_weights(n).copy()
     if n >= 2 and scale > 1:
         radius2 = max(section.Iy, section.Iz) / section.A
         shift = n / (n - 1) * (scale - 1) / 2 * radius2 / l**2

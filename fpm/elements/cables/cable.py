@@ -101,20 +101,6 @@ FRICTION_COST = 300.0
 """Core time (ns) of a stretch with friction in a step."""
 
 
-def _describe_crowding(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest stretch",
-        "points that meet under tension need a pulley's size: keep them apart",
-    )
-
-
-def _describe_drum(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"a drum winds a cable down to {1 / values['drum']:.3g} of its `shortest`",
-        "state a shorter `shortest`, for which the step is taken, or a stop on the drum's joint",
-    )
-
-
 SHORTEST = 0.25
 """Share of a cable's unstrained length at the start down to which a drum may wind it."""
 
@@ -141,7 +127,7 @@ class Cable(ElementType):
     start: float = number("rad", default=0.0, is_shown=False)
     least: float = number("m", 0.0, default=0.0, zero=False)
 
-    noun = "cable"
+    noun, name_field = "cable", "name"
     acts_as = "other"
     resists_as = "S"
     cost = 60.0
@@ -151,9 +137,16 @@ class Cable(ElementType):
     takes = FRICTION_LOSS
     events = ("tightens", "slackens")
     watches = (
-        Watch("crowding", 1.0, True, _describe_crowding),
-        Watch("drum", 1.0, True, _describe_drum),
-    )
+        Watch("crowding", 1.0, True, lambda values: (
+            f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest "
+            "stretch", "points that meet under tension need a pulley's size: keep them apart",
+        )),
+        Watch("drum", 1.0, True, lambda values: (
+            f"a drum winds a cable down to {1 / values['drum']:.3g} of its `shortest`",
+            "state a shorter `shortest`, for which the step is taken, or a stop on the drum's "
+            "joint",
+        )),
+    )  # fmt: skip
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, **fields) -> "Cable":
@@ -204,9 +197,6 @@ class Cable(ElementType):
             raise SceneError(f"points {owner}", self.beams[0].particle, "points of two particles")
         if not (shortest := self.shortest(scene)) > 0:
             raise SceneError(f"unstrained length {owner}", shortest, "above 0 m at all times")
-
-    def title(self, scene):
-        return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
         """Return the unstrained length (m) outside the winch at a `time` (s), or outside the drum
@@ -263,10 +253,6 @@ class Cable(ElementType):
     def names_of(cls, scene) -> tuple[str, ...]:
         """Names of a scene's cables as stated, in their order."""
         return tuple(cable.name for cable in cls.find(scene))
-
-    @classmethod
-    def names(cls, scene):
-        return [cable.title(scene) for cable in cls.find(scene)]
 
     @classmethod
     def reads_in(cls, scene):

@@ -247,7 +247,6 @@ def find_tensions(part, world, timing, c):
 
 @hook(RubbingCables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over."""
     for c in range(part.curve.shape[0]):
         if part.has_friction[c]:
             find_tensions(part, world, timing, c)
@@ -290,7 +289,6 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c. part: RubbingCables; world: not used."""
     total = cable.energy_of_cable(part, c)
     if part.has_friction[c]:
         total = 0.0 * total

@@ -5,12 +5,13 @@ tables, constant forces; gas springs follow theirs to GAS_POINTS points. A dampe
 rate extrapolated from the last two steps. The energy is the exact integral of -F, least at 0."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.declare import number, plain_field, topology
 from fpm.elements.cables.cable import Piece, bounding_springs, with_arms
-from fpm.elements.kind import ElementType, Energy, Series, VirtualBeam
+from fpm.elements.kind import ElementType, Energy, VirtualBeam
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.openings.table_spring import table_array
 from fpm.elements.particles.damping import Damping
@@ -35,7 +36,11 @@ class Strut(ElementType):
     slopes: tuple[float, float] = (0.0, 0.0)
     damping: float = number("N s/m", 0.0, default=0.0)
 
-    noun = "strut"
+    series: ClassVar = {
+        "strut_force": ("N", "force of the struts, above 0 where they push", "strut"),
+        "strut_length": ("m", "length of the struts", "strut"),
+    }
+    noun, name_field = "strut", "name"
     resists_as = "S"
     cost = 60.0
     stores = Energy("strut", "strut_energy", "energy of the struts")
@@ -56,9 +61,6 @@ class Strut(ElementType):
         ):
             allowed = "as many, finite, at increasing lengths above 0 m"
             raise SceneError(f"forces of {self.title(scene)}", list(self.forces), allowed)
-
-    def title(self, scene):
-        return f"strut {self.name}"
 
     def topology(self):
         return self.name, tuple(beam.particle for beam in self.beams), len(self.lengths)
@@ -99,10 +101,6 @@ class Strut(ElementType):
         return float(self.forces[0] + first_slope_force + bends @ ramps)
 
     @classmethod
-    def names(cls, scene):
-        return [strut.title(scene) for strut in cls.find(scene)]
-
-    @classmethod
     def deformations(cls, scene):
         """Along by the steepest slope; across and, on arms, against turns by the largest force of
         the table or at the start (at the length then)."""
@@ -141,17 +139,6 @@ class Strut(ElementType):
             case "state":
                 return batch.stack(len(struts), cls.kernels().STATE, _start)
         return super().array(name, batch)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        """`strut_force` (N) is above 0 where the strut pushes, damper included."""
-        names = tuple(strut.name for strut in cls.find(scene))
-        force, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
-        text = "force of the struts, above 0 where they push"
-        return {
-            "strut_force": Series(force, "N", text, "strut", names),
-            "strut_length": Series(length, "m", "length of the struts", "strut", names),
-        }
 
 
 def gas_table(force: float, length: float, stroke: float, ratio: float, exponent: float):

@@ -51,15 +51,6 @@ DAMPING_RATIO = 0.3
 step of a scene that it limits is 0.57 of the one without."""
 
 
-def _describe_lock(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        "a bearing locks itself: its friction presses its joint harder than it is pushed, and was "
-        f"bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
-        "no motion is possible from there on: start it at an angle below that of friction, or "
-        "end it before; less `mu`; a `load` near the force of the joint, where that is far larger",
-    )
-
-
 def _describe_imbalance(element: str) -> str:
     """Return the remedy of a bearing whose friction goes with a force that changes much in a step.
     Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
@@ -101,7 +92,15 @@ class Friction(ExactConnector):
     acts_as = "friction"
     noun = "friction"
     resists_as = "FR"
-    watches = (Watch("lock", LOCKS, True, _describe_lock, remedy=_describe_imbalance),)
+    watches = (
+        Watch("lock", LOCKS, True, lambda values: (
+            "a bearing locks itself: its friction presses its joint harder than it is pushed, and "
+            f"was bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
+            "no motion is possible from there on: start it at an angle below that of friction, or "
+            "end it before; less `mu`; a `load` near the force of the joint, where that is far "
+            "larger",
+        ), remedy=_describe_imbalance),
+    )  # fmt: skip
 
     @classmethod
     def sweep_elements(cls, scene):

@@ -8,11 +8,12 @@ Friction is a bristle (friction.py), bent by `bristle_deflection` where it slips
 at most friction N, with a damper of 0.3 of critical, and is straight where nothing touches."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.declare import number, word
-from fpm.elements.kind import Deformations, Energy, Series, Watch
+from fpm.elements.kind import Deformations, Energy, Watch
 from fpm.elements.openings.friction import DAMPING_RATIO
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
@@ -80,6 +81,10 @@ class Journal(Connector):
     takes = JOINT_LOSS
     events = ("leaves", "touches")
     acts_as = "contact"
+    series: ClassVar = {
+        "pin_force": ("N", "force that presses the pins", "pin"),
+        "pin_eccentricity": ("m", "distance of the pins from the axes of their bearings", "pin"),
+    }
     noun = PIN
     resists_as = "S"
     cost = 90.0
@@ -165,16 +170,6 @@ class Journal(Connector):
         if name == "state":
             return batch.stack(len(cls.find(batch.scene)), cls.kernels().STATE, _start)
         return super().array(name, batch)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        names = tuple(pin.label(scene) for pin in cls.find(scene))
-        force, distance = part.track[:, :, lane].T.reshape(2, -1, len(names))
-        text = "distance of the pins from the axes of their bearings"
-        return {
-            "pin_force": Series(force, "N", "force that presses the pins", "pin", names),
-            "pin_eccentricity": Series(distance, "m", text, "pin", names),
-        }
 
 
 def _numbers(scene, pin: Journal) -> list[float]:

@@ -10,13 +10,12 @@ from typing import ClassVar
 
 from fpm.declare import damping, index, number, stiffness, topology
 from fpm.elements.joints.turn import ExactConnector
-from fpm.elements.kind import Energy, Series
+from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
     ONSET,
     Connector,
     backlashes,
-    by_unit,
     on_hinge,
     unit_of,
 )
@@ -29,24 +28,15 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(Connector):
-    """Base class of motors. variable: name of their recorded moment in files."""
+    """Base class of motors."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
     noun = "motor"
-    variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
         super().check(scene)
         self.check_alone(scene)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
-        values = part.track[:, 0, lane].reshape(-1, len(hinges))
-        text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun
-        series = {cls.variable: Series(values, "N m", text, dimension.replace(" ", "_"), ())}
-        return by_unit(series, hinges, [hinge.name for hinge in hinges])
 
 
 @dataclass(frozen=True)
@@ -75,6 +65,7 @@ class Motor(AnyMotor, ExactConnector):
         text="total play of its drive train, within which no moment acts; default: none",
     )
 
+    series: ClassVar = {"motor_moment": ("N m", "moment of the motors on their hinges", "motor")}
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     takes = JOINT_LOSS
 

@@ -104,10 +104,6 @@ class ConnectorElement(ElementType):
         return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDE_UNITS else unit
 
     @classmethod
-    def names(cls, scene):
-        return [element.title(scene) for element in cls.find(scene)]
-
-    @classmethod
     def array(cls, name, batch):
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
@@ -129,6 +125,10 @@ class Connector(ConnectorElement):
     def title(self, scene):
         return f"{self.noun} {self.label(scene)}"
 
+    @classmethod
+    def names(cls, scene):
+        return [element.title(scene) for element in cls.find(scene)]
+
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
         (`noun`, as "motor"), of whatever type; raises SceneError if it has."""
@@ -145,6 +145,13 @@ class Connector(ConnectorElement):
             x._replace(joint=hinge.name, gate=gate and gate._replace(slides=hinge.slides))
             for x, hinge, gate in ((x, hinges[e.hinge], e.gate()) for x, e in pairs)
         ]
+
+    @classmethod
+    def read_records(cls, part, scene, lane):
+        elements = cls.find(scene)
+        hinges = [scene.hinges[element.hinge] for element in elements]
+        series = super().read_records(part, scene, lane)
+        return by_unit(series, hinges, [element.label(scene) for element in elements])
 
     def gate(self) -> Gate | None:
         """Return the opening at which the element latches, is hit or closes; None: it does not."""

@@ -70,7 +70,7 @@ class Release(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """ "latch_row": index of the latch watched, -1: none; "latches": states, None: none watched."""
+        """For "latch_row" -1, and for "latches" None where none is watched."""
         if name not in ("latch_row", "latches"):
             return super().array(name, batch)
         numbers = {latch.label(batch.scene): i for i, latch in enumerate(Latch.find(batch.scene))}

@@ -3,11 +3,12 @@
 Theory: docs/mechanics.md, "Loops, motors and releases"."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.declare import index, number, stiffness, topology
-from fpm.elements.kind import Deformations, Energy, Series
+from fpm.elements.kind import Deformations, Energy
 from fpm.elements.openings.opening import ConnectorElement, backlashes, mobility, relative_turn
 from fpm.errors import SceneError
 
@@ -47,7 +48,8 @@ class SyncLoop(ConnectorElement):
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")
     acts_as = "loop"
-    noun = "loop"
+    noun, name_field = "loop", "name"
+    series: ClassVar = {"loop_force": ("N", "pull of the loops", "loop")}
     resists_as = "S"
     has_memory = False
 
@@ -60,7 +62,6 @@ class SyncLoop(ConnectorElement):
             raise SceneError(f"hinges of {title}", self.hinges, "two different ones")
         if not np.all(self.radii):
             raise SceneError(f"radii of {title}", self.radii, "lengths (m) other than 0")
-
         if self.backlash is not None and self.preload < np.inf:
             allowed = "none, with a backlash"
             raise SceneError(f"preload of {title}", self.preload, allowed)
@@ -70,9 +71,6 @@ class SyncLoop(ConnectorElement):
 
     def acts_on(self):
         return self.hinges
-
-    def title(self, scene):
-        return f"loop {self.name}"
 
     @property
     def tight(self) -> float:
@@ -106,9 +104,3 @@ class SyncLoop(ConnectorElement):
         if name == "backlash":
             return backlashes(batch, cls)
         return super().array(name, batch)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        names = tuple(loop.name for loop in cls.find(scene))
-        values = part.track[:, 0, lane].reshape(-1, len(names))
-        return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -5,6 +5,7 @@ it at w = psi', down to nothing at the no-load speed w0, as that of a direct cur
 is T f(t) where the hinge turns against it, and it never brakes."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,7 +30,11 @@ class TorqueMotor(AnyMotor):
 
     noun = "torque motor"
     resists_as = "HM"
-    variable = "torque_motor_moment"
+    series: ClassVar = {
+        "torque_motor_moment": (
+            "N m", "moment of the torque motors on their hinges", "torque_motor",
+        )
+    }  # fmt: skip
 
     def damping_in(self, scene):
         """The largest fall of its torque, or force, with the speed."""

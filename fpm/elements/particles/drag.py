@@ -36,15 +36,11 @@ class Drag(ArmElement):
 
     takes = Damping.takes
     resists_as = ""
-    noun = "drag"
+    noun, name_field = "drag", "name"
     cost = 55.0
 
     def topology(self):
         return self.particle
-
-    @classmethod
-    def names(cls, scene):
-        return [f"{cls.noun} {drag.name}" for drag in cls.find(scene)]
 
     @classmethod
     def dampings(cls, scene):

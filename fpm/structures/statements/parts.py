@@ -10,8 +10,8 @@ from fpm.elements.bars.beam import Material, Section, lump, triad
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.structures.builder import POINT_TOL, Body
-from fpm.structures.doubts import find_dense
 from fpm.structures.keys import COUNT, DirectionKey, ListKey, MapKey, ReferenceKey, VectorKey
+from fpm.structures.plausible import find_dense
 from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9

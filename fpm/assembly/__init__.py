@@ -119,11 +119,12 @@ def _forces_at_start(scene) -> BalanceForces:
         elements[kind] = [*kind.find(scene), *springs]
     elements[Journal] = [replace(p, friction=0.0, restitution=1.0) for p in Journal.find(scene)]
     elements[Drag] = [drag for drag in Drag.find(scene) if np.any(drag.wind)]
-    sources = [
-        ElementForces(scene, group, _turns(group) if kind in (Load, Drag) else ())
-        for kind, group in elements.items()
-        if group
-    ]
+    sources = []
+    for kind, group in elements.items():
+        turns = []  # degrees of freedom that change what acts at the ends of arms
+        if kind in (Load, Drag):
+            turns = [6 * element.particle + axis for element in group for axis in (3, 4, 5)]
+        sources += [ElementForces(scene, group, turns)] if group else []
     return BalanceForces(scene, sources)
 
 
@@ -141,8 +142,3 @@ def _springs_at_start(scene) -> dict[type[Any], list]:
                 limit = rest + sign * motor.backlash
                 stops.append(Stop(motor.hinge, limit, side, motor.stiffness))
     return {TorsionSpring: springs, Stop: stops}
-
-
-def _turns(elements) -> Any:
-    """Degrees of freedom of turns that change what elements at the ends of arms give."""
-    return (6 * np.array([element.particle for element in elements])[:, None] + (3, 4, 5)).ravel()

@@ -213,7 +213,7 @@ class Hinge(JointBase):
         return arrays.Hinges(
             ends=batch.integers(cls.moved_particles(batch.scene)),
             bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
-            hinges=batch.stack(h, arrays.HINGE, lone(_places)),
+            hinges=batch.stack(h, arrays.HINGE, lone(lambda *x: np.hstack([axes, places_of(*x)]))),
             fixed_axes=batch.integers(axes, 3),
             has_supports=bool(np.any(axes)),
             body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
@@ -243,10 +243,6 @@ def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
     # In the order of hinge_arrays.py: ARM, AXIS, REF, NORMAL, AXIS_IM.
     arms = [beam.arm for beam in beams]
     return np.hstack([arms, axes, references, cross(axes, references), inverse_mass])
-
-
-def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
-    return np.hstack([[mask_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
 
 
 def mask_axes(letters: str) -> list[bool]:

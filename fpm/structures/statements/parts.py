@@ -204,11 +204,6 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
     return _principal_axes(sum(frame * inertia @ frame.T for inertia, frame in parts))
 
 
-def _point_inertia(mass: float, arm: np.ndarray) -> np.ndarray:
-    """Inertia tensor (3, 3), kg m², of a mass (kg) at `arm` (3,), m, about the arm's start."""
-    return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-
-
 def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Principal inertias (3,) and axes (3, 3) of an inertia tensor; `axes` where they are such."""
     if axes is not None:
@@ -393,7 +388,8 @@ def mass(build, args):
         reduced_mass = scene.mass[particle] * args.mass / (scene.mass[particle] + args.mass)
         arm = args.at.position - scene.position[particle]
         axes = scene.frame[particle]
-        tensor = axes * scene.inertia[particle] @ axes.T + _point_inertia(reduced_mass, arm)
+        point_inertia = reduced_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        tensor = axes * scene.inertia[particle] @ axes.T + point_inertia
         scene.position[particle] += arm * reduced_mass / scene.mass[particle]
         scene.inertia[particle], scene.frame[particle] = _principal_axes(tensor, axes)
     scene.mass[particle] += args.mass

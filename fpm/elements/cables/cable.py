@@ -180,14 +180,16 @@ class Cable(ElementType):
         if self.name in Cable.names_of(scene):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
-            raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
+            raise SceneError(f"reel {owner}", self.reel, "a length with a `curve`")
         if self.drum >= 0 and scene.hinges[self.drum].slides:
             allowed = "a joint whose opening is an angle"
             raise SceneError(f"drum {owner}", scene.hinges[self.drum].name, allowed)
         if (self.drum >= 0) != (self.radius != 0):
-            raise SceneError(f"radius {owner}", self.radius, "a length (m) other than 0, of a drum")
+            allowed = "a length other than 0 with a `drum`, none without"
+            raise SceneError(f"radius {owner}", self.radius, allowed)
         if self.drum >= 0 and self.curve >= 0:
-            raise SceneError(f"reel {owner}", self.reel, "none, as a drum winds it")
+            allowed = "none, with a `reel` and `curve`"
+            raise SceneError(f"drum {owner}", scene.hinges[self.drum].name, allowed)
         if self.drum >= 0 and not 0 < self.least < (rest := self.rest_at(scene, 0.0)):
             allowed = f"above 0 m, below the unstrained length at the start, {rest:.6g} m"
             raise SceneError(f"shortest length {owner}", self.least, allowed)

@@ -59,8 +59,8 @@ class Release(ExactConnector):
             raise SceneError(f"level of {title}", self.level, allowed)
         labels = [latch.label(scene) for latch in latches]
         if self.latch and self.latch not in labels:
-            allowed = f"a latch of the scene: {', '.join(labels) or 'there is none'}"
-            raise SceneError(f"latch watched by {title}", self.latch, allowed)
+            allowed = f"a joint, or a latch: {', '.join(labels) or 'there is none'}"
+            raise SceneError(f"watch of {title}", self.latch, allowed)
 
     def held_at_start(self, scene):
         return scene.hinges[self.hinge].opening

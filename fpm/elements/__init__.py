@@ -23,8 +23,7 @@ from fpm.elements.openings.torsion_spring import TorsionSpring
 from fpm.elements.particles.damping import Damping
 from fpm.elements.particles.drag import Drag
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.gravity import Gravity
-from fpm.elements.particles.load import Load
+from fpm.elements.particles.load import Gravity, Load
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.support import Support
 from fpm.elements.reads import SceneList

@@ -27,7 +27,7 @@ from fpm.elements.joints.joint import Joint
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.latch import SIDES
 from fpm.elements.openings.release import Release
-from fpm.elements.particles.gravity import Gravity
+from fpm.elements.particles.load import Gravity
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.solver.start import consistent_scene

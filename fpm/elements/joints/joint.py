@@ -29,7 +29,7 @@ from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, VirtualBeam
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.gravity import LOAD_WORK
+from fpm.elements.particles.load import LOAD_WORK
 from fpm.errors import SceneError
 
 CONDITION, MULTIPLY_ADD = 240.0, 1.5

@@ -6,7 +6,7 @@ import numpy as np
 
 from fpm.declare import index, number
 from fpm.elements.kind import ElementType
-from fpm.elements.particles.gravity import LOAD_WORK
+from fpm.elements.particles.load import LOAD_WORK
 from fpm.errors import SceneError
 
 

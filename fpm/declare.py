@@ -112,7 +112,6 @@ class Number(Key, NumberLimits):
     schema: ClassVar[Any] = {"type": ["number", "string"]}
 
     def allows(self, value: float) -> bool:
-        """Return whether a `value` is within the field's limits, and finite if it must be."""
         return (not self.finite or -inf < value < inf) and super().allows(value)
 
     def fits(self, value: Any) -> bool:

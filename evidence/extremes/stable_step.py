@@ -8,7 +8,7 @@ import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.linkage.runs import build as bennett
 from evidence.rows import Row
-from fpm.elements.openings.contact import FINER
+from fpm.elements.openings.stop import FINER
 
 LOWEST, HIGHEST = 0.7, 1.0
 """Allowed ratio of the estimate to the true limit."""

@@ -7,7 +7,7 @@ import numpy as np
 import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.momentum import drift, momenta, watch
-from fpm.elements.bars.lumping import lump
+from fpm.elements.bars.beam import lump
 
 
 def spin_angle(time) -> tuple[np.ndarray, np.ndarray]:

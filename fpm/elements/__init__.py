@@ -8,7 +8,6 @@ from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.contact import Contact
 from fpm.elements.openings.damper import Damper
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.journal import Journal
@@ -16,7 +15,7 @@ from fpm.elements.openings.latch import Latch
 from fpm.elements.openings.motor import Motor
 from fpm.elements.openings.opening import Opening
 from fpm.elements.openings.release import Release
-from fpm.elements.openings.stop import Stop
+from fpm.elements.openings.stop import Contact, Stop
 from fpm.elements.openings.sync_loop import SyncLoop
 from fpm.elements.openings.table_spring import TableSpring
 from fpm.elements.openings.torque_motor import TorqueMotor
@@ -24,8 +23,7 @@ from fpm.elements.openings.torsion_spring import TorsionSpring
 from fpm.elements.particles.damping import Damping
 from fpm.elements.particles.drag import Drag
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.gravity import Gravity
-from fpm.elements.particles.load import Load
+from fpm.elements.particles.load import Gravity, Load
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.support import Support
 from fpm.elements.reads import SceneList

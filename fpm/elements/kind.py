@@ -147,8 +147,11 @@ class ElementType:
     resists_as: ClassVar[str] = "HA"  # class of its part in slow travel (fpm/travel); "": none
     has_memory: ClassVar[bool] = True  # whether forces depend on the way to where they act
 
+    # Of recorded variables, the columns of `track` in their order: unit, long name, dimension.
+    series: ClassVar[dict[str, tuple[str, str, str]]] = {}
     noun: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
-    cost: ClassVar[float] = 100.0  # ns, of one element in a step of eight runs (effort.py)
+    name_field: ClassVar[str] = ""  # field with the name of each in messages and files
+    cost: ClassVar[float] = 100.0  # ns, of one element in a step of eight runs (timestep.py)
 
     # -- of one element -----------------------------------------------------------------------
 
@@ -187,9 +190,9 @@ class ElementType:
         return words.format(noun=self.noun, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """Return what a message calls this element: by default its type's word (`noun`); overridden
-        where elements have names, as "latch A". scene: with what it acts on."""
-        return self.noun
+        """Return what a message calls this element, as "cable A": its type's word (`noun`), with
+        its name if it has a `name_field`. scene: with what it acts on."""
+        return f"{self.noun} {getattr(self, self.name_field)}" if self.name_field else self.noun
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
         """Return the unit of one of the element's fields in this scene: by default `unit`, which
@@ -234,6 +237,8 @@ class ElementType:
     def names(cls, scene: SceneData) -> list[str]:
         """Return the names of the type's elements in a scene, for messages: one for each row in
         which kernels note who fails; a group of beams has several."""
+        if cls.name_field:
+            return [element.title(scene) for element in cls.find(scene)]
         return [f"{cls.noun or cls.__name__} {i}" for i in range(len(cls.find(scene)))]
 
     @classmethod
@@ -315,7 +320,7 @@ class ElementType:
     @classmethod
     def cost_in(cls, scene: SceneData) -> float:
         """Return the core time (ns) of all elements of the type in a time step of eight runs of the
-        scene side by side, to estimate run times (scenes/effort.py): `cost` for each."""
+        scene side by side, to estimate run times (scenes/timestep.py): `cost` for each."""
         return cls.cost * len(cls.names(scene))
 
     @classmethod
@@ -326,9 +331,17 @@ class ElementType:
 
     @classmethod
     def read_records(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
-        """Return the recorded Series of one sample, by variable of its trajectory file. part: the
-        kernels' arrays; scene: the sample's; lane: its index."""
-        return {}
+        """Return the recorded Series of one sample, by variable of its trajectory file: by default
+        the columns of `track`, as `series` names them. part: the kernels' arrays; scene: the
+        sample's; lane: its index."""
+        if not cls.series:
+            return {}
+        labels = tuple(cls.names(scene))
+        if cls.name_field:
+            labels = tuple(getattr(element, cls.name_field) for element in cls.find(scene))
+        columns = part.track[:, :, lane].T.reshape(len(cls.series), -1, len(labels))
+        table = zip(cls.series.items(), columns, strict=True)
+        return {name: Series(values, *words, labels) for (name, words), values in table}
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

@@ -177,11 +177,16 @@ def contents(
         f"{_PARAMETER}{name}": (values, unit, name)
         for name, (values, unit) in (parameters or {}).items()
     }
+    dims = RUN, "time"
+    energies = {
+        variable: _variable(dims, [o.energies[name] for o in outcomes], "J", words, energy=name)
+        for name, variable, words in outcomes[0].energy_kinds
+    }
     variables = {
         **_names(RUN, names, "name of the run"),
         "time": _variable("time", outcomes[0].time, "s", "time", standard_name="time", axis="T"),
         **_points(outcomes, columns),
-        **_energies(outcomes),
+        **energies,
         **_record_variables(outcomes, columns),
         **_events(outcomes),
         **_responses(outcomes, responses),
@@ -245,15 +250,6 @@ def _points(outcomes, columns) -> dict[str, NetcdfVariable]:
         **_names("axis", "xyz", "global axis"),
         "position": _variable(dims, tracks[0], "m", "position of the named points"),
         "velocity": _variable(dims, tracks[1], "m s-1", "velocity of the named points"),
-    }
-
-
-def _energies(outcomes) -> dict[str, NetcdfVariable]:
-    return {
-        variable: _variable(
-            (RUN, "time"), [o.energies[name] for o in outcomes], "J", long_name, energy=name
-        )
-        for name, variable, long_name in outcomes[0].energy_kinds
     }
 
 

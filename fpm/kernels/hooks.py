@@ -5,9 +5,10 @@ A kind's kernel file has a named tuple of its arrays and, for what it does, kern
 (compiled_loop.py): at each hook the loop calls the kernels there are, in the order of the kinds. So
 a new mix of known kinds compiles nothing, and a scene pays nothing for what it lacks.
 
-Kernels say nothing of what they all take: `part`, the arrays of their type, whose named tuple tells
-shapes and units (lanes: samples side by side); `world`, the World, or its `state`; `timing`, the
-StepTime (s); `row`, index of an instant; i, h, c, ..., indices of an element, a hinge, a cable."""
+Kernels say nothing of what their hook says, nor of what they all take: `part`, the arrays of their
+type, whose named tuple tells shapes and units (lanes: samples side by side); `world`, the World, or
+its `state`; `timing`, the StepTime (s); `row`, index of an instant; i, h, c, ..., indices of an
+element, a hinge, a cable."""
 
 import functools
 import inspect

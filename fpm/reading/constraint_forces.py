@@ -17,7 +17,7 @@ from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import VirtualBeam
 from fpm.elements.openings.journal import PIN
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.gravity import Gravity
+from fpm.elements.particles.load import Gravity
 from fpm.reading.recording import Recording, Sides
 from fpm.scenes.scene import Scene
 

@@ -14,9 +14,9 @@ from fpm.declare import NumberLimits
 from fpm.elements import Journal
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
-from fpm.travel import Travel, component_classes, find_reels, sweep
+from fpm.travel import Travel, interpolate, sweep
+from fpm.travel.components import component_classes, find_reels
 from fpm.travel.path import TINY
-from fpm.travel.positions import interpolate
 
 WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"
 """Variables of what is recorded (fpm.reading.variables)."""

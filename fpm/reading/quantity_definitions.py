@@ -278,9 +278,11 @@ def _places(key: str, event: object, target: object, elements: list[Eventful]) -
 def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
     """Return the quantity with its long name."""
     time, places, response = quantity.instant, quantity.places, quantity.response
+    number = quantity.number
+    suffix = {1: "st", 2: "nd", 3: "rd"}.get(number % 10 if number % 100 // 10 != 1 else 0, "th")
     text = KINDS[quantity.kind].text.format(
         about=response.long_name if response else "",
-        nth="first " if quantity.number == 1 else f"{_ordinal(quantity.number)} ",
+        nth="first " if number == 1 else f"{number}{suffix} ",
         level=quantity.level,
         way="" if quantity.direction == "either" else f" {quantity.direction}",
         within=quantity.tolerance,
@@ -291,11 +293,6 @@ def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
         whose=f" of {places[0] if len(places) == 1 else target}" if target else "",
     )
     return replace(quantity, long_name=text)
-
-
-def _ordinal(number: int) -> str:
-    suffix = {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
-    return f"{number}{'th' if number % 100 in (11, 12, 13) else suffix}"
 
 
 def _moment(key: str, instant: object, quantities: Mapping[str, Quantity]) -> Quantity | float:

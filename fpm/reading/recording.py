@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements.batch import turns_of
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.openings.opening import PARTS, Opening
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.reading.bars import Bar, Sections, bars_of, sections_of
 from fpm.scenes.scene import Scene
 

@@ -22,10 +22,9 @@ from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column
 from fpm.reading import bars, margins
-from fpm.reading.bars import Bar, ends_of, half_sizes
+from fpm.reading.bars import Bar, element_stress, ends_of, half_sizes
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
 from fpm.reading.recording import Recording
-from fpm.reading.stress import element_stress
 from fpm.scenes.scene import Scene
 
 MOST_PAIRS = 1 << 20

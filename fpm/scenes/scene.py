@@ -28,8 +28,7 @@ from fpm.elements import (
     TorsionSpring,
     kinds_of,
 )
-from fpm.elements.bars.beam import Material, Section, triad
-from fpm.elements.bars.lumping import lump
+from fpm.elements.bars.beam import Material, Section, lump, triad
 from fpm.elements.cross import length as size
 from fpm.elements.kind import VirtualBeam
 from fpm.errors import SceneError
@@ -82,7 +81,7 @@ class Scene:
     of Curve, of time; points: named ones (VirtualBeam), for responses; supports: those held or
     driven; bodies: index of the particle of each named rigid body; unstrained, unstrained_position:
     frames and positions before fpm.assembly strained the scene, None: as they are; assembly: what
-    that did, or None; equilibrium: likewise of fpm.assembly.equilibrium; opening_rates: rates of
+    that did, or None; equilibrium: likewise of fpm.assembly; opening_rates: rates of
     joint coordinates stated for the start (rad/s, of slides m/s), by hinge; bearings: friction of
     joints in quasi-static travel, by hinge: mu r (m; slides: mu); classes, action_names: of
     elements by (type, index): class in torque margins where it is not its type's, and name in the
@@ -102,7 +101,7 @@ class Scene:
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
         self.unstrained_position: np.ndarray | None = None  # and positions (n, 3); None: `position`
         self.assembly: Any = None  # what forced it together, an fpm.assembly.Assembly
-        self.equilibrium: Any = None  # in which it starts, an fpm.assembly.equilibrium.Equilibrium
+        self.equilibrium: Any = None  # in which it starts, an fpm.assembly.Equilibrium
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)
@@ -207,7 +206,7 @@ class Scene:
         inertia_scale: float = 1.0,
     ) -> Link:
         """Add a straight bar of equal beam elements; its particles have the bar's axes and share
-        its mass, lumped (bars/lumping.py). start, end: (3,), m; normal: as in `add_beams`;
+        its mass, lumped (bars/beam.py). start, end: (3,), m; normal: as in `add_beams`;
         inertia_scale: factor, at least 1, on the section's rotational inertia. SceneError if they
         give no bar."""
         start, end = np.asarray(start, float), np.asarray(end, float)

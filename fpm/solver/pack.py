@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fpm.elements import energies_of, kinds_of
-from fpm.elements.batch import Batch, join_particles
+from fpm.elements.batch import Batch, join_particles, turns_of
 from fpm.elements.cross import columns, cross
 from fpm.elements.kind import Series
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.elements.reads import SceneList
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful

@@ -14,9 +14,9 @@ import numpy as np
 
 from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of
 from fpm.assembly.matrices import dofs_of, saddle_solver
+from fpm.elements.batch import turns_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.elements.reads import SceneList
 from fpm.errors import SceneError
 

@@ -84,7 +84,8 @@ class FileStatements:
         for name, p in inputs.items():
             key = f"parameters.{name}"
             if self.names.allows(name, key, p.line, "let"):
-                self.names.numbers[name] = NamedNumber(key, p.line, p.unit.dimension, p.whole)
+                number = NamedNumber(key, p.line, p.unit.dimension, p.parameter.is_whole)
+                self.names.numbers[name] = number
         ends: dict[str, str] = {}
         file = Sheet(Context(ends), table, "", 0)
         sheets = [file, *self._units(table, counts, ends)]
@@ -118,12 +119,15 @@ class FileStatements:
                 continue
             try:
                 count = self._count(node, place.child("count"), line, counts)
-                ring = self._is_ring(node, place.child("arrangement"))
+                arrangement = node.entries.get("arrangement", Node("row"))
+                if arrangement.text not in ("row", "ring"):
+                    place.child("arrangement").refuse(arrangement, "row or ring")
             except SkippedError:
                 continue
             ends[f"{name}.first"], ends[f"{name}.last"] = f"{name}1.", f"{name}{count}."
             for i in range(count):
-                neighbours = [j % count if ring else j for j in (i + 1, i - 1)]
+                is_ring = arrangement.text == "ring"
+                neighbours = [j % count if is_ring else j for j in (i + 1, i - 1)]
                 prefixes = [f"{name}{j + 1}." if 0 <= j < count else None for j in neighbours]
                 adjacent = dict(zip(NEIGHBOURS, prefixes, strict=True))
                 yield Sheet(Context(ends, f"{name}{i + 1}.", adjacent), node, place.key, i + 1)
@@ -144,12 +148,6 @@ class FileStatements:
         if count != round(count) or not 1 <= count <= most:
             place.refuse(count_node, f"a whole number from 1 to {most}")
         return round(count)
-
-    def _is_ring(self, node: Node, place: Place) -> bool:
-        arrangement = node.entries.get("arrangement", Node("row"))
-        if arrangement.text not in ("row", "ring"):
-            place.refuse(arrangement, "row or ring")
-        return arrangement.text == "ring"
 
     # -- names --------------------------------------------------------------------------------
 

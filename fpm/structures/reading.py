@@ -362,17 +362,14 @@ class _Reader:
         except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
             self.problems.say(line, f"a value cannot be read: {error}")
 
-    def _is_merge(self, key: yaml.Event, value: Node) -> bool:
-        items = value.items if isinstance(value.value, list) else [value]
-        is_plain = isinstance(key, yaml.ScalarEvent) and key.implicit[0]
-        return is_plain and all(item.is_table for item in items)
-
     def _table(self, line: int, depth: int) -> Node:
         table, bases = Node({}, line), []
         for event in self._rest():
             key, key_line = self._node(event, depth + 1, True), event.start_mark.line + 1
             self.key = key.value if isinstance(key.value, str) else ""
             value, name = self._node(next(self.events), depth + 1), key.value
+            items = value.items if isinstance(value.value, list) else [value]
+            is_merge = name == "<<" and isinstance(event, yaml.ScalarEvent) and event.implicit[0]
             if isinstance(name, list | dict):
                 self.problems.say(key_line, "a key is a mapping or a list; allowed: a name")
             elif not isinstance(name, str):
@@ -381,8 +378,8 @@ class _Reader:
                 first = f"(first on line {table.lines[name]})"
                 text = f"{name} is defined twice {first}; allowed: each key once"
                 self.problems.say(key_line, text)
-            elif name == "<<" and self._is_merge(event, value):
-                bases += value.items if isinstance(value.value, list) else [value]
+            elif is_merge and all(item.is_table for item in items):
+                bases += items
             else:
                 table.entries[name], table.lines[name] = value, key_line
         for base in bases:  # what YAML calls a merge

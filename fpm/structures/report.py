@@ -9,10 +9,9 @@ import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.elements.bars.beam import Beams
-from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
-from fpm.scenes.timestep import SAFETY, find_stable_step
+from fpm.scenes.timestep import SAFETY, find_stable_step, machine, run_seconds
 
 
 class Mobility(NamedTuple):

@@ -9,18 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from fpm.assembly import MisfitError, assemble
-from fpm.assembly.equilibrium import balance
+from fpm.assembly import MisfitError, assemble, balance
 from fpm.elements import Gravity
+from fpm.elements.batch import turns_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import turning_at_start, unit_of
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures.builder import Body, Builder, Ground, Point
-from fpm.structures.doubts import find_doubts, find_far_point
 from fpm.structures.model import FileStatements
+from fpm.structures.plausible import find_doubts, find_far_point
 from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
 

@@ -101,11 +101,6 @@ class GivenParameter:
     unit: Unit
     line: int
 
-    @property
-    def whole(self) -> bool:
-        """Whether it takes whole numbers only, so that counts of units may depend on it."""
-        return self.parameter.is_whole
-
     def si(self, value: float) -> float:
         """Return a value, given in the parameter's unit, in SI units."""
         return self.unit.si(float(value))
@@ -134,7 +129,7 @@ class _File:
         first, *rest = map(self._values, samples)
         names = {name for values in rest for name in first if values[name] != first[name]}
         model = self._model(first, problems := Problems(self.source))
-        if problems or any(self.parameters[name].whole for name in names):
+        if problems or any(self.parameters[name].parameter.is_whole for name in names):
             return lambda sample: None
         group = SampleGroup(model, first, names)
         return lambda sample: group.build(self._values(sample))
@@ -171,7 +166,7 @@ class _File:
 
     def _model(self, values: Mapping[str, float], problems: Problems) -> FileStatements:
         """Return the statements at values of the whole-number parameters."""
-        counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
+        counts = {name: values[name] for name, p in self.parameters.items() if p.parameter.is_whole}
         key = tuple(counts.values())
         model = self._models.get(key) or FileStatements(
             self.table, self.parameters, counts, Names(problems, self.files)
@@ -243,7 +238,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
 def _check_mesh(mesh: Node, values: Mapping, parameters: Mapping, problems: Problems) -> None:
     """Refuse a mesh that is no whole parameter; nothing is said of one that is refused itself."""
     name = mesh.text
-    whole = [n for n, p in values.items() if p.whole]
+    whole = [n for n, p in values.items() if p.parameter.is_whole]
     if name not in whole and (name in values or name not in parameters):
         allowed = f"{did_you_mean(name, whole)}; allowed: a parameter with `whole: true`"
         problems.say(mesh.line, f"mesh: {name!r} is not allowed{allowed}: {commas(whole)}")

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of
-from fpm.assembly.element_forces import BalanceForces, ElementForces
+from fpm.assembly.element_forces import BalanceForces, ElementForces, displacement
 from fpm.assembly.matrices import full, scale_matrix, sparse
-from fpm.assembly.newton import linearise
-from fpm.assembly.search import FARTHEST, MisfitError
+from fpm.assembly.search import FARTHEST, MisfitError, linearise
 from fpm.elements.cross import cross
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
@@ -109,15 +108,6 @@ FREEDOM_TOLERANCE = 1e-3
 they differ by more, it is not the opening alone that decides the motion."""
 
 
-def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Rotation vectors (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
-    turn = last @ first.transpose(0, 2, 1)
-    skew = 0.5 * (turn - turn.transpose(0, 2, 1))
-    axis = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
-    sine, cosine = np.linalg.norm(axis, axis=1), 0.5 * (turn.trace(axis1=1, axis2=2) - 1)
-    return axis * (np.arctan2(sine, cosine) / np.maximum(sine, TINY))[:, None]
-
-
 class Path:
     """Moves an opening of a scene slowly, through static equilibria: `poses` of n particles, the
     `opening` (rad, m), and `tangent`, the motion (6n,) of all particles per unit of it. openings:
@@ -178,9 +168,7 @@ class Path:
         branch: where two meet, the conditions' derivatives have the other orientation on the
         other."""
         step = self.opening - state[1]
-        shift = self.poses.position - state[0].position
-        turn = _rotations_of(state[0].frame, self.poses.frame)
-        motion = np.stack([shift, turn], axis=1).ravel() / self._scales
+        motion = displacement(state[0], self.poses) / self._scales
         rates = 0.5 * step * (tangents[0] + self.tangent) / self._scales
         size = max(np.abs(motion).max(), np.abs(rates).max())
         if np.abs(motion - rates).max() > RATE_TOLERANCE * size + MOTION_TOLERANCE:

@@ -13,7 +13,7 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step
 from fpm.files.trajectory import read_curves
-from fpm.scenes.effort import machine
+from fpm.scenes.timestep import machine
 
 CONFIG = Path(__file__).parents[2] / "config"
 UNLIKE = "paper", "deploys", "hatch", "mast", "ring_truss", "telescope", "tensegrity", "winch"
@@ -68,10 +68,10 @@ def test_the_price_of_a_campaign_is_what_all_of_it_takes(name, shipped):
 
 
 def _of(experiment, steps: int, instants: int) -> float:
-    from fpm.scenes import effort
+    from fpm.scenes import timestep
 
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
-    return effort.run_seconds(experiment.build(nominal), steps, instants)
+    return timestep.run_seconds(experiment.build(nominal), steps, instants)
 
 
 def test_joints_that_share_bodies_are_in_the_time_of_a_campaign():

@@ -47,7 +47,7 @@ def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):
 
 
 def test_a_job_of_minutes_has_whole_groups_that_take_so_long(monkeypatch):
-    monkeypatch.setattr("fpm.scenes.effort.machine", lambda: 1.0)
+    monkeypatch.setattr("fpm.scenes.timestep.machine", lambda: 1.0)
     asked = {"minutes": 30, "run_seconds": 2, "group": 8}
     assert runs_in_job(sized(**asked)) == 896  # 30 * 60 / 2 = 900, in groups of 8
     assert runs_in_job(sized(**asked, processes=4)) == 3600

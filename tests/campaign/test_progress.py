@@ -21,7 +21,7 @@ from fpm import structures
 from fpm.elements import Beams, Probe
 from fpm.kernels.compiled_loop import cache_folder
 from fpm.reading.variables import VARIABLES
-from fpm.scenes.effort import compile_seconds
+from fpm.scenes.timestep import compile_seconds
 
 CONFIG = Path(__file__).parents[2] / "config"
 

@@ -18,7 +18,7 @@ from deployable.campaign.results import mechanism
 from fpm import structures
 from fpm.reading import margins
 from fpm.reading.responses import parse
-from fpm.travel import Path as Travelled
+from fpm.travel.path import Path as Travelled
 
 DESIGNS = Path(__file__).parent / "designs"
 ECSS, NASA = "ecss-e-st-33-01c", "nasa-std-5017b"

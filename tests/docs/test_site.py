@@ -26,7 +26,7 @@ def test_the_site_is_built_without_a_warning_and_asks_no_network(tmp_path):
         loaded = re.findall(r'<(?:script|img|link)[^>]+(?:src|href)="(https?:[^"]+)"', text)
         assert not loaded, page.name
     api = (site / "api.html").read_text(encoding="utf-8")
-    assert "fpm.motions.motion.whole_motion" in api and "deployable.intervals.bounds_dataset" in api
+    assert "fpm.solver.motion.whole_motion" in api and "deployable.intervals.bounds_dataset" in api
     assert "<math" in (site / "intervals.html").read_text(encoding="utf-8")
     # The gallery shows every structure of the library.
     made = ROOT / "docs/made"

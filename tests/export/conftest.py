@@ -15,7 +15,7 @@ FRAMES = 7
 @pytest.fixture(scope="session")
 def motion():
     """The Bennett linkage thrown into the air, every particle turning at a rate of its own."""
-    from fpm.motions.motion import RecordedMotion, element_strains, section_corners, to_dataset
+    from fpm.solver.motion import RecordedMotion, element_strains, section_corners, to_dataset
 
     scene = scene_type("bennett").build(elements=3)
     scene.name = 'a "thrown" linkage & more'
@@ -69,7 +69,7 @@ def cable_places(strung):
 def hub():
     """A rigid body without any bar, thin as a rod, that turns."""
     import fpm
-    from fpm.motions.motion import RecordedMotion, to_dataset
+    from fpm.solver.motion import RecordedMotion, to_dataset
 
     scene = fpm.Scene("hub")
     scene.add_particles((0.5, 0, 0), 2.0, (1e-12, 2 / 12, 2 / 12))  # 1 m long

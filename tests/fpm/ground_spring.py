@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.declare import index, number, stiffness
-from fpm.elements.kind import Deformations, ElementType, Energy, Series
+from fpm.elements.kind import Deformations, ElementType, Energy
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,7 @@ class GroundSpring(ElementType):
 
     stores = Energy("ground", "ground_energy", "energy of the springs to the ground")
     events = ("stretches", "slackens")
+    series = {"spring_length": ("m", "length", "ground_spring")}  # noqa: RUF012
     noun = "ground spring"
 
     @classmethod
@@ -33,9 +34,3 @@ class GroundSpring(ElementType):
         return Deformations(
             np.tile(dofs, (3, 1)), values.reshape(-1, 12), np.tile(stiffness, 3), np.tile(each, 3)
         )
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        names = tuple(cls.names(scene))
-        lengths = part.track[:, 0, lane].reshape(-1, len(names))
-        return {"spring_length": Series(lengths, "m", "length", "ground_spring", names)}

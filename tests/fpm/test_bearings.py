@@ -11,7 +11,8 @@ from fpm.elements import Friction, Hinge, Joint
 from fpm.solver.pack import pack
 from fpm.structures import StructureError, loads
 from fpm.structures.plausible import warnings
-from fpm.travel import component_classes, sweep
+from fpm.travel import sweep
+from fpm.travel.components import component_classes
 
 SPUN = """
 name: spun

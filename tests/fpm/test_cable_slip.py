@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from fpm.elements.cables.cable_kernels import LENGTH, STRETCH
-from fpm.elements.cables.cable_slip_kernels import (
+from fpm.elements.cables.cable_friction_kernels import (
     CLOSE,
     FREE_STRAIN,
     INVERSE,
@@ -17,6 +16,7 @@ from fpm.elements.cables.cable_slip_kernels import (
     find_free_strains,
     strain_before,
 )
+from fpm.elements.cables.cable_kernels import LENGTH, STRETCH
 from fpm.kernels.lanes import load, store
 
 LANES = 8

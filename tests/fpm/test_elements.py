@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import fpm
-from fpm.elements.bars.lumping import end_weights, lump
+from fpm.elements.bars.beam import end_weights, lump
 
 SQUARE, WOOD = fpm.Section.square(0.035), fpm.Material(1e9, 0.3, 800.0)
 

@@ -10,7 +10,8 @@ import fpm
 from fpm.elements import Friction
 from fpm.errors import SceneError
 from fpm.structures import loads
-from fpm.travel import component_classes, sweep
+from fpm.travel import sweep
+from fpm.travel.components import component_classes
 
 INERTIA = 1.1  # kg m², of the sheet about its hinge
 SHEET = """

@@ -8,8 +8,8 @@ from asking import curves, vector, vectors
 from test_joints import GRAVITY, G, Z, on_ground, rod
 
 import fpm
-from fpm.elements.particles.gravity import Gravity
 from fpm.elements.particles.gravity_kernels import Weight
+from fpm.elements.particles.load import Gravity
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

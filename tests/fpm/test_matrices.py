@@ -6,7 +6,7 @@ from hinged import hinged
 
 from fpm.assembly.conditions import ParticlePoses, conditions_of
 from fpm.assembly.matrices import full, saddle_solver, scale_matrix, sparse
-from fpm.assembly.newton import linearise
+from fpm.assembly.search import linearise
 from fpm.elements import Gravity
 from fpm.elements.bars.beam import Material, Section
 from fpm.travel.path import balance_of

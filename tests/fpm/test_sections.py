@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 import fpm
 from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.elastic import elastic_of
-from fpm.reading import bars, stress, variables
+from fpm.reading import bars, variables
 
 STEEL = fpm.Material(2e11, 0.25, 7800.0)
 
@@ -91,13 +91,13 @@ def test_torsion_of_rectangles_has_the_stress_of_the_tables():
     three digits."""
     for ratio, k in ((1, 0.208), (2, 0.246), (10, 0.312)):
         section = fpm.Section.rectangle(0.01 * ratio, 0.01)
-        _, at_z = stress.torsion_stresses(section.width, section.height, section.J)
+        _, at_z = bars.torsion_stresses(section.width, section.height, section.J)
         assert at_z == pytest.approx(1 / (k * 0.01 * ratio * 0.01**2), rel=3e-3)
     square = fpm.Section.square(0.02)
-    assert np.ptp(stress.torsion_stresses(0.02, 0.02, square.J)) < 1e-3 / 0.02**3
+    assert np.ptp(bars.torsion_stresses(0.02, 0.02, square.J)) < 1e-3 / 0.02**3
     # The middle of a short side has less: 0.796 of it at 2:1 (Roark, Formulas for Stress and
     # Strain).
-    at_y, at_z = stress.torsion_stresses(0.02, 0.01, fpm.Section.rectangle(0.02, 0.01).J)
+    at_y, at_z = bars.torsion_stresses(0.02, 0.01, fpm.Section.rectangle(0.02, 0.01).J)
     assert at_y / at_z == pytest.approx(0.796, abs=2e-3)
 
 
@@ -105,22 +105,22 @@ def test_stresses_are_those_of_the_contour():
     force, moment = np.array([100.0, 5.0, 5.0]), np.array([0.0, 3.0, -4.0])
     circle = fpm.Section.circle(0.01)
     bending = 5.0 * 0.01 / circle.Iy
-    assert stress.equivalent(circle, force, moment) == pytest.approx(100 / circle.A + bending)
+    assert bars.equivalent(circle, force, moment) == pytest.approx(100 / circle.A + bending)
     torsion = np.array([2.0, 0.0, 0.0])
     tube = fpm.Section.tube(0.02, 0.018)
     shear = 2.0 * 0.02 / tube.J
-    assert stress.equivalent(tube, 0 * force, torsion) == pytest.approx(np.sqrt(3) * shear)
+    assert bars.equivalent(tube, 0 * force, torsion) == pytest.approx(np.sqrt(3) * shear)
     box = fpm.Section.rectangle(0.02, 0.04)
     corner = 100 / 8e-4 + 3.0 * 6 / (0.02 * 0.04**2) + 4.0 * 6 / (0.04 * 0.02**2)
-    assert stress.equivalent(box, force, moment) == pytest.approx(corner)
+    assert bars.equivalent(box, force, moment) == pytest.approx(corner)
     unknown = fpm.Section(box.A, box.Iy, box.Iz, box.J)
-    assert stress.equivalent(unknown, force, moment) == pytest.approx(corner)
+    assert bars.equivalent(unknown, force, moment) == pytest.approx(corner)
     # Torsion counts where it acts: much of it governs in the middle of a side.
     much = moment + np.array([100.0, 0, 0])
-    at_y, _ = stress.torsion_stresses(0.02, 0.04, box.J)
+    at_y, _ = bars.torsion_stresses(0.02, 0.04, box.J)
     side = 100 / 8e-4 + 4.0 * 6 / (0.04 * 0.02**2)
     expected = np.sqrt(side**2 + 3 * (100 * at_y) ** 2)
-    assert stress.equivalent(box, force, much) == pytest.approx(expected)
+    assert bars.equivalent(box, force, much) == pytest.approx(expected)
 
 
 def two_bars(start, end, section=None, elements=2) -> fpm.Scene:

@@ -13,8 +13,8 @@ import fpm
 from fpm import structures
 from fpm.elements import Friction, SyncLoop, TableSpring
 from fpm.errors import SceneError
-from fpm.travel import STRAIN, component_classes, sweep
-from fpm.travel.travel import POSITIONS
+from fpm.travel import POSITIONS, sweep
+from fpm.travel.components import STRAIN, component_classes
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 

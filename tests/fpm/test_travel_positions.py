@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fpm.travel.positions import MAX_POSITIONS, SMALLEST_DISTANCE, SampledTravel, interpolate
+from fpm.travel import MAX_POSITIONS, SMALLEST_DISTANCE, SampledTravel, interpolate
 
 
 def places(function, count=5):

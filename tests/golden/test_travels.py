@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fpm import structures
-from fpm.travel import classes_of_kinds, component_classes, springs_of, sweep
+from fpm.travel import sweep
+from fpm.travel.components import classes_of_kinds, component_classes, springs_of
 
 ROOT = Path(__file__).parents[2]
 BEFORE = Path(__file__).parent / "travels.json"

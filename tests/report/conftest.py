@@ -64,7 +64,7 @@ def bar():
 def settled(bar):
     """Function of a force (3,) at the tip: the last frame of the cantilever's motion, at rest."""
     import fpm
-    from fpm.motions.motion import whole_motion
+    from fpm.solver.motion import whole_motion
 
     def settle(force):
         scene, link, *_ = bar

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from fpm.motions import motion as whole
-from fpm.motions.motion import shapes_of
+from fpm.solver import motion as whole
+from fpm.solver.motion import shapes_of
 from fpm.structures import load
 
 TIME = {"duration": 0.02, "instants": 41}

@@ -18,7 +18,7 @@ from fpm.elements import (
 from fpm.structures import loads
 from fpm.structures.describe import describe
 from fpm.structures.report import longer_steps
-from fpm.travel import component_classes
+from fpm.travel.components import component_classes
 
 HINGES = """
   oil: {type: damper, joint: root, damping: 0.1 N m s/rad}

@@ -10,7 +10,7 @@ from structures_for_tests import FOLDER, SMALL, changed, structure
 import fpm
 from evidence.verification.deployables import crossing, scissor
 from fpm.elements.particles.drive import Drive
-from fpm.scenes.effort import machine, run_seconds
+from fpm.scenes.timestep import machine, run_seconds
 from fpm.structures import StructureError, load, loads, report
 
 

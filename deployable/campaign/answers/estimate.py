@@ -31,7 +31,7 @@ from deployable.campaign.text.numbers import duration_text, size_text
 from fpm.elements import Contact, Latch, Release
 from fpm.reading.margins import read_label, travel_of
 from fpm.reading.variables import VARIABLES, words
-from fpm.scenes import effort
+from fpm.scenes import timestep
 
 Passes = list[tuple[int, float]]
 """Numbers of runs, and the cost of one over a planned one's."""
@@ -120,7 +120,7 @@ def estimate(
 ) -> Estimate:
     """Estimate runs, time and disk of one call of `run` for a campaign, all its cases and its page.
     Time is accurate to a factor of 1.5, or of two where simulating takes most
-    (`fpm.scenes.effort`). stages: to be done, None for all; missing: fraction of the planned runs
+    (`fpm.scenes.timestep`). stages: to be done, None for all; missing: fraction of the planned runs
     that are not stored."""
     if campaign.cases:
         return _sum([estimate(case, stages, missing) for case in campaign.case_campaigns.values()])
@@ -134,7 +134,7 @@ def estimate(
     scene = experiment.nominal_scene
     has_runs = not stage_times.keys() <= {"plan", "figures"}
     kinds = fpm.list_kinds_to_compile(scene, experiment.record) if has_runs else []
-    compile_time = effort.compile_seconds(kinds)
+    compile_time = timestep.compile_seconds(kinds)
     seconds, core_time = np.sum([(START + compile_time, 0.0), *stage_times.values()], axis=0)
     longest = ceiling = None
     if "rounds" in stage_times:
@@ -159,7 +159,7 @@ class _BatchCost:
 
     def __init__(self, campaign: Campaign):
         experiment = campaign.experiment
-        self.batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
+        self.batch = LANES * timestep.machine() * run_seconds(experiment, choose_step(experiment))
         self.sweep = _sweep_seconds(experiment)
         bars = VARIABLES["stress"].labels(experiment.nominal_scene)[1:]  # beside all together
         labels = [label for variable, label in experiment.record if variable == "stress"]

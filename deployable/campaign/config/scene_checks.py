@@ -48,7 +48,7 @@ from fpm.files.outcome import eventful
 from fpm.reading.margins import find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.solver.pack import topology
-from fpm.travel import springs_of
+from fpm.travel.components import springs_of
 
 EXCLUSIVE = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""

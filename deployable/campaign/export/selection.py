@@ -58,9 +58,9 @@ class SelectedRun:
     display: Display = field(default_factory=Display)
 
     def motion(self, frames: int) -> xarray.Dataset:
-        """Simulate the run and return its whole motion, a dataset as `fpm.motions` makes it;
+        """Simulate the run and return its whole motion, a dataset as `fpm.solver.motion` makes it;
         frames: how many, evenly spread over time. Raises `CampaignError` if the run fails."""
-        from fpm.motions.motion import whole_motion
+        from fpm.solver.motion import whole_motion
 
         options: dict[str, Any] = {"frames": frames, "attributes": [dict(self.attributes)]}
         try:

@@ -23,8 +23,8 @@ _ELEMENT_VARIABLES = ("axial_strain", "bending_strain", "stress")
 
 
 def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
-    """Write a whole motion (dataset of `fpm.motions`) for ParaView: a collection `path` (.pvd),
-    which is returned, and grids (.vtu) of each frame in a folder beside it with its name. Raises
+    """Write a whole motion (dataset of `fpm.solver.motion`) for ParaView: `path` (.pvd), which is
+    returned, and grids (.vtu) of each frame in a folder beside it with its name. Raises
     `CampaignError` without meshio."""
     try:
         from meshio import Mesh

@@ -37,7 +37,7 @@ def rgb(colour: str) -> tuple[float, float, float]:
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
     """Colour a motion's m elements by equivalent stress: colours (T, m, 3), 0 to 1, at T frames,
     and the stress (Pa) at which the scale, from 0, ends, which 0.5 % of the values exceed. Rigid
-    bodies are grey. motion: a run's whole motion, a dataset (`fpm.motions`)."""
+    bodies are grey. motion: a run's whole motion, a dataset (`fpm.solver.motion`)."""
     from matplotlib import colormaps
 
     nodes, stress = motion["element_particle"].values, motion["stress"].values

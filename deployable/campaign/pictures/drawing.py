@@ -94,7 +94,7 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5) -> Any:
 
     Parameters
     ----------
-    motion: whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
+    motion: whole motion (`fpm.solver.motion`), an open `xarray.Dataset` or `netCDF4.Dataset`.
     count: number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
     width: width of the figure, in inches."""

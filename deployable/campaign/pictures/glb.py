@@ -57,16 +57,16 @@ class _Buffer:
 
 
 def write_glb(motion: xarray.Dataset, path: Path) -> Path:
-    """Write a whole motion (dataset of `fpm.motions`) to `path` (.glb), one glTF file that plays in
-    viewers and Blender; returns `path`."""
+    """Write a whole motion (dataset of `fpm.solver.motion`) to `path` (.glb), one glTF file that
+    plays in viewers and Blender; returns `path`."""
     with whole_file(path) as temporary:
         temporary.write_bytes(glb_of(motion))
     return path
 
 
 def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
-    """Encode a whole motion (dataset of `fpm.motions`) as the bytes of a glTF file (.glb) that
-    plays it. small: round positions to 1/65534 of the extent, rotations to 16 bits."""
+    """Encode a whole motion (dataset of `fpm.solver.motion`) as the bytes of a glTF file (.glb)
+    that plays it. small: round positions to 1/65534 of the extent, rotations to 16 bits."""
     buffer = _Buffer()
     content = _content(motion, buffer, small)
     text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()

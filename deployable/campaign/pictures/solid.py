@@ -101,7 +101,7 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """Make the `Solid` of a whole motion (`fpm.motions`, `xarray` or `netCDF4`) at some frames."""
+    """Make the `Solid` of a whole motion (`fpm.solver.motion`) at some frames."""
     cables = NO_CABLES
     if "cable_point_cable" in motion.variables:
         keys = ("cable", "particle", "arm")
@@ -124,7 +124,7 @@ def values_in(motion: Any, name: str) -> np.ndarray:
 
 def solid_of_scene(scene: Any) -> Solid:
     """Make the `Solid` (hexahedra) of a structure, an `fpm.Scene`, where it starts: one moment."""
-    from fpm.motions.motion import section_corners, shapes_of, strands_of
+    from fpm.solver.motion import section_corners, shapes_of, strands_of
 
     shapes = shapes_of(scene, section_corners(scene))
     beams = [(i, beam) for i, line in enumerate(strands_of(scene)) for beam in line.beams]

@@ -5,7 +5,7 @@ import os
 
 from deployable.campaign.config.sections import Campaign, Experiment, corners, count_curves
 from deployable.campaign.plan.plan import TimeStep, choose_step
-from fpm.scenes import effort
+from fpm.scenes import timestep
 from fpm.solver.pack import curve_bytes
 
 LANES = 8  # runs that are integrated side by side; fewer take as long
@@ -19,12 +19,12 @@ PROGRAM, PROCESS = 600.0, 150.0
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Estimated core seconds of a run that is one of eight side by side, on the reference core of
-    `fpm.scenes.effort`, so that the rounds of an `accuracy` are the same everywhere."""
+    `fpm.scenes.timestep`, so that the rounds of an `accuracy` are the same everywhere."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
     places = corners(experiment.intervals) if scene.curves else ()
     differs = any(curve_bytes(experiment.build(x)) != curve_bytes(scene) for x in places)
     rows = instants * max(1, experiment.readings(time.step))
-    seconds = effort.run_seconds(scene, time.output_steps * (instants - 1), rows)
+    seconds = timestep.run_seconds(scene, time.output_steps * (instants - 1), rows)
     return LANES * seconds if differs else seconds
 
 
@@ -62,7 +62,7 @@ def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
         return seconds
     # Every call of Snakemake needs this, so the corners, with nearly the same step, are skipped.
     time = time or choose_step(experiment, corners=False)
-    return effort.machine() * run_seconds(experiment, time)
+    return timestep.machine() * run_seconds(experiment, time)
 
 
 CORES = "DEPLOYABLE_INTERVALS_CORES"

@@ -110,7 +110,7 @@ def motions_of(samples: RunSamples, runs: Sequence[ShownRun], frames: int = 401)
     `fpm.InstabilityError` if one fails. frames: evenly spread over time, besides the instants at
     which a contact of the first run closes or opens. A run whose curves are not in `samples.nc`
     gets the variables `curves`, `impact` and `eventful`."""
-    from fpm.motions.motion import whole_motion
+    from fpm.solver.motion import whole_motion
 
     def read_curves(outcome: Any) -> dict:
         curves = np.array([response.evaluate(outcome) for response in experiment.response_list])

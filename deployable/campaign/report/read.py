@@ -53,7 +53,7 @@ class PageRun:
 @dataclass(frozen=True)
 class MovingRun:
     """A run that the page shows moving: `run`, its index in `PageData.runs`, `label`, what it is in
-    words, and `motion`, its whole motion, a dataset as `fpm.motions` makes it."""
+    words, and `motion`, its whole motion, a dataset as `fpm.solver.motion` makes it."""
 
     run: int
     label: str

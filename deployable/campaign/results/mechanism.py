@@ -17,7 +17,8 @@ from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
-from fpm.travel import Path, classes_of_kinds, component_classes, springs_of
+from fpm.travel.components import classes_of_kinds, component_classes, springs_of
+from fpm.travel.path import Path
 
 OPENING_TOLERANCE = 1e-6  # difference of openings (share of the travel) that is none
 

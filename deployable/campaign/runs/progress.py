@@ -12,7 +12,7 @@ from typing import Any, TextIO
 import fpm
 from deployable.campaign.interrupts import STEPS
 from deployable.campaign.text.numbers import duration_text
-from fpm.scenes.effort import compile_seconds
+from fpm.scenes.timestep import compile_seconds
 
 FIRST, PAUSE = 5.0, 20.0
 """Seconds of one step after which a log has a line on it, and the least from then to the next one;

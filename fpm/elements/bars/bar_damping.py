@@ -35,7 +35,6 @@ class BarDamping(ElementType):
     resists_as = ""
 
     def check(self, scene):
-        """Check that `share` is a finite number >= 0; raises SceneError if not. scene: not used."""
         if not (np.isfinite(self.share) and self.share >= 0):
             raise SceneError("viscosity", self.share, "a finite number >= 0")
 
@@ -52,12 +51,10 @@ class BarDamping(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return None: scenes can be simulated side by side whether bars are damped or not."""
         return None
 
     @classmethod
     def names(cls, scene):
-        """Return the names of all beam elements of a scene, damped or not."""
         return Beams.names(scene)
 
     @classmethod
@@ -66,8 +63,6 @@ class BarDamping(ElementType):
 
     @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles deform all beam elements of a scene (Deformations), with
-        the damping of each in the field `stiffness`, for the stable time step."""
         modes, viscous = Beams.deformations(scene), _viscous(scene)[:, 0]
         damping = _times(scene)[modes.element, 0] * modes.stiffness
         # Six springs of each element, those of a group together, and their stretches first.

@@ -45,7 +45,6 @@ def follow(part, timing, e, k, value, damping):
 
 @hook(DampedElements)
 def forces(part, world, timing):
-    """Add the damping forces (N) and moments (N m) of beam elements, and what they take (J)."""
     state, bars = world.state, part.bars
     total = load(world.accounts, 0, part.account)
     for e in range(bars.nodes.shape[0]):

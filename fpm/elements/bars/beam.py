@@ -2,10 +2,17 @@
 
 Theory: docs/mechanics.md, "Beams". End forces are the exact gradient of the strain energy, from
 which the rigid motion is taken out. Sources: Ting, Shih, Wang, J. Mech. 20 (2004) 113 (vector form
-intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17."""
+intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17.
 
+Masses: docs/mechanics.md, "Masses of a link" (Gregory's end corrections: Hildebrand, Introduction
+to Numerical Analysis, 2nd ed., § 5.9). More differences than half of the link has room for, or than
+four, do not pay. The excess (f - 1) rho I L of a factor f on the inertia of sections is taken back
+by moving ``(f - 1) (r/l)² n / (2 (n - 1))`` from the ends, where these keep some mass."""
+
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,28 +20,25 @@ from fpm.elements.cross import columns, cross, length
 from fpm.elements.kind import Deformations, ElementType, Energy, Watch
 from fpm.errors import SceneError
 
-
-def _bend_failure(values: dict[str, float]) -> tuple[str, str]:
-    return (
+BEND = Watch(
+    "bend", 0.25, False,
+    lambda values: (
         f"an element is bent or twisted by {values['bend']:.2g} rad, too much for linear theory",
         "refine the mesh: the bend and twist of an element fall with its length",
-    )
-
-
-def _strain_failure(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"the surface of an element is strained by {values['strain']:.2g}, which no beam bears",
-        "no mesh or step helps where links are bent to a radius below their own height or "
-        "stretched by half: stiffen their material, or soften what bends them",
-    )
-
-
-BEND = Watch("bend", 0.25, False, _bend_failure)
+    ),
+)  # fmt: skip
 """Largest sine of the angle between an element's chord and its ends, and of its twist. Whipping
 links whose elements bend by so much have errors of some percent (docs/extremes.md); beyond that the
 energy still balances, on a wrong curve. A finer mesh bends less."""
 
-STRAIN = Watch("strain", 0.5, False, _strain_failure)
+STRAIN = Watch(
+    "strain", 0.5, False,
+    lambda values: (
+        f"the surface of an element is strained by {values['strain']:.2g}, which no beam bears",
+        "no mesh or step helps where links are bent to a radius below their own height or "
+        "stretched by half: stiffen their material, or soften what bends them",
+    ),
+)  # fmt: skip
 """Largest strain at the surface of an element: its stretch, and half its height over the radius to
 which it is bent. At 0.5 that radius is the height: no beam, whatever the mesh. (A bar curved to
 such a radius is 8 % stiffer than a straight one: Winkler's theory of curved bars.)"""
@@ -81,7 +85,7 @@ class Section:
     A: area (m²).
     Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴).
     J: torsion constant (m⁴).
-    outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
+    outline: contour, for stresses (fpm/reading/bars.py): "rectangle", "round", or "" if unknown.
     width, height: of the contour along the local y and z axes (m), 0 if it is unknown."""
 
     A: float
@@ -193,20 +197,17 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side, a tuple: for each group in
-        `scene` the particles of its elements, and one bool, whether any element has, or may have,
-        axes other than its particles' (`has_frames`)."""
+        """For each group the particles of its elements; then whether any has, or may have, axes
+        other than its particles' (`has_frames`)."""
         return tuple(b.nodes.tobytes() for b in cls.find(scene)), has_frames(scene)
 
     @classmethod
     def names(cls, scene):
-        """Return the names of a scene's beam elements: the group's and a number, as "link[0]"."""
+        """Name of the group and a number, as "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.find(scene) for i in range(len(b.length))]
 
     @classmethod
     def deformations(cls, scene):
-        """Return the independent deformations (Deformations) of all beam elements of a scene, with
-        their stiffness, for the stable time step: six springs of each element, as in `modes`."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.find(scene):
@@ -313,3 +314,61 @@ def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.nda
         radius = np.sqrt(np.array([beams.section.Iz, beams.section.Iy]) / beams.section.A)
         half.append(np.tile(np.sqrt(3.0) * radius, (len(beams.length), 1)))
     return np.concatenate(nodes), np.concatenate(length), np.concatenate(half)
+
+
+GREGORY = (1 / 12, 1 / 24, 19 / 720, 3 / 160)
+"""Coefficients of the differences in Gregory's end corrections of the trapezium rule."""
+
+SMALLEST_END = 0.1
+"""Least share of an element's mass that an end particle may keep."""
+
+
+@lru_cache(64)
+def end_weights(elements: int, order: int | None = None) -> np.ndarray:
+    """Return the masses (n+1,) of the particles of a slender link, as fractions of the mass of one
+    element. elements: their number n, at least 1; order: highest order of differences in Gregory's
+    end corrections, 0 (the trapezium rule) to 4; None: n/2, but 2 to 4 (0 for one element)."""
+    weights = np.ones(elements + 1)
+    weights[[0, -1]] = 0.5
+    if order is None:
+        order = min(max(elements // 2, 2), len(GREGORY)) if elements >= 2 else 0
+    for k in range(1, order + 1):
+        for j in range(k + 1):
+            # The share of particle j in the difference of order k, whose sign alternates.
+            weight = -GREGORY[k - 1] * (-1) ** j * math.comb(k, j)
+            weights[j] += weight
+            weights[-1 - j] += weight
+    weights.flags.writeable = False
+    return weights
+
+
+def lump(length: float, elements: int, section, material, scale: float = 1.0):
+    """Return particle masses (n+1,) kg and principal inertias (n+1, 3) kg m² (about x, y, z) of a
+    straight uniform link. length (m): of it; elements: their number n; section (Section), material
+    (Material); scale: factor on the section's transverse rotational inertia, above 1 to allow
+    longer time steps. For n >= 2 mass, centre and inertia tensor are exactly those of a uniform
+    bar; for n = 1 mass, centre and polar inertia. SceneError if `elements` is no whole number above
+    0, or `scale` below 1 or too large for positive end masses."""
+    if elements < 1 or int(elements) != elements:
+        raise SceneError("elements", elements, "a whole number, at least 1")
+    if not scale >= 1.0:
+        raise SceneError("rotational inertia scale", scale, "a number >= 1")
+    n, l = int(elements), length / elements
+    weights = end_weights(n).copy()
+    if n >= 2 and scale > 1:
+        radius2 = max(section.Iy, section.Iz) / section.A
+        shift = n / (n - 1) * (scale - 1) / 2 * radius2 / l**2
+        if weights[0] - shift < SMALLEST_END:
+            spare = (weights[0] - SMALLEST_END) * (n - 1) / n
+            largest = 1 + 2 * l**2 / radius2 * spare
+            allowed = f"at most {largest:.4g} for {n} elements"
+            raise SceneError("rotational inertia scale", scale, allowed)
+        weights[[0, -1]] -= shift
+        weights[1] += shift
+        weights[-2] += shift
+    mass = material.rho * section.A * l * weights
+    weight = np.ones(n + 1)
+    weight[[0, -1]] = 0.5
+    principal = np.array([section.Iy + section.Iz, scale * section.Iy, scale * section.Iz])
+    inertia = material.rho * l * weight[:, None] * principal
+    return mass, inertia

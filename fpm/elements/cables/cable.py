@@ -3,18 +3,95 @@
 Theory: docs/mechanics.md, "Cables": one tension all along without friction; with it one in each
 stretch, by Eytelwein's law of the capstan. A winch takes cable in by a curve of time, a drum by the
 opening of its joint. The point at which a cable leaves a drum does not move along with the
-winding."""
+winding.
 
-from collections.abc import Iterator, Sequence
+In the stable step are springs from each point to the ground, with shares s_i ~ |c_i|² w_i by the
+inverse masses w_i, so that nothing is lost for free points. A cable that rubs is at most as stiff
+as its stretches, each stuck at both ends, with their unstrained lengths at the start; where one
+becomes much shorter, the balance of energies tells."""
+
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from fpm.declare import index, number, plain_field, topology
-from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.kind import ElementType, Energy, Eventful, Series, VirtualBeam, Watch
-from fpm.elements.openings.opening import Opening
+from fpm.elements.batch import turns_of
+from fpm.elements.kind import (
+    Deformations,
+    ElementType,
+    Energy,
+    Eventful,
+    Series,
+    VirtualBeam,
+    Watch,
+)
+from fpm.elements.openings.opening import Opening, mobility, relative_turn
 from fpm.errors import SceneError
+
+FACTOR = 2.0
+
+
+class Piece(NamedTuple):
+    """What has one tension: virtual beams to its points; stiffness (N/m) at its shortest; index of
+    the hinge with the drum that winds it, -1: none; radius of the drum (m)."""
+
+    beams: Sequence[VirtualBeam]
+    stiffness: float
+    drum: int = -1
+    radius: float = 0.0
+
+
+def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations | None:
+    """Return springs from the points of cables to the ground, and on the joints of drums, at least
+    as stiff as the cables in any position, as Deformations for the stable time step; None if all
+    points are held. scene: of the cables; cables: parts of each with one tension (Piece)."""
+    rows = []
+    for n, pieces in enumerate(cables):
+        for beams, stiffness, drum, radius in pieces:
+            factors = [1.0, *[FACTOR**2] * (len(beams) - 2), 1.0]
+            motions = [(*_motion(scene, b), x) for b, x in zip(beams, factors, strict=True)]
+            total = sum(square * inverse for _, inverse, square in motions)
+            spin = mobility(scene, drum) if drum >= 0 else 0.0
+            total += radius**2 * spin
+            for beam, (values, inverse, _) in zip(beams, motions, strict=True):
+                if inverse > 0:  # |c|²/s = total/w
+                    dofs = np.tile(6 * beam.particle + np.arange(6), (3, 2))
+                    springs = np.full(3, stiffness * total / inverse)
+                    rows.append((dofs, values, springs, np.full(3, n)))
+            if spin > 0:
+                turns = relative_turn(scene, [drum], [stiffness * total / spin])
+                rows.append((*turns[:3], np.full(len(turns.element), n)))
+    return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
+
+
+def _motion(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:
+    """Rows (3, 12) of the motion of a beam's free end, and its largest inverse mass (1/kg)."""
+    p = beam.particle
+    frame = scene.frame if scene.unstrained is None else scene.unstrained
+    turns = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
+    values = np.hstack([np.eye(3), frame[p] @ turns, np.zeros((3, 6))])
+    inertia = np.concatenate([np.full(3, scene.mass[p]), scene.inertia[p]])
+    no_motion = np.concatenate([scene.fixed[p, :3], turns_of(scene).no_turn[p]])
+    inverse = np.where(no_motion, 0.0, 1.0 / inertia)
+    return values, float(np.linalg.eigvalsh((values[:, :6] * inverse) @ values[:, :6].T)[-1])
+
+
+def with_arms(bounds, pulls: Iterable[tuple[int, VirtualBeam, float]]) -> Deformations | None:
+    """Return `bounds` (Deformations of cables or struts, or None) with springs against turns of the
+    arms at whose ends forces act, F times the arm, which bear what a force that keeps its direction
+    does to a body that turns; about the arm itself it has no moment. pulls: index of the element,
+    arm and force (N) of each."""
+    rows = [bounds] * (bounds is not None)
+    for n, beam, force in pulls:
+        length = float(np.linalg.norm(beam.arm))
+        if stiffness := force * length:
+            dofs, turns = np.tile(6 * beam.particle + np.arange(6), (3, 2)), np.zeros((3, 12))
+            turns[:, 3:6] = np.eye(3) - np.outer(beam.arm, beam.arm) / length**2
+            rows.append((dofs, turns, np.full(3, stiffness), np.full(3, n)))
+    return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
+
 
 REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
 
@@ -22,20 +99,6 @@ FRICTION_LOSS = Energy("cable_friction", "cable_friction_loss", "energy lost by 
 
 FRICTION_COST = 300.0
 """Core time (ns) of a stretch with friction in a step."""
-
-
-def _describe_crowding(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest stretch",
-        "points that meet under tension need a pulley's size: keep them apart",
-    )
-
-
-def _describe_drum(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"a drum winds a cable down to {1 / values['drum']:.3g} of its `shortest`",
-        "state a shorter `shortest`, for which the step is taken, or a stop on the drum's joint",
-    )
 
 
 SHORTEST = 0.25
@@ -64,7 +127,7 @@ class Cable(ElementType):
     start: float = number("rad", default=0.0, is_shown=False)
     least: float = number("m", 0.0, default=0.0, zero=False)
 
-    noun = "cable"
+    noun, name_field = "cable", "name"
     acts_as = "other"
     resists_as = "S"
     cost = 60.0
@@ -74,9 +137,16 @@ class Cable(ElementType):
     takes = FRICTION_LOSS
     events = ("tightens", "slackens")
     watches = (
-        Watch("crowding", 1.0, True, _describe_crowding),
-        Watch("drum", 1.0, True, _describe_drum),
-    )
+        Watch("crowding", 1.0, True, lambda values: (
+            f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest "
+            "stretch", "points that meet under tension need a pulley's size: keep them apart",
+        )),
+        Watch("drum", 1.0, True, lambda values: (
+            f"a drum winds a cable down to {1 / values['drum']:.3g} of its `shortest`",
+            "state a shorter `shortest`, for which the step is taken, or a stop on the drum's "
+            "joint",
+        )),
+    )  # fmt: skip
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, **fields) -> "Cable":
@@ -105,21 +175,21 @@ class Cable(ElementType):
         return Cable(name, beams, stiffness, float(rest), **fields)
 
     def check(self, scene):
-        """Check that the cable fits into a scene: its numbers, a name that no other cable has,
-        points on two or more particles, an unstrained length always above 0; else SceneError."""
         super().check(scene)
         owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
-            raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
+            raise SceneError(f"reel {owner}", self.reel, "a length with a `curve`")
         if self.drum >= 0 and scene.hinges[self.drum].slides:
             allowed = "a joint whose opening is an angle"
             raise SceneError(f"drum {owner}", scene.hinges[self.drum].name, allowed)
         if (self.drum >= 0) != (self.radius != 0):
-            raise SceneError(f"radius {owner}", self.radius, "a length (m) other than 0, of a drum")
+            allowed = "a length other than 0 with a `drum`, none without"
+            raise SceneError(f"radius {owner}", self.radius, allowed)
         if self.drum >= 0 and self.curve >= 0:
-            raise SceneError(f"reel {owner}", self.reel, "none, as a drum winds it")
+            allowed = "none, with a `reel` and `curve`"
+            raise SceneError(f"drum {owner}", scene.hinges[self.drum].name, allowed)
         if self.drum >= 0 and not 0 < self.least < (rest := self.rest_at(scene, 0.0)):
             allowed = f"above 0 m, below the unstrained length at the start, {rest:.6g} m"
             raise SceneError(f"shortest length {owner}", self.least, allowed)
@@ -129,9 +199,6 @@ class Cable(ElementType):
             raise SceneError(f"points {owner}", self.beams[0].particle, "points of two particles")
         if not (shortest := self.shortest(scene)) > 0:
             raise SceneError(f"unstrained length {owner}", shortest, "above 0 m at all times")
-
-    def title(self, scene):
-        return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
         """Return the unstrained length (m) outside the winch at a `time` (s), or outside the drum
@@ -181,7 +248,6 @@ class Cable(ElementType):
             yield beam, self.stiffness * max(strain, 0.0) * (1 if is_end else 2)
 
     def topology(self):
-        """Return what must agree in scenes run side by side: name, particles, curve, friction."""
         particles = tuple(beam.particle for beam in self.beams)
         return self.name, particles, self.curve, self.has_friction, self.drum
 
@@ -189,10 +255,6 @@ class Cable(ElementType):
     def names_of(cls, scene) -> tuple[str, ...]:
         """Names of a scene's cables as stated, in their order."""
         return tuple(cable.name for cable in cls.find(scene))
-
-    @classmethod
-    def names(cls, scene):
-        return [cable.title(scene) for cable in cls.find(scene)]
 
     @classmethod
     def reads_in(cls, scene):
@@ -210,23 +272,19 @@ class Cable(ElementType):
 
     @classmethod
     def cost_in(cls, scene):
-        """Return the core time (ns) of all cables of a scene in a time step, to estimate run times:
-        `cost` for each stretch between two points, RUBBING with friction."""
         costs = [cls.cost if cable.friction is None else FRICTION_COST for cable in cls.find(scene)]
         counts = [len(cable.beams) - 1 for cable in cls.find(scene)]
         return float(np.dot(costs, counts))
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of a scene's cables without friction, for moving a joint coordinate slowly
-        through static equilibria (fpm/travel), which counts friction by itself."""
+        """Return copies without friction, which fpm/travel counts by itself."""
         return [replace(cable, friction=None) for cable in cls.find(scene)]
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) at least as stiff as a scene's cables can become, for the
-        stable step. Arms bear the tension at the start; a larger one strains the cable to beyond
-        its shortest arm."""
+        """Arms bear the tension at the start; a larger one strains the cable to beyond its
+        shortest arm."""
         bounds = bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
         cables = enumerate(cls.find(scene))
         return with_arms(bounds, ((i, *pull) for i, c in cables for pull in c.pulls(scene)))
@@ -258,9 +316,7 @@ class Cable(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the series of one sample's cables: "cable_tension" (N), "cable_length" (m,
-        strained), and of those that run over points "stretch_tension" and "cable_slip" (m,
-        unstrained, that has run over each point, > 0 towards the end)."""
+        """`cable_slip` (m, unstrained) is what has run over each point, > 0 towards the end."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
@@ -296,9 +352,8 @@ def _stretch_records(part, cables, lane) -> dict[str, Series]:
 
 def _with_friction(part, batch):
     """Return the arrays of cables of which some rub."""
-    from fpm.elements.cables.cable_friction_kernels import RubbingCables
+    from fpm.elements.cables.cable_friction_kernels import MATERIAL, SLIP_SIZE, RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
-    from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE
 
     def material(scene) -> np.ndarray:
         """Unstrained lengths (m) of all stretches at the start, at one strain along each cable."""

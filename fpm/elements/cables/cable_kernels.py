@@ -147,7 +147,6 @@ def pull_points(part, state, c):
 
 @hook(Cables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over."""
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
@@ -173,7 +172,6 @@ def work_of_winch(part, c):
 
 @hook(Cables)
 def work_before(part, world, timing):
-    """Add the winches' work (J) in the step that ends now to world.accounts."""
     work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
@@ -197,7 +195,6 @@ def energy_of_cable(part, c):
 
 @hook(Cables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c. part: all cables (Cables); world: not used."""
     return energy_of_cable(part, c)
 
 

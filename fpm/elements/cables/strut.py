@@ -5,12 +5,13 @@ tables, constant forces; gas springs follow theirs to GAS_POINTS points. A dampe
 rate extrapolated from the last two steps. The energy is the exact integral of -F, least at 0."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.declare import number, plain_field, topology
-from fpm.elements.cables.cable_bounds import Piece, bounding_springs, with_arms
-from fpm.elements.kind import ElementType, Energy, Series, VirtualBeam
+from fpm.elements.cables.cable import Piece, bounding_springs, with_arms
+from fpm.elements.kind import ElementType, Energy, VirtualBeam
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.openings.table_spring import table_array
 from fpm.elements.particles.damping import Damping
@@ -35,15 +36,17 @@ class Strut(ElementType):
     slopes: tuple[float, float] = (0.0, 0.0)
     damping: float = number("N s/m", 0.0, default=0.0)
 
-    noun = "strut"
+    series: ClassVar = {
+        "strut_force": ("N", "force of the struts, above 0 where they push", "strut"),
+        "strut_length": ("m", "length of the struts", "strut"),
+    }
+    noun, name_field = "strut", "name"
     resists_as = "S"
     cost = 60.0
     stores = Energy("strut", "strut_energy", "energy of the struts")
     takes = Damping.takes
 
     def check(self, scene):
-        """Check that the strut fits into a scene: a name that no other strut has, two particles,
-        points apart, finite forces at increasing distances above 0; else SceneError."""
         super().check(scene)
         if self.name in [strut.name for strut in Strut.find(scene)]:
             raise SceneError("strut", self.name, "a name that no other strut has")
@@ -59,11 +62,7 @@ class Strut(ElementType):
             allowed = "as many, finite, at increasing lengths above 0 m"
             raise SceneError(f"forces of {self.title(scene)}", list(self.forces), allowed)
 
-    def title(self, scene):
-        return f"strut {self.name}"
-
     def topology(self):
-        """Return what must agree in scenes run side by side: name, particles, size of the table."""
         return self.name, tuple(beam.particle for beam in self.beams), len(self.lengths)
 
     @property
@@ -102,14 +101,9 @@ class Strut(ElementType):
         return float(self.forces[0] + first_slope_force + bends @ ramps)
 
     @classmethod
-    def names(cls, scene):
-        return [strut.title(scene) for strut in cls.find(scene)]
-
-    @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) at least as stiff as the struts of a scene, for the stable
-        time step: along by the steepest slope; across and, on arms, against turns by the largest
-        force of the table or at the start (at the length then); None: nothing stiff moves."""
+        """Along by the steepest slope; across and, on arms, against turns by the largest force of
+        the table or at the start (at the length then)."""
         struts = cls.find(scene)
         forces = [max(map(abs, (*s.forces, s.force(s.distance(scene))))) for s in struts]
         stiffness = [
@@ -122,8 +116,6 @@ class Strut(ElementType):
 
     @classmethod
     def dampings(cls, scene):
-        """Return dampers (Deformations, with N s/m in the field `stiffness`) at least as strong as
-        those of the struts of a scene, for the stable time step; None: nothing is damped."""
         return cls._bounds(scene, [strut.damping for strut in cls.find(scene)])
 
     @classmethod
@@ -133,8 +125,6 @@ class Strut(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Struts: what these say there;
-        others as ElementType.array. batch: the scenes that are simulated side by side."""
         struts = cls.find(batch.scene)
         match name:
             case "particle":
@@ -149,18 +139,6 @@ class Strut(ElementType):
             case "state":
                 return batch.stack(len(struts), cls.kernels().STATE, _start)
         return super().array(name, batch)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        """Return "strut_force" (N, above 0 where it pushes, damper included) and "strut_length" (m)
-        of all struts of one sample, Series (t, struts)."""
-        names = tuple(strut.name for strut in cls.find(scene))
-        force, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
-        text = "force of the struts, above 0 where they push"
-        return {
-            "strut_force": Series(force, "N", text, "strut", names),
-            "strut_length": Series(length, "m", "length of the struts", "strut", names),
-        }
 
 
 def gas_table(force: float, length: float, stroke: float, ratio: float, exponent: float):

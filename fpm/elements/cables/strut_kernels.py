@@ -89,7 +89,6 @@ def energy_of(part, world, n):
 
 @hook(Struts)
 def record(part, world, row):
-    """Record force (N) and length (m) of each strut in part.track."""
     count = part.particle.shape[0]
     for n in range(count):
         store(part.track, row * count + n, 0, load(part.state, n, FORCE))

@@ -84,8 +84,6 @@ class JointBase(ElementType):
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check, before the joint is added, that no hinge or joint of the scene has its name; else
-        raises SceneError. scene: the joint is not yet in it."""
         names = {self.name, self.joint}
         if isinstance(self, Hinge) and self.number:
             names = {self.name}  # the first opening has checked for the joint
@@ -99,14 +97,11 @@ class JointBase(ElementType):
 
     @classmethod
     def moved_particles(cls, scene):
-        """Return the indices of the particles of all elements of this type in a scene, one by one,
-        possibly repeated: the type's kernels move these, unless a Drive prescribes their motion."""
         return [p for element in cls.find(scene) for p in element.particles]
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the largest gap (m) and tilt (rad; its sine if small) of one sample over all
-        elements, two Series (t,) by variable name."""
+        """Largest gap (m) and tilt (rad; its sine if small) over all elements."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -197,12 +192,10 @@ class Hinge(JointBase):
 
     @classmethod
     def find(cls, scene):
-        """Return those hinges of a scene whose constraints are solved for each by itself
-        (`are_alone`); all others are solved as coupled joints (Joint.find)."""
+        """Return those whose constraints are solved for each by itself (`are_alone`)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Return what scenes run side by side must share: name, type, particles, axes held."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -220,7 +213,7 @@ class Hinge(JointBase):
         return arrays.Hinges(
             ends=batch.integers(cls.moved_particles(batch.scene)),
             bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
-            hinges=batch.stack(h, arrays.HINGE, lone(_places)),
+            hinges=batch.stack(h, arrays.HINGE, lone(lambda *x: np.hstack([axes, places_of(*x)]))),
             fixed_axes=batch.integers(axes, 3),
             has_supports=bool(np.any(axes)),
             body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
@@ -250,10 +243,6 @@ def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
     # In the order of hinge_arrays.py: ARM, AXIS, REF, NORMAL, AXIS_IM.
     arms = [beam.arm for beam in beams]
     return np.hstack([arms, axes, references, cross(axes, references), inverse_mass])
-
-
-def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
-    return np.hstack([[mask_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
 
 
 def mask_axes(letters: str) -> list[bool]:

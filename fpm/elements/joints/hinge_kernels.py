@@ -223,7 +223,6 @@ closure.report_gaps(Hinges, gap_squares)
 
 @hook(Hinges)
 def record_step(part, world, row, timing):
-    """Record the forces (N) and moments (N m) that hold each hinge together."""
     record_sums(part.sums, part.forces, row, timing, world)
 
 

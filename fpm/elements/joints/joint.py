@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from fpm.declare import NumberLimits
+from fpm.elements.batch import turns_of
 from fpm.elements.joints import joint_arrays as arrays
 from fpm.elements.joints.hinge import (
     Hinge,
@@ -28,8 +29,7 @@ from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, VirtualBeam
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.gravity import LOAD_WORK
-from fpm.elements.particles.rotation_axes import turns_of
+from fpm.elements.particles.load import LOAD_WORK
 from fpm.errors import SceneError
 
 CONDITION, MULTIPLY_ADD = 240.0, 1.5
@@ -216,13 +216,12 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """Return what scenes run side by side must share: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
     def find(cls, scene):
-        """Return the joints of a scene that are solved together: those added as joints, those made
-        of hinges not solved alone (`are_alone`), and those that hold joint coordinates."""
+        """Return the joints that are solved together: those added as joints, those made of hinges
+        not solved alone (`are_alone`), and those that hold joint coordinates."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
@@ -241,7 +240,7 @@ class Joint(JointBase):
     def _elimination(cls, scene):
         """Bodies of a scene's joints, those at the sides of each joint (-1: none), whether each can
         move; order of elimination, and the later joints that each is coupled to."""
-        from fpm.elements.joints.joint_pattern import elimination, neighbours
+        from fpm.elements.joints.joint_arrays import elimination, neighbours
 
         bodies = sorted(set(cls.moved_particles(scene)))
         slot = {p: s for s, p in enumerate(bodies)}
@@ -264,14 +263,14 @@ class Joint(JointBase):
 
     @classmethod
     def cost_in(cls, scene):
-        """Return the core time (ns) of a scene's joints in a step, by the size of equations."""
+        """By the size of the equations."""
         conditions, operations = cls.elimination(scene)
         return CONDITION * conditions + MULTIPLY_ADD * operations
 
     @classmethod
     def pack(cls, batch):
         from fpm.elements.joints import joint_kernels  # noqa: F401, its hooks
-        from fpm.elements.joints.joint_pattern import pattern
+        from fpm.elements.joints.joint_arrays import pattern
 
         scene, joints = batch.scene, cls.find(batch.scene)
         bodies, slots, movable, order, followers = cls._elimination(scene)

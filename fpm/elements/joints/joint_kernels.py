@@ -377,7 +377,6 @@ closure.report_gaps(Joints, find_gaps)
 
 @hook(Joints)
 def record_step(part, world, row, timing):
-    """Record the forces (N) and moments (N m) that hold each joint together."""
     record_sums(part.sums, part, row, timing, world)
 
 

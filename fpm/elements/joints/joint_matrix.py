@@ -1,7 +1,7 @@
 """The matrix A = G M^-1 G^T of coupled joints: how impulses change the rates of all their gaps.
 
 Theory: docs/mechanics.md, "Joints that are solved together". It is factorised by Cholesky's method
-in the order of joint_pattern.py. Its diagonal is raised by a share of 1e-10, for redundant
+in the order of `Pattern`. Its diagonal is raised by a share of 1e-10, for redundant
 conditions; a condition on which no impulse can act gets none."""
 
 from fpm.elements.joints.joint_arrays import AXIS_IM, DIRECTION, IMPULSE, PIVOT, ROOT1

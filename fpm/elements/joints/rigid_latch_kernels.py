@@ -182,7 +182,6 @@ def work_after(part, world, timing):
 
 @hook(Latches)
 def record_step(part, world, row, timing):
-    """Record moment (N m), impulse so far, rate (rad/s) and impulse of each latch's catch."""
     count = part.hinge.shape[0]
     for i in range(count):
         if part.turn[i] < 0:

@@ -34,7 +34,6 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what scenes side by side must share: type and hinge of each element that holds."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod
@@ -74,7 +73,6 @@ class ExactConnector(Connector):
         return None
 
     def check(self, scene):
-        """Check the fields, and that nothing is stated of a spring that is not there."""
         super().check(scene)
         for name in ("damping", "backlash", "holds") if self.is_exact else ():
             value = getattr(self, name, None)
@@ -97,8 +95,6 @@ class ExactConnector(Connector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple: "turns": Turns; "turn": index
-        of each element's condition among them, -1: it has a spring; others as Connector.array."""
         match name:
             case "turns":
                 return batch.part(Turn)

@@ -27,7 +27,6 @@ class Dampers(NamedTuple):
 
 @hook(Dampers)
 def forces(part, world, timing):
-    """Add the moments (N m) of dampers, and the energy lost in the step (J)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         rate = follow_rate(part.openings, part.rates, i, h, timing)

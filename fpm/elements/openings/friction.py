@@ -51,15 +51,6 @@ DAMPING_RATIO = 0.3
 step of a scene that it limits is 0.57 of the one without."""
 
 
-def _describe_lock(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        "a bearing locks itself: its friction presses its joint harder than it is pushed, and was "
-        f"bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
-        "no motion is possible from there on: start it at an angle below that of friction, or "
-        "end it before; less `mu`; a `load` near the force of the joint, where that is far larger",
-    )
-
-
 def _describe_imbalance(element: str) -> str:
     """Return the remedy of a bearing whose friction goes with a force that changes much in a step.
     Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
@@ -101,12 +92,19 @@ class Friction(ExactConnector):
     acts_as = "friction"
     noun = "friction"
     resists_as = "FR"
-    watches = (Watch("lock", LOCKS, True, _describe_lock, remedy=_describe_imbalance),)
+    watches = (
+        Watch("lock", LOCKS, True, lambda values: (
+            "a bearing locks itself: its friction presses its joint harder than it is pushed, and "
+            f"was bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
+            "no motion is possible from there on: start it at an angle below that of friction, or "
+            "end it before; less `mu`; a `load` near the force of the joint, where that is far "
+            "larger",
+        ), remedy=_describe_imbalance),
+    )  # fmt: skip
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of the scene's friction for slow motions (fpm/travel), whose bristles slip
-        at once. One with a `load` gets moment 0: Scene.bearings gives it."""
+        """Bristles slip at once. One with a `load` gets moment 0: Scene.bearings gives it."""
         frictions = [
             replace(friction, bristle_deflection=SWEEP_DEFLECTION, damping=0.0)
             for friction in cls.find(scene)
@@ -114,8 +112,7 @@ class Friction(ExactConnector):
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """Add the element to a scene; one with a `load` also adds moment / load (m; on slides
-        without unit) to scene.bearings[hinge], for slow motions."""
+        """One with a `load` adds moment / load (m; on slides without unit) to scene.bearings."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -125,8 +122,6 @@ class Friction(ExactConnector):
         return any(friction.load is not None for friction in cls.find(scene))
 
     def check(self, scene):
-        """Check fields, table (no share below 0), `load` (above 0, without a table), and that what
-        sticks exactly is on an angle and has neither; else SceneError."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if self.is_exact and (hinge.slides or self.load is not None or self.angles):
@@ -152,8 +147,6 @@ class Friction(ExactConnector):
         return self.bristle_deflection and self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """Return the damping of the bristle while it sticks (N m s/rad): the field `damping`, else
-        0.3 of critical for the inertias of the hinge's two particles."""
         if self.damping is not None or self.stiffness is None:
             return self.damping or 0.0
         inverse = mobility(scene, self.hinge)
@@ -166,14 +159,10 @@ class Friction(ExactConnector):
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum (N m) of the moments of friction that sticks exactly, the most that it may
-        bear in closed loops at rest, for the tolerance of the energy balance."""
         return float(sum(f.moment for f in cls.find(scene) if f.is_exact))
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Frictions; None for what no element has."""
-
         def bristle(f, scene):
             if f.is_exact:
                 return 0.0, 0.0, 0.0, 0.0, f.moment

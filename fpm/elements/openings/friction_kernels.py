@@ -210,7 +210,6 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of the bristle of element i."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 

@@ -8,11 +8,12 @@ Friction is a bristle (friction.py), bent by `bristle_deflection` where it slips
 at most friction N, with a damper of 0.3 of critical, and is straight where nothing touches."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.declare import number, word
-from fpm.elements.kind import Deformations, Energy, Series, Watch
+from fpm.elements.kind import Deformations, Energy, Watch
 from fpm.elements.openings.friction import DAMPING_RATIO
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
@@ -80,6 +81,10 @@ class Journal(Connector):
     takes = JOINT_LOSS
     events = ("leaves", "touches")
     acts_as = "contact"
+    series: ClassVar = {
+        "pin_force": ("N", "force that presses the pins", "pin"),
+        "pin_eccentricity": ("m", "distance of the pins from the axes of their bearings", "pin"),
+    }
     noun = PIN
     resists_as = "S"
     cost = 90.0
@@ -92,7 +97,6 @@ class Journal(Connector):
         return self.hinge, self.hinge + 1, self.hinge + 2
 
     def check(self, scene):
-        """Check the fields, and that the pin starts at most its depth at `load` in the bearing."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -132,15 +136,12 @@ class Journal(Connector):
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs FINER² times as stiff as a scene's pins at their loads, for the stable
-        step: on x and y, and of bristles, whose slip is a sum, on the turn."""
+        """On x and y; and on the turn of bristles, whose slip is a sum."""
         values = [(FINER**2 * pin.stiffness, pin.bristle(scene)[0]) for pin in cls.find(scene)]
         return cls._springs(scene, values)
 
     @classmethod
     def dampings(cls, scene):
-        """Return dampers (Deformations, with N s/m in the field `stiffness`) at least as strong as
-        those of the pins of a scene at their loads, for the stable time step; None: no damping."""
         values = []
         for pin in cls.find(scene):
             soft = max(mobility(scene, h) for h in pin.acts_on()[1:])
@@ -163,25 +164,12 @@ class Journal(Connector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Journals: what these say there;
-        others as Connector.array. batch: the scenes that are simulated side by side."""
         if name == "numbers":
             rows = lambda s: [_numbers(s, pin) for pin in cls.find(s)]  # noqa: E731
             return batch.stack(len(cls.find(batch.scene)), cls.kernels().NUMBERS, rows)
         if name == "state":
             return batch.stack(len(cls.find(batch.scene)), cls.kernels().STATE, _start)
         return super().array(name, batch)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        """Return "pin_force" (N) and "pin_eccentricity" (m) of pins, Series (t, pins)."""
-        names = tuple(pin.label(scene) for pin in cls.find(scene))
-        force, distance = part.track[:, :, lane].T.reshape(2, -1, len(names))
-        text = "distance of the pins from the axes of their bearings"
-        return {
-            "pin_force": Series(force, "N", "force that presses the pins", "pin", names),
-            "pin_eccentricity": Series(distance, "m", text, "pin", names),
-        }
 
 
 def _numbers(scene, pin: Journal) -> list[float]:

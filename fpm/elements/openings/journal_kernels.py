@@ -112,7 +112,6 @@ def rub(part, i, slip, normal, timing):
 
 @hook(Journals)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of pins on bearings, and their losses (J)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         h, angles, state = part.hinge[i], part.openings.angles, part.state
@@ -152,7 +151,6 @@ def note_events(part, world, timing):
 
 @hook(Journals)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of pin i, and of its bristle."""
     ratio, root = depth_of(part, i)
     bend, hertz = load(part.state, i, BEND), load(part.numbers, i, HERTZ)
     energy = load(part.numbers, i, LOAD) / load(part.numbers, i, PER_DEPTH) * ratio * ratio * root
@@ -162,7 +160,6 @@ def energy_of(part, world, i):
 
 @hook(Journals)
 def record(part, world, row):
-    """Record force (N) and eccentricity (m) of each pin in part.track."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, FORCE))

@@ -85,7 +85,6 @@ class Latch(ExactConnector):
     noun = "latch"
 
     def check(self, scene):
-        """Check the fields, and that no other latch of the scene has its name."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in Latch.find(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -113,8 +112,7 @@ class Latch(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Latches; in "state", SEARCH_END, up to which a
-        latch has looked, is the joint coordinate at the start (rad; m)."""
+        """In "state", SEARCH_END, up to which a latch has looked, is the opening at the start."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCH_END] = start_angles(batch, cls)
@@ -122,8 +120,6 @@ class Latch(ExactConnector):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded Series (t, latches) of one sample's latches: moment (N m), impulse so
-        far (N m s), rate at the catch (rad/s), and, of exact ones, its impulse (N m s)."""
         latches, result = cls.find(scene), {}
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         for (name, text), values in zip(SERIES.items(), columns, strict=True):

@@ -183,7 +183,6 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of latch i; 0 until it catches."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)

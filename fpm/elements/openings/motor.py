@@ -10,13 +10,12 @@ from typing import ClassVar
 
 from fpm.declare import damping, index, number, stiffness, topology
 from fpm.elements.joints.turn import ExactConnector
-from fpm.elements.kind import Energy, Series
+from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import (
     JOINT_LOSS,
     ONSET,
     Connector,
     backlashes,
-    by_unit,
     on_hinge,
     unit_of,
 )
@@ -29,27 +28,15 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(Connector):
-    """Base class of motors. variable: name of their recorded moment in files."""
+    """Base class of motors."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
     noun = "motor"
-    variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the fields, and that its hinge in `scene` has no other motor; SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        """Return the recorded moments (N m, on slides N) of one sample's motors after a run, Series
-        (t, motors) by variable name. part: the motors' arrays; scene, lane: of the sample."""
-        hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
-        values = part.track[:, 0, lane].reshape(-1, len(hinges))
-        text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun
-        series = {cls.variable: Series(values, "N m", text, dimension.replace(" ", "_"), ())}
-        return by_unit(series, hinges, [hinge.name for hinge in hinges])
 
 
 @dataclass(frozen=True)
@@ -78,6 +65,7 @@ class Motor(AnyMotor, ExactConnector):
         text="total play of its drive train, within which no moment acts; default: none",
     )
 
+    series: ClassVar = {"motor_moment": ("N m", "moment of the motors on their hinges", "motor")}
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     takes = JOINT_LOSS
 
@@ -88,16 +76,12 @@ class Motor(AnyMotor, ExactConnector):
         return float(self.start + self.turn * distance)
 
     def rate_at_start(self, scene) -> float:
-        """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
-        where its curve (not by rate) is constant then. scene: has the curve."""
         curve = scene.curve(self.curve)
         if self.by_rate:
             return float(self.turn * curve.value(0.0))
         return curve.rate_after(0.0, self.turn)
 
     def check(self, scene):
-        """Check the fields, and that what a motor prescribes exactly at time 0 is the hinge's joint
-        coordinate in the scene, within AT_START (rad, m); raises SceneError if not."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if self.is_exact and abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -113,8 +97,6 @@ class Motor(AnyMotor, ExactConnector):
         return *super().topology(), self.backlash is None
 
     def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the motor limits the stable time step: with
-        backlash ONSET times its own, as that of a stop. scene: not used."""
         return self.damping * (1.0 if self.backlash is None else ONSET)
 
     @classmethod

@@ -156,14 +156,12 @@ register_work_due(Motors, WORKS)
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of the drive train of motor i."""
     excess = load(part.state, i, EXCESS)
     return 0.5 * load(part.numbers, i, STIFFNESS) * excess * excess
 
 
 @hook(Motors)
 def record(part, world, row):
-    """Record the moment (N m) of each motor on its hinge."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))
@@ -171,7 +169,6 @@ def record(part, world, row):
 
 @hook(Motors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor that prescribes exactly."""
     count = part.hinge.shape[0]
     for i in range(count):
         if part.turn[i] >= 0:

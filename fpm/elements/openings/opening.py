@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fpm.declare import SLIDE_UNITS, index
+from fpm.elements.batch import turns_of
 from fpm.elements.cross import cross
 from fpm.elements.joints.joint_types import TYPES
 from fpm.elements.kind import Deformations, ElementType, Energy, Gate, Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
-from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
@@ -51,7 +51,6 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return, of `scene`, what scenes run side by side must share: hinges' names, particles."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -82,7 +81,6 @@ class Opening(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return `opening` (rad) and, of slides, `slide_opening` (m) of one sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -94,7 +92,6 @@ class ConnectorElement(ElementType):
     reads: ClassVar[tuple[type, ...]] = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that a hinge exists, and is one that the field allows."""
         super().check_index(scene, field, value)
         if not (field.types or field.only_angles):
             return
@@ -107,12 +104,7 @@ class ConnectorElement(ElementType):
         return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDE_UNITS else unit
 
     @classmethod
-    def names(cls, scene):
-        return [element.title(scene) for element in cls.find(scene)]
-
-    @classmethod
     def array(cls, name, batch):
-        """Return an array for the kernels: "openings", or as ElementType.array."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -133,6 +125,10 @@ class Connector(ConnectorElement):
     def title(self, scene):
         return f"{self.noun} {self.label(scene)}"
 
+    @classmethod
+    def names(cls, scene):
+        return [element.title(scene) for element in cls.find(scene)]
+
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
         (`noun`, as "motor"), of whatever type; raises SceneError if it has."""
@@ -149,6 +145,13 @@ class Connector(ConnectorElement):
             x._replace(joint=hinge.name, gate=gate and gate._replace(slides=hinge.slides))
             for x, hinge, gate in ((x, hinges[e.hinge], e.gate()) for x, e in pairs)
         ]
+
+    @classmethod
+    def read_records(cls, part, scene, lane):
+        elements = cls.find(scene)
+        hinges = [scene.hinges[element.hinge] for element in elements]
+        series = super().read_records(part, scene, lane)
+        return by_unit(series, hinges, [element.label(scene) for element in elements])
 
     def gate(self) -> Gate | None:
         """Return the opening at which the element latches, is hit or closes; None: it does not."""
@@ -167,14 +170,10 @@ class Connector(ConnectorElement):
 
     @classmethod
     def deformations(cls, scene):
-        """Return how motions of particles strain the joint coordinates on which the type's springs
-        act, with their stiffness, for the stable time step, as if all acted; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.find(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles move the joint coordinates on which the type's dampers
-        act, with their damping in the field `stiffness`, for the stable time step; None: none."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.find(scene)])
 
     @classmethod
@@ -184,7 +183,6 @@ class Connector(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return an array for the kernels: "rates" (`pack_past`), or as ConnectorElement.array."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)

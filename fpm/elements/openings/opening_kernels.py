@@ -163,7 +163,6 @@ def work_before(part, world, timing):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the joint coordinates of all hinges, and moment and work of all components."""
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NEW))

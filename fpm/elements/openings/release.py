@@ -41,9 +41,6 @@ class Release(ExactConnector):
     noun = "release"
 
     def check(self, scene):
-        """Check that the release has a finite time or watches a latch or a hinge of `scene`, not at
-        the level at the start, that its hinge has no other one, and that its spring has an opening
-        to hold; raises SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -62,8 +59,8 @@ class Release(ExactConnector):
             raise SceneError(f"level of {title}", self.level, allowed)
         labels = [latch.label(scene) for latch in latches]
         if self.latch and self.latch not in labels:
-            allowed = f"a latch of the scene: {', '.join(labels) or 'there is none'}"
-            raise SceneError(f"latch watched by {title}", self.latch, allowed)
+            allowed = f"a joint, or a latch: {', '.join(labels) or 'there is none'}"
+            raise SceneError(f"watch of {title}", self.latch, allowed)
 
     def held_at_start(self, scene):
         return scene.hinges[self.hinge].opening
@@ -73,8 +70,7 @@ class Release(ExactConnector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Releases: "latch_row": index of the latch watched,
-        -1: none; "latches": their states, None: none is watched; others as ExactConnector.array."""
+        """For "latch_row" -1, and for "latches" None where none is watched."""
         if name not in ("latch_row", "latches"):
             return super().array(name, batch)
         numbers = {latch.label(batch.scene): i for i, latch in enumerate(Latch.find(batch.scene))}

@@ -131,7 +131,6 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """Add the energy (J) lost in dampers, and in springs let go."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.hinge.shape[0]):
         angles, h = part.openings.angles, part.hinge[i]
@@ -159,5 +158,4 @@ register_work_due(Releases, WORKS)
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of release i; 0 once it let go."""
     return load(part.state, i, ENERGY)

@@ -41,7 +41,6 @@ def overlap(part, i, field):
 
 @hook(Stops)
 def forces(part, world, timing):
-    """Add the moments (N m; on slides N) of stops, and what their dampers lose (J)."""
     for i in range(part.hinge.shape[0]):
         h, side = part.hinge[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.rates, i, h, timing)
@@ -66,7 +65,6 @@ def note_events(part, world, timing):
 
 @hook(Stops)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of stop i, 0 where it is free."""
     depth = overlap(part, i, NEW)
     depth = where_negative(depth, 0.0, depth)
     return 0.5 * load(part.numbers, i, STIFFNESS) * depth * depth

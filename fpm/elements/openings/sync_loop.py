@@ -3,11 +3,12 @@
 Theory: docs/mechanics.md, "Loops, motors and releases"."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.declare import index, number, stiffness, topology
-from fpm.elements.kind import Deformations, Energy, Series
+from fpm.elements.kind import Deformations, Energy
 from fpm.elements.openings.opening import ConnectorElement, backlashes, mobility, relative_turn
 from fpm.errors import SceneError
 
@@ -47,13 +48,12 @@ class SyncLoop(ConnectorElement):
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")
     acts_as = "loop"
-    noun = "loop"
+    noun, name_field = "loop", "name"
+    series: ClassVar = {"loop_force": ("N", "pull of the loops", "loop")}
     resists_as = "S"
     has_memory = False
 
     def check(self, scene):
-        """Check that the loop has a name of its own, two different hinges, and radii other than 0,
-        before it is added to the scene; raises SceneError if not."""
         super().check(scene)
         title = self.title(scene)
         if self.name in [loop.name for loop in SyncLoop.find(scene)]:
@@ -62,7 +62,6 @@ class SyncLoop(ConnectorElement):
             raise SceneError(f"hinges of {title}", self.hinges, "two different ones")
         if not np.all(self.radii):
             raise SceneError(f"radii of {title}", self.radii, "lengths (m) other than 0")
-
         if self.backlash is not None and self.preload < np.inf:
             allowed = "none, with a backlash"
             raise SceneError(f"preload of {title}", self.preload, allowed)
@@ -73,9 +72,6 @@ class SyncLoop(ConnectorElement):
     def acts_on(self):
         return self.hinges
 
-    def title(self, scene):
-        return f"loop {self.name}"
-
     @property
     def tight(self) -> float:
         """Slip (m, one strand longer than at rest) at which the other turns slack; inf: never."""
@@ -83,11 +79,8 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def deformations(cls, scene):
-        """Return springs (Deformations) that represent a scene's loops in the stable time step: one
-        on each hinge of a loop, both together at least as stiff as the loop. None if no loop can
-        move.
-
-        By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1.
+        """One spring on each hinge of a loop, both together at least as stiff as the loop. By
+        Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1.
         With s1 : s2 as r² w, where w is each hinge's `mobility`, the bound is exact if they share
         no body."""
         hinges, stiffness, element = [], [], []
@@ -106,18 +99,8 @@ class SyncLoop(ConnectorElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of Loops: "hinge": (loops, 2); "backlash": (loops, 1,
-        lanes), m, None: none; others as ConnectorElement.array."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         if name == "backlash":
             return backlashes(batch, cls)
         return super().array(name, batch)
-
-    @classmethod
-    def read_records(cls, part, scene, lane):
-        """Return after a run {"loop_force": Series} of one sample, (t, loops) N: difference of both
-        strands' tensions of each. part: arrays of all loops (Loops); scene, lane: of the sample."""
-        names = tuple(loop.name for loop in cls.find(scene))
-        values = part.track[:, 0, lane].reshape(-1, len(names))
-        return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -89,7 +89,6 @@ def note_events(part, world, timing):
 
 @hook(Loops)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of loop i. part: arrays of all loops; world: not used."""
     slip, extra = load(part.state, i, SLIP), excess(part, i)
     return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * extra * extra)
 

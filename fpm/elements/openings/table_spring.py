@@ -29,12 +29,10 @@ class TableSpring(Connector):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check hinge (in `scene`) and table (two or more points); raises SceneError if wrong."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: hinge and number of points."""
         return self.hinge, len(self.angles)
 
     @property
@@ -54,8 +52,7 @@ class TableSpring(Connector):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Return the stiffness (N m/rad, on slides N/m; at least 0) by which the spring limits the
-        stable time step: the steepest fall of its moment. scene: not used."""
+        """The steepest fall of its moment."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
@@ -65,8 +62,6 @@ class TableSpring(Connector):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple TableSprings: "points",
-        "start": of `table_array`; else as Connector.array. batch: scenes side by side."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))

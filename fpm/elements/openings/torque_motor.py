@@ -5,6 +5,7 @@ it at w = psi', down to nothing at the no-load speed w0, as that of a direct cur
 is T f(t) where the hinge turns against it, and it never brakes."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,15 +30,17 @@ class TorqueMotor(AnyMotor):
 
     noun = "torque motor"
     resists_as = "HM"
-    variable = "torque_motor_moment"
+    series: ClassVar = {
+        "torque_motor_moment": (
+            "N m", "moment of the torque motors on their hinges", "torque_motor",
+        )
+    }  # fmt: skip
 
     def damping_in(self, scene):
-        """Return the damping (N m s/rad, on slides N s/m) by which the motor limits the stable time
-        step: the largest fall of its torque, or force, with the speed."""
+        """The largest fall of its torque, or force, with the speed."""
         most = max(map(abs, scene.curve(self.curve).extremes()))
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum of the absolute torques (N m; N) of motors at rest."""
         return float(sum(abs(motor.torque) for motor in cls.find(scene)))

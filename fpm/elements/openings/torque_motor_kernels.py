@@ -61,7 +61,6 @@ def forces(part, world, timing):
 
 @hook(TorqueMotors)
 def work_before(part, world, timing):
-    """Add the work (J) of the torque motors in the step."""
     work = load(world.accounts, 0, part.work_account)
     for i in range(part.hinge.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.hinge[i]
@@ -72,7 +71,6 @@ def work_before(part, world, timing):
 
 @hook(TorqueMotors)
 def record(part, world, row):
-    """Record the moment (N m) of each motor at an instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, AT_INSTANT))

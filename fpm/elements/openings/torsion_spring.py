@@ -23,6 +23,5 @@ class TorsionSpring(Connector):
     cost = 70.0
 
     def title(self, scene):
-        """Return its name in messages: "torsion spring" ("spring" on slides) and the hinge's."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.noun} {hinge.name}"

@@ -25,7 +25,6 @@ class Springs(NamedTuple):
 
 @hook(Springs)
 def forces(part, world, timing):
-    """Add the moments (N m) of torsion springs, towards their openings at rest."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         angle = load(part.numbers, i, REST) - load(part.openings.angles, h, NEW)
@@ -34,6 +33,5 @@ def forces(part, world, timing):
 
 @hook(Springs)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of torsion spring i."""
     angle = load(part.openings.angles, part.hinge[i], NEW) - load(part.numbers, i, REST)
     return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

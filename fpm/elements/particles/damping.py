@@ -22,12 +22,10 @@ class Damping(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """Return the Damping elements of a scene; [] where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod
     def topology_of(cls, scene):
-        """Return None: scenes can be simulated side by side whether they are damped or not."""
         return None
 
     @classmethod

@@ -36,22 +36,15 @@ class Drag(ArmElement):
 
     takes = Damping.takes
     resists_as = ""
-    noun = "drag"
+    noun, name_field = "drag", "name"
     cost = 55.0
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: the index of the particle."""
         return self.particle
 
     @classmethod
-    def names(cls, scene):
-        return [f"{cls.noun} {drag.name}" for drag in cls.find(scene)]
-
-    @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles move the points on which air drags, for the stable time
-        step, with the slope 2 rho/2 Cd A |u| of the drag at the start in the field `stiffness` (N
-        s/m); None: nothing moves then. What is faster later is not counted."""
+        """By the slope 2 rho/2 Cd A |u| at the start. What is faster later is not counted."""
         drags = cls.find(scene)
         p, count = np.array([drag.particle for drag in drags]), len(drags)
         factors, arms, winds = (
@@ -68,8 +61,7 @@ class Drag(ArmElement):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Drags, as ElementType.array;
-        "state" has the velocity (m/s) of each place at t = 0. batch: the scenes side by side."""
+        """ "state" has the velocity (m/s) of each place at t = 0."""
         array = super().array(name, batch)
         if name == "state":
             first = cls.kernels().VELOCITY

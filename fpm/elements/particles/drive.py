@@ -6,7 +6,7 @@ import numpy as np
 
 from fpm.declare import index, number
 from fpm.elements.kind import ElementType
-from fpm.elements.particles.gravity import LOAD_WORK
+from fpm.elements.particles.load import LOAD_WORK
 from fpm.errors import SceneError
 
 
@@ -25,8 +25,6 @@ class Drive(ElementType):
     noun = "drive"
 
     def add_to(self, scene):
-        """Check the drive, mark its particle as held (Scene.fixed), and add the drive to the scene.
-        Raises SceneError if another element type moves the particle, or a field does not fit."""
         self.check(scene)
         for kind in scene.kinds:
             if (
@@ -40,7 +38,6 @@ class Drive(ElementType):
 
     @classmethod
     def moved_particles(cls, scene):
-        """Return the indices of the particles that a scene's drives move, one for each drive."""
         return [drive.particle for drive in cls.find(scene)]
 
     @classmethod

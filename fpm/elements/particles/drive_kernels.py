@@ -65,13 +65,11 @@ def forces(part, world, timing):
 
 @hook(Drives)
 def work_before(part, world, timing):
-    """Add the work (J) of drives in the half step that ends now."""
     add_work(part, world, timing, timing.time - timing.step)
 
 
 @hook(Drives)
 def restrain(part, world, timing):
-    """Add the work (J) of drives in the half step that begins now."""
     add_work(part, world, timing, timing.time)
 
 

@@ -21,7 +21,6 @@ class Weight(NamedTuple):
 
 @hook(Weight)
 def forces(part, world, timing):
-    """Add the weight (N) of every particle."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g
@@ -61,7 +60,6 @@ def first_moment(world):
 
 @hook(VaryingWeight, "forces")
 def varying_forces(part, world, timing):
-    """Add the weight (N) of every particle, as the curve has it."""
     g = kick_mean(world, part.curve[0], timing) * get3(part.acceleration, 0, 0)
     put3(part.moment, 0, 0, first_moment(world))
     for i in range(world.state.shape[0]):

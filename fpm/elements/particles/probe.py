@@ -33,7 +33,6 @@ class Probe(ElementType):
         return cls.of_scene(scene).impulses
 
     def topology(self):
-        """Return what must be equal in scenes simulated side by side: all fields of the probe."""
         return self.frames, self.forces, self.moments, self.impulses
 
     @classmethod

@@ -24,8 +24,7 @@ class Support(ElementType):
     cost = 60.0
 
     def add_to(self, scene):
-        """Mark the axes of the particles as held in `fixed` (n, 6) of the Scene; the support itself
-        is not kept in the scene. Raises SceneError for letters other than x, y, z."""
+        """Mark the axes as held in `fixed` (n, 6); the support itself is not kept."""
         if set(self.translations + self.rotations) - set(AXES):
             axes = (self.translations, self.rotations)
             raise SceneError("fixed axes", axes, "letters out of 'xyz'")
@@ -36,8 +35,7 @@ class Support(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """Return the indices of a scene's particles that are held along one or two of the global
-        axes, or about one or two of them, but not along (or about) all three or none."""
+        """Return the particles held along, or about, one or two of the global axes."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 

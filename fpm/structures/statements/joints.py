@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -102,16 +103,11 @@ def _join(build, args, type: str) -> None:
         build.scene.add_joint(name, type, pair, points[ends])
 
 
-@statement("joints", "spherical", parts=PARTS, at=POINT)
-def spherical(build, args):
-    """A ball and socket: parts share a point."""
-    _join(build, args, "spherical")
-
-
-@statement("joints", "fixed", parts=PARTS, at=POINT)
-def fixed(build, args):
-    """A rigid connection: the parts neither move nor turn relative to each other."""
-    _join(build, args, "fixed")
+for _type, _text in {
+    "spherical": "A ball and socket: parts share a point.",
+    "fixed": "A rigid connection: the parts neither move nor turn relative to each other.",
+}.items():
+    statement("joints", _type, _text, parts=PARTS, at=POINT)(partial(_join, type=_type))
 
 
 @statement(
@@ -174,51 +170,46 @@ PITCH = Number(
 AXIS = DirectionKey(text="axis, fixed to both parts, about which the second part turns")
 
 
-def _slider(type: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
-    """Register a statement of a joint with `_openings`; axis: text on it; x_text: for x."""
+def _slider(type: str, text: str, axis: str, x_text: str = "`x`", **keys) -> Callable:
+    """Register a statement of a joint with `_openings`. text: what it is; axis: text on that;
+    x_text: for x."""
     openings = {
         n: replace(k, text=k.text.replace("`x`", x_text)) for n, k in _openings(type).items()
     }
     keys = {"axis": replace(AXIS, text=axis), **keys, **openings}
-    return statement("joints", type, parts=PAIR, at=POINT, **keys)
+    return statement("joints", type, text, parts=PAIR, at=POINT, **keys)
 
 
-@_slider("prismatic", "axis along which the second part slides on the first")
-def prismatic(build, args):
-    """A slider: the second part moves along an axis of the first and does not turn."""
-    return _add_slider(build, args, "prismatic")
-
-
-@_slider("cylindrical", f"{AXIS.text} and along which it slides")
-def cylindrical(build, args):
-    """A sleeve on a round shaft: the second part slides and turns on an axis of the first."""
-    return _add_slider(build, args, "cylindrical")
-
-
-@_slider(
+_slider(
+    "prismatic",
+    "A slider: the second part moves along an axis of the first and does not turn.",
+    "axis along which the second part slides on the first",
+)(partial(_add_slider, type="prismatic"))
+_slider(
+    "cylindrical",
+    "A sleeve on a round shaft: the second part slides and turns on an axis of the first.",
+    f"{AXIS.text} and along which it slides",
+)(partial(_add_slider, type="cylindrical"))
+_slider(
     "planar",
+    "A plate on a table: the second part slides and turns in a plane of the first.",
     "normal of the plane, fixed to both parts, about which the second part turns",
     x=DirectionKey(text="first direction in the plane, normal to `axis`; fixed to the first part"),
-)
-def planar(build, args):
-    """A plate on a table: the second part slides and turns in a plane of the first."""
-    return _add_slider(build, args, "planar")
+)(partial(_add_slider, type="planar"))
+_slider(
+    "pin in slot", "A pin of the second part slides and turns in a straight slot of the first.",
+    "axis of the pin, fixed to both parts, about which the second part turns", "the slot",
+    x=DirectionKey(text="direction of the slot, normal to `axis`; fixed to the first part"),
+)(partial(_add_slider, type="pin in slot"))  # fmt: skip
 
 
 @_slider(
-    "pin in slot",
-    "axis of the pin, fixed to both parts, about which the second part turns",
-    "the slot",
-    x=DirectionKey(text="direction of the slot, normal to `axis`; fixed to the first part"),
+    "screw",
+    "A nut on a thread: the second part turns about an axis of the first and so moves along it.",
+    f"{AXIS.text} and along which it moves",
+    pitch=PITCH,
 )
-def pin_in_slot(build, args):
-    """A pin of the second part slides and turns in a straight slot of the first."""
-    return _add_slider(build, args, "pin in slot")
-
-
-@_slider("screw", f"{AXIS.text} and along which it moves", pitch=PITCH)
 def screw(build, args):
-    """A nut on a thread: the second part turns about an axis of the first and so moves along it."""
     if not args.pitch:
         build.refuse("pitch", args.pitch, "a length that is not 0; without a thread: cylindrical")
     return _add_slider(build, args, "screw", args.pitch / (2 * math.pi))
@@ -230,6 +221,7 @@ del _JOURNAL["hinge"]
 
 @_slider(
     PIN,
+    "A pin of the second part turns, with clearance and friction, in a bearing of the first.",
     AXIS.text,
     **_JOURNAL,
     x=DirectionKey(
@@ -237,7 +229,6 @@ del _JOURNAL["hinge"]
     ),
 )
 def pin_with_play(build, args):
-    """A pin of the second part turns, with clearance and friction, in a bearing of the first."""
     hinge = _add_slider(build, args, PIN)
     build.scene.add(element(Journal, args, hinge=hinge))
     return hinge

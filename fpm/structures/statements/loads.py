@@ -212,16 +212,10 @@ def cable(build, args):
     if (args.rest is None) == (args.preload is None):
         pair = None if args.rest is None else [args.rest, args.preload]
         build.refuse("rest", pair, "either `rest` or `preload`")
-    if args.reel and args.curve is None:
-        build.refuse("reel", args.reel, "a length with a `curve`")
-    if args.drum is not None and args.curve is not None:
-        build.refuse("drum", build.scene.hinges[args.drum].name, "none, with a `reel` and `curve`")
-    if args.reel is None and args.curve is not None:
+    if args.reel is None and args.curve is not None and args.drum is None:
         build.refuse("reel", None, "a length, with a `curve`")
     if args.friction is not None and len(points) == 2:
         build.refuse("friction", args.friction, "none on a cable that runs through no point")
-    if (args.drum is None) == bool(args.radius):
-        build.refuse("radius", args.radius, "a length other than 0 with a `drum`, none without")
     if args.drum is None and args.shortest is not None:
         build.refuse("shortest", args.shortest, "none without a `drum`")
     numbers = args.EA, args.rest, args.preload, args.reel or 0.0, _index(args.curve), args.friction

@@ -6,13 +6,12 @@ from itertools import pairwise
 import numpy as np
 
 from fpm.declare import Number
-from fpm.elements.bars.beam import Material, Section, triad
-from fpm.elements.bars.lumping import lump
+from fpm.elements.bars.beam import Material, Section, lump, triad
 from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 from fpm.structures.builder import POINT_TOL, Body
-from fpm.structures.doubts import find_dense
 from fpm.structures.keys import COUNT, DirectionKey, ListKey, MapKey, ReferenceKey, VectorKey
+from fpm.structures.plausible import find_dense
 from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
@@ -171,7 +170,7 @@ def _straight(scene, args, points, directions, normal) -> list[int]:
 
 def _stretches(scene, args, points, directions, normal) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points. Each stretch is
-    lumped by itself (lumping.py); where two meet, masses and inertias add."""
+    lumped by itself (beam.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
     lumps = [lump(size(end - start), *shape) for start, end in pairwise(points)]
@@ -203,11 +202,6 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
     if len(parts) == 1 or np.abs(parts[0][1] - parts[1][1]).max() < STRAIGHT:
         return sum(inertia for inertia, _ in parts), parts[0][1]
     return _principal_axes(sum(frame * inertia @ frame.T for inertia, frame in parts))
-
-
-def _point_inertia(mass: float, arm: np.ndarray) -> np.ndarray:
-    """Inertia tensor (3, 3), kg m², of a mass (kg) at `arm` (3,), m, about the arm's start."""
-    return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 
 def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -394,7 +388,8 @@ def mass(build, args):
         reduced_mass = scene.mass[particle] * args.mass / (scene.mass[particle] + args.mass)
         arm = args.at.position - scene.position[particle]
         axes = scene.frame[particle]
-        tensor = axes * scene.inertia[particle] @ axes.T + _point_inertia(reduced_mass, arm)
+        point_inertia = reduced_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        tensor = axes * scene.inertia[particle] @ axes.T + point_inertia
         scene.position[particle] += arm * reduced_mass / scene.mass[particle]
         scene.inertia[particle], scene.frame[particle] = _principal_axes(tensor, axes)
     scene.mass[particle] += args.mass

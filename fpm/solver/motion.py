@@ -18,8 +18,7 @@ from fpm.elements.kind import VirtualBeam
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import CONVENTIONS, Column
-from fpm.reading.bars import bends_of
-from fpm.reading.stress import element_stress
+from fpm.reading.bars import bends_of, element_stress
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
 
@@ -119,7 +118,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
             "Conventions": CONVENTIONS,
             "title": f"whole motion of scene {scene.name}",
             "source": "finite particle method",
-            "history": f"fpm.motions.motion.whole_motion: steps of {outcome.step:.9g} s",
+            "history": f"fpm.solver.motion.whole_motion: steps of {outcome.step:.9g} s",
             "scene": scene.name,
             "time_step": outcome.step,
             **attributes,

@@ -1,1 +1,0 @@
-"""The whole motion of a run: all particles, frames and strains."""

@@ -28,7 +28,7 @@ from deployable.campaign.results.figures import envelope
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.ranges import ranges
 from deployable.campaign.results.response_bounds import read_bounds
-from deployable.campaign.results.summary import summarise
+from deployable.campaign.stages.answers import summarise
 from deployable.campaign.text.numbers import interval
 
 MM = Display(length="mm", angle="deg")

@@ -28,8 +28,8 @@ from deployable.campaign.plan.plan import Plan, Runs, choose_step, read_plan
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
 from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text import words_of
 from deployable.campaign.text.numbers import duration_text
-from deployable.campaign.text.words import words_of
 from deployable.intervals.box import ROUNDING
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 

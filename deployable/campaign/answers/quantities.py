@@ -15,7 +15,7 @@ from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.campaign.config.sections import Jobs, Verify
-from deployable.campaign.files.variables import dataset_of
+from deployable.campaign.files import dataset_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS

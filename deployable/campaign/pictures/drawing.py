@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.files import whole_file
-from deployable.campaign.pictures import paint
-from deployable.campaign.pictures.figure import make_figure
+from deployable.campaign.pictures import make_figure, paint
 from deployable.campaign.pictures.paint import (
     View,
     frame_picture,

@@ -31,8 +31,8 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
+from deployable.campaign.text import name_response, words_of
 from deployable.campaign.text.numbers import code, percent
-from deployable.campaign.text.words import name_response, words_of
 from deployable.intervals.box import ROUNDING
 from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch

@@ -12,11 +12,8 @@ import numpy as np
 
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.config.models import LIMITS
-from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import write_result
-from deployable.campaign.folder import Folder
 from deployable.campaign.results.quantity_results import QuantityResults, number
-from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text import words_of
 from deployable.intervals.scalars import (
     Limit,
@@ -193,12 +190,11 @@ def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
 _RULE_OF_THREE = 3.0  # over a number of runs: share that none of them meets with a chance of 5 %
 
 
-def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
+def answer(model: ModelEvaluator, requirements: Mapping[str, Mapping]) -> None:
     """Assess in which part of the box the requirements are met, and write `requirements.json` into
-    `folder`, which has `quantities.nc` and `refinement.nc`; nothing is simulated."""
-    model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
-    rows = judge(model, requirements, QuantityResults.read(folder).errors)
-    write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
+    the folder of `model`, which has all runs; nothing is simulated."""
+    rows = judge(model, requirements, QuantityResults.read(model.folder).errors)
+    write_result(model.folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
 
 
 def judge(
@@ -208,9 +204,16 @@ def judge(
     (2, q): by mesh and step, of values and of decision functions, or None."""
     specs = list_limits(requirements, list(model.experiment.quantities))
     result = assess_limits(model, model.surrogates(), specs, errors)
-    shares = _find_shares(model, result)
+    shares, rows = _find_shares(model, result), []
+    for name in requirements:
+        indices = _indices(result, name)
+        limits = [
+            _limit(model, result, i) | _judge_limits(model, result, (i,), shares) for i in indices
+        ]
+        verdict = _judge_limits(model, result, indices, shares)
+        rows.append({"name": name, **verdict, "limits": limits})
     return {
-        "requirements": [_requirement(model, result, name, shares) for name in requirements],
+        "requirements": rows,
         "together": {**_combine(model, result, shares), "whole": errors is not None},
         "runs": len(model.distinct_rows) + model.rest_count + len(model.failed_points),
         "further_runs": len(model.refinements),
@@ -278,16 +281,6 @@ def _judge_runs(
     return {"met": "none", **row}
 
 
-def _requirement(
-    model: ModelEvaluator, result: LimitAssessment, name: str, shares: _Shares
-) -> dict:
-    indices = _indices(result, name)
-    verdict = _judge_limits(model, result, indices, shares)
-    rows = [_judge_limits(model, result, (i,), shares) for i in indices]
-    limits = [_limit(model, result, i) | row for i, row in zip(indices, rows, strict=True)]
-    return {"name": name, **verdict, "limits": limits}
-
-
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     """Return the limit with its worst place: that of the surrogate, or a run that is worse."""
     (margin, point), runs, spec = result.worst[i], result.margins[i], result.specs[i]
@@ -305,7 +298,12 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
         "max_interval_scale": largest,
         "unsampled": result.doubt is not None and bool(model.find_missing([result.doubt])),
     }
-    row["halved"] = _halve_intervals(model, result, row["share_uncertainty"] >= 1)
+    box, row["halved"] = model.experiment.box, {}
+    for j in np.flatnonzero(box.free):  # what meets all if one interval were half as wide
+        half = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
+        if row["share_uncertainty"] >= 1:
+            half |= {"share_uncertainty": 1.0, "gain_uncertainty": 1.0}
+        row["halved"][box.names[j]] = half
     is_broken = result.margins[:, model.distinct_rows].min(axis=0) < 0
     count = int(is_broken.sum()) + len(model.failed_points)
     row["failures"] = None if model.rest_count else count
@@ -319,17 +317,3 @@ def _combine(model: ModelEvaluator, result: LimitAssessment, shares: _Shares) ->
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
     fails["kept"] = bool(fails["ran"] and result.limits[index].find_margins(simulated) >= 0)
     return {**row, "fails": fails}
-
-
-def _halve_intervals(
-    model: ModelEvaluator, result: LimitAssessment, is_unknown: bool
-) -> dict[str, dict[str, float]]:
-    """Return the share that meets all if one interval were half as wide, by the parameter's name.
-    It is unknown where that of the whole box is (`is_unknown`)."""
-    box, rows = model.experiment.box, {}
-    for j in np.flatnonzero(box.free):
-        row = find_halving(result.limits, box.free, model.nominal, int(j))._asdict()
-        for key in ("share_uncertainty", "gain_uncertainty"):
-            row[key] = 1.0 if is_unknown else row[key]
-        rows[box.names[j]] = row
-    return rows

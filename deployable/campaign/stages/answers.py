@@ -8,7 +8,7 @@ from typing import Any
 
 from deployable.campaign.answers import choice, limits, quantities
 from deployable.campaign.answers import measured as tests
-from deployable.campaign.answers.evaluations import FurtherRuns
+from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
@@ -28,29 +28,29 @@ def work(
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
     choice, with the runs that this takes, and write the results, the bounds of responses with these
     runs, and the summary. Arguments are sections of the config, and `threads` that simulate."""
-    experiment = read_plan(folder.plan).experiment
+    experiment = (plan := read_plan(folder.plan)).experiment
+    further_runs = FurtherRuns(experiment)
+    context = folder, jobs, notify, threads, further_runs
 
     def step(text: str) -> AbstractContextManager[None]:
         return report_seconds(f"{experiment.name}: {text}", notify)
 
-    answers, further_runs = [], FurtherRuns(experiment)
+    answers = []
     if experiment.quantities:
         with step("searching the bounds of quantities"):
-            quantities.answer(folder, requirements, verify, jobs, notify, threads, further_runs)
+            quantities.answer(ModelEvaluator.from_folder(*context), requirements, verify)
     if requirements:
         answers.append("requirements")
         with step("finding what meets the requirements"):
-            limits.answer(folder, requirements, jobs, notify)
+            limits.answer(ModelEvaluator.from_folder(*context, refinements=True), requirements)
     if choose.parameters:
         answers.append("choice")
         with step("choosing"):
-            choice.answer(folder, choose, requirements, verify, jobs, notify, threads, further_runs)
+            choice.answer(ModelEvaluator(plan, *context), choose, requirements, verify)
     if measured:
         answers.append("measured")
         with step("finding what explains the measured curves"):
-            tests.answer(
-                folder, measured, requirements, verify, jobs, notify, threads, further_runs
-            )
+            tests.answer(ModelEvaluator.from_folder(*context), measured, requirements, verify)
     with step("writing the answers"):
         include_runs(folder, further_runs)
         sections = {"choose": choose, "verify": verify, "measured": measured}

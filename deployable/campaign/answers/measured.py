@@ -54,8 +54,15 @@ def answer(
             # Beside tests that nothing explains, the check alone, about what comes nearest to them.
             group = [test] if result.is_refuted else [*sources, test]
             data = () if result.is_refuted else result.data
-            row = _check_row(_calibrate(group, result.hull, verify, data)[0], group)
-            checks.append({"name": test.name, **row})
+            check, _ = _calibrate(group, result.hull, verify, data)
+            bands = np.abs(check.residuals[-1]) / test.curves.bands
+            i, instant = map(int, np.unravel_index(bands.argmax(), bands.shape))
+            checks.append({
+                "name": test.name,
+                "inside": False if check.is_refuted else True if check.attained <= 1.0 else None,
+                **_misfits(check),
+                "worst": _worst(check, group, len(group) - 1, i, instant),
+            })  # fmt: skip
     misfits = result.misfits()
     rows = {
         **_misfits(result),
@@ -224,18 +231,6 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
         "test": test.name, "response": test.responses[i], "units": test.units[i],
         "time": float(test.curves.times[instant]), "bands": float(bands), "residual": residual,
     }  # fmt: skip
-
-
-def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
-    """Compare the last of the tests, a check, with the part of the box that the others leave."""
-    t = len(tests) - 1
-    bands = np.abs(result.residuals[t]) / tests[t].curves.bands
-    i, instant = np.unravel_index(bands.argmax(), bands.shape)
-    return {
-        "inside": False if result.is_refuted else True if result.attained <= 1.0 else None,
-        **_misfits(result),
-        "worst": _worst(result, tests, t, int(i), int(instant)),
-    }
 
 
 def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Test]) -> dict:

@@ -23,7 +23,8 @@ from deployable.campaign.config.plausible import requirement_warnings
 from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
-from deployable.campaign.export import COLOURS, FORMATS, choose, export
+from deployable.campaign.export import COLOURS, FORMATS, choose
+from deployable.campaign.export import export as write_export
 from deployable.campaign.files import read_json, wrap_error, write_text
 from deployable.campaign.folder import CAMPAIGN
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
@@ -35,16 +36,19 @@ from fpm.errors import number_hint
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
 
-def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
+def add_to(commands: argparse._SubParsersAction, command: Callable, printer: type) -> None:
     """Add the commands on campaigns and structures to a parser's subcommands, by the function
-    `command`."""
+    `command`; printer: action that prints what its `const` returns."""
     new = command(commands, "new", _new.__doc__, _new)
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")
     new.add_argument(
         "--start", default="panel", metavar="NAME",
         help="campaign or structure to begin with, or the file of a structure (%(default)s)",
     )  # fmt: skip
-    new.add_argument("--starts", action=_Starts, nargs=0, help="print the names and end")
+    new.add_argument(
+        "--starts", action=printer, nargs=0, const=lambda: "\n".join(list_starts()),
+        help="print the names and end",
+    )  # fmt: skip
     check = command(commands, "check", _check.__doc__, _check)
     check.add_argument(
         "files", metavar="FILE", nargs="*", default=[CAMPAIGN], help=f"YAML file ({CAMPAIGN})"
@@ -85,10 +89,7 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
     compare.add_argument("folders", metavar="RESULTS", nargs="+", help="folders of results")
     compare.add_argument("--json", action="store_true", help="print JSON")
     compare.add_argument("--html", type=Path, metavar="FILE", help="write a page with curves")
-    _add_export(command(commands, "export", _export.__doc__, _export))
-
-
-def _add_export(export: argparse.ArgumentParser) -> None:
+    export = command(commands, "export", _export.__doc__, _export)
     export.add_argument(
         "what", metavar="RUN",
         help="folder of a campaign's results, a campaign's config, or a structure's file or name",
@@ -108,14 +109,6 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
-
-
-class _Starts(argparse.Action):
-    """Prints what a new folder can start from."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        print("\n".join(list_starts()))
-        parser.exit()
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -266,7 +259,7 @@ def _export(options: argparse.Namespace) -> int:
         selection = choose(options.what, options.run, settings, options.duration)
         if selection.folder and not options.output:
             place = selection.folder / "exports"
-        paths = export(selection, options.to, place, options.frames, options.colour)
+        paths = write_export(selection, options.to, place, options.frames, options.colour)
     except (CampaignError, fpm.SceneError):
         raise
     except Exception as error:  # a damaged result, a full disk

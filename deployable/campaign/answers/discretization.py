@@ -17,7 +17,7 @@ import numpy as np
 from deployable import intervals
 from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
-from deployable.campaign.config.sections import CHECK_POINTS, Experiment, Jobs, Verify
+from deployable.campaign.config.sections import CHECK_POINTS, Experiment, Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import allow_check_runs
@@ -36,14 +36,6 @@ _CLOSE = 0.01
 
 MAX_POINT_DISTANCE = 0.1
 """In unit coordinates: a planned run so near a point stands for it."""
-
-
-def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
-    """Return which errors of a plan's bounds are to be estimated, of "step" (of time) and "mesh":
-    with an `accuracy` what the plan's round asks for, else both or none, as `verify` has it."""
-    if plan.experiment.is_adaptive:
-        return plan.adaptive.check
-    return COMPONENTS if verify.discretization else ()
 
 
 def check_bounds(

@@ -123,7 +123,12 @@ def estimate(
     (`fpm.scenes.effort`). stages: to be done, None for all; missing: fraction of the planned runs
     that are not stored."""
     if campaign.cases:
-        return _sum([estimate(case, stages, missing) for case in campaign.case_campaigns.values()])
+        parts = [estimate(case, stages, missing) for case in campaign.case_campaigns.values()]
+        keys = ("runs", "seconds", "core_time", "bytes")
+        totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
+        once = max(part.compile_time for part in parts)  # kernels are compiled once
+        totals["seconds"] += once - sum(part.compile_time for part in parts)
+        return replace(parts[0], **totals, compile_time=once)
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs, responses = count_runs(experiment), len(experiment.responses)
     cost = _BatchCost(campaign)
@@ -252,15 +257,6 @@ def _rounds(experiment: Experiment, number: int) -> Passes:
         runs = min(first * 2**i, experiment.accuracy.max_runs)
         passes += [(runs, factor), (LANES, 2.0 * factor), (LANES, 4.0 * factor)]
     return passes
-
-
-def _sum(parts: list[Estimate]) -> Estimate:
-    """Add the estimates of campaigns that run one after another; kernels are compiled once."""
-    keys = ("runs", "seconds", "core_time", "bytes")
-    totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
-    compile_time = max(part.compile_time for part in parts)
-    totals["seconds"] += compile_time - sum(part.compile_time for part in parts)
-    return replace(parts[0], **totals, compile_time=compile_time)
 
 
 def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:

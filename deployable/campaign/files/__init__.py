@@ -39,15 +39,6 @@ _PATTERNS = {"run_id": RUN_ID, "response": NAME, "quantity": NAME, "parameter": 
 """Patterns of names, by the variable that has them."""
 
 
-def check_names(path: Path, file: Any) -> None:
-    """Raise DamagedError if an open `netCDF4.Dataset` (`file`, at `path`) has a name that files
-    could not be called after, such as a path that leads outside."""
-    for variable in _PATTERNS.keys() & file.variables.keys():
-        for name in file[variable][:].ravel():
-            if not _PATTERNS[variable].fullmatch(str(name)):
-                raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
-
-
 @contextmanager
 def report_damage(path: str | os.PathLike) -> Iterator[None]:
     """Context manager for code that reads the file `path`: errors from malformed content become
@@ -92,7 +83,8 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
 
 def open_netcdf(path: str | Path) -> Any:
     """Check a result in netCDF and open it as a `netCDF4.Dataset`, with plain, not masked, arrays.
-    Raises `fpm.files.seals.DamagedError` if the file is not as written."""
+    Raises `fpm.files.seals.DamagedError` if the file is not as written, or has a name that files
+    could not be called after, such as a path that leads outside."""
     import netCDF4
 
     check(path, Path(path).name)
@@ -100,7 +92,10 @@ def open_netcdf(path: str | Path) -> Any:
     with report_damage(path):
         file = netCDF4.Dataset(path)
         file.set_auto_mask(False)
-        check_names(Path(path), file)
+        for variable in _PATTERNS.keys() & file.variables.keys():
+            for name in file[variable][:].ravel():
+                if not _PATTERNS[variable].fullmatch(str(name)):
+                    raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
     return file
 
 

@@ -209,21 +209,19 @@ def _quads(
     joints = np.zeros((len(points), 4), int)
     joints[:, 0] = follows
     weights = np.tile([1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    light = np.where(  # of colours of screens (sRGB): as shares of it are those of the format
+        colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4
+    )
     triangles = 4 * np.arange(len(points) // 4)[:, None, None] + [[0, 1, 2], [0, 2, 3]]
     return {
         "attributes": {
             "POSITION": buffer.add(points, target=_VERTEX),
-            "COLOR_0": buffer.add(_linear(colours), target=_VERTEX),
+            "COLOR_0": buffer.add(light, target=_VERTEX),
             "JOINTS_0": buffer.add(joints, "u2", _VERTEX),
             "WEIGHTS_0": buffer.add(weights, target=_VERTEX),
         },
         "indices": buffer.add(triangles.ravel(), "u4", _INDEX),
     }
-
-
-def _linear(colours: np.ndarray) -> np.ndarray:
-    """Colours of screens (sRGB) as shares of light, which the format's colours are."""
-    return np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
 
 
 def _animation(

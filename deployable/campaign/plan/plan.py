@@ -271,11 +271,6 @@ class Plan:
     runs: Runs
     adaptive: Any = None
 
-    @property
-    def is_finished(self) -> bool:
-        """Whether no rounds of an `accuracy` follow on this plan's; False without an `accuracy`."""
-        return self.adaptive is not None and self.adaptive.met is not None
-
     @cached_property
     def config_hash(self) -> str:
         """Digest of the experiment; of a structure's file not the path counts but `mechanics`."""

@@ -11,7 +11,7 @@ from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import BOUNDS_FILES, PLAN, simulate
-from deployable.campaign.stages.bounds import bound
+from deployable.campaign.stages import bounds as bounds_stage
 from deployable.campaign.stages.plan import warn
 
 
@@ -25,12 +25,12 @@ def work(
     place, plan = folder.round(number := 0), start_plan(experiment)
     while True:
         write_plan(plan, place.plan)
-        if plan.is_finished:
+        if plan.adaptive.met is not None:  # nothing follows
             break
         notify(f"{experiment.name}: {len(plan.unique_runs)} runs")
         with results_of(check_results(place, (PLAN,))):
             simulate.work(place, notify, jobs, threads=threads)
-            bound(place, notify, bounds, verify, jobs, threads)
+            bounds_stage.work(place, notify, bounds, verify, jobs, threads)
         with open_samples(place) as samples:
             results = read_bounds(place, of_design=True)
             plan = extend_plan(experiment, read_plan(place.plan), samples, results)

@@ -101,7 +101,7 @@ def test_people_read_the_same_number_everywhere_and_files_stay_in_si_units(
     runs, results = FittedRuns.read(folder), QuantityResults.read(folder)
     experiment = read(data.config)
     figure = ranges(shown_quantities(results, replace(experiment, display=MM)), runs,
-                    runs.surrogates(results.limits))  # fmt: skip
+                    runs.surrogates(experiment))  # fmt: skip
     (line, *_) = figure.axes[0].lines
     assert figure.axes[0].get_ylabel() == "most (mm)" and figure.axes[0].get_xlabel() == "a (mm)"
     assert line.get_ydata().max() == pytest.approx(upper, rel=1e-3)

@@ -3,7 +3,7 @@
 import math
 import os
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -22,7 +22,6 @@ from deployable.campaign.config.sections import (
     design_points,
     widen_intervals,
 )
-from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step, make_plan, read_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
@@ -126,9 +125,11 @@ def estimate(
         parts = [estimate(case, stages, missing) for case in campaign.case_campaigns.values()]
         keys = ("runs", "seconds", "core_time", "bytes")
         totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
-        once = max(part.compile_time for part in parts)  # kernels are compiled once
-        totals["seconds"] += once - sum(part.compile_time for part in parts)
-        return replace(parts[0], **totals, compile_time=once)
+        compilation = max(
+            part.compile_time for part in parts
+        )  # of kernels, which is done only one time
+        totals["seconds"] += compilation - sum(part.compile_time for part in parts)
+        return replace(parts[0], **totals, compile_time=compilation)
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs, responses = count_runs(experiment), len(experiment.responses)
     cost = _BatchCost(campaign)
@@ -288,14 +289,12 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     return refinement
 
 
-def describe_work(
-    campaign: Campaign, folder: Folder, find_stages: Callable[[bool], Collection[str]]
-) -> str:
-    """Text for users on what one call of `run` takes: all, or what is left. find_stages: returns
-    the names of the stages to be done, called with whether runs are to be simulated."""
-    notes, share = "", 1.0
+def describe_work(workflow: Any, figures: bool = True) -> str:
+    """Text for users on what one call of `run` takes for a `Workflow` of one campaign: all, or what
+    is left. figures: whether it draws."""
+    campaign, folder, notes, share = workflow.campaign, workflow.folder, "", 1.0
     if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
-        is_planned = "plan" not in find_stages(False)
+        is_planned = "plan" not in workflow.list_stages(False, figures)
         plan = read_plan(folder.plan) if is_planned else make_plan(campaign.experiment)
         keep = campaign.jobs.keep
         store = open_store(keep, folder.runs(keep), campaign.experiment)
@@ -306,12 +305,13 @@ def describe_work(
             notes = f"; {total - missing} of them are there"
         if lacks:
             notes += f", others lack {words(sorted(lacks))}"
-    stages = find_stages(not campaign.experiment.is_adaptive and share > 0)
+    is_incomplete = not campaign.experiment.is_adaptive and share > 0
+    stages = workflow.list_stages(is_incomplete, figures)
     if folder.plan.exists() and {"plan", "rounds"} & {*stages}:
         notes += f"; what {folder.path} holds is of another config or version, and is replaced"
     if not stages:
-        return f"nothing to be done: the results are in {folder.path}"
-    return f"{estimate(campaign, stages, share)}{notes}"
+        return f"{campaign.name}, nothing to be done: the results are in {folder.path}"
+    return f"{campaign.name}, {estimate(campaign, stages, share)}{notes}"
 
 
 def count_cores() -> int:

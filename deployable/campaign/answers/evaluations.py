@@ -23,7 +23,7 @@ from deployable.campaign.plan.plan import (
     read_plan,
     run_id,
 )
-from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, limits_of, number
+from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, number
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import (
     Simulation,
@@ -242,7 +242,7 @@ class ModelEvaluator:
         as long as there are no others."""
         if self._last_fit[0] is not self.points:
             runs = FittedRuns(self.points, self.numbers, self.margins)
-            self._last_fit = self.points, runs.surrogates(limits_of(self.experiment))
+            self._last_fit = self.points, runs.surrogates(self.experiment)
         return self._last_fit[1]
 
     def evaluate(

@@ -20,7 +20,7 @@ from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs,
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns, failure_columns
 from deployable.campaign.results.bounds import write_dataset
-from deployable.campaign.results.quantity_results import FittedRuns, limits_of
+from deployable.campaign.results.quantity_results import FittedRuns
 from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.text import numbers
 from deployable.intervals.scalars import Limit, find_influence, share_of_box
@@ -111,7 +111,7 @@ def _columns(
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
     design = slice(len(model.points) - len(model.refinements))
     runs = FittedRuns(model.points[design], model.numbers[design], model.margins[design])
-    previous = runs.surrogates(limits_of(model.experiment))
+    previous = runs.surrogates(model.experiment)
     quantities = zip(model.experiment.quantity_list, bounds, previous, shifts.tolist(), strict=True)
     rows = [_row(model, *quantity) for quantity in quantities]
     columns: dict[str, Any] = {name: [row[name] for row in rows] for name in rows[0]}
@@ -146,7 +146,6 @@ def _row(
         "nominal": surrogate.evaluate(model.nominal[None])[0],
         "error": error if np.isfinite(error) else np.nan,
         "is_time": int(quantity.is_time), "may_be_endless": int(bounds.may_be_endless),
-        "least": np.nan if quantity.least is None else quantity.least,
         "fit": surrogate.fit.kind if surrogate.fit else "none",
         # The search over a part may find more than that over the whole has.
         **{name: np.minimum(getattr(influence, name), upper - lower)

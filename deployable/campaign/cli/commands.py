@@ -8,7 +8,6 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
-from deployable.campaign.config.sections import Campaign, scene_type
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose
@@ -151,20 +150,12 @@ def _check_texts(path: str) -> Iterator[tuple[str, str]]:
     folder = Path("results", campaign.name * bool(campaign.cases))
     for case, variant in variants(campaign):
         experiment = variant.experiment
-        yield "work", f"{case}{_describe_work(variant, folder)}"
+        yield "work", f"{case}{describe_work(Workflow(variant, folder))}"
         texts = [*experiment.warnings, *requirement_warnings(variant)]
         for text in [*texts, *measured_warnings(variant)]:
             yield "warnings", f"{case}warning: {text}"
         for text in doubt_texts(experiment.doubts):
             yield "warnings", f"{case}{text}"
-
-
-def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
-    """Describe the runs, time and disk that a campaign, or one of its cases, still needs."""
-    workflow = Workflow(campaign, results)
-    find_stages = partial(workflow.list_stages, figures=figures)
-    work = describe_work(campaign, workflow.folder, find_stages)
-    return f"{campaign.name}, {work}"
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -175,7 +166,7 @@ def _run(options: argparse.Namespace) -> int:
     folder = Path(options.results, campaign.name * bool(campaign.cases))
     for prefix, variant in variants(campaign):
         with suppress(OSError):  # the run itself reports it in more detail
-            text = _describe_work(variant, folder, not options.no_figures)
+            text = describe_work(Workflow(variant, folder), not options.no_figures)
             MessagePrinter(sys.stderr)(f"{prefix}{text}")
     complete(campaign, options.results, not options.no_figures)
     answer = Path(

@@ -108,7 +108,7 @@ class Estimate:
         extra_runs = f" and further ones for {self.answers}" if self.answers else ""
         first = _duration(self.compile_time)
         return (
-            f"at most {self.runs} runs{extra_runs}, {time} on {count_cores()} cores"
+            f"at most {self.runs} runs{extra_runs}, {time} on {os.cpu_count() or 1} cores"
             f"{f' ({first} of it to compile, once)' if self.compile_time else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
@@ -145,7 +145,7 @@ def estimate(
     longest = ceiling = None
     if "rounds" in stage_times:
         rest, budget = seconds - stage_times["rounds"][0], 60 * experiment.accuracy.max_core_minutes
-        ceiling = rest + budget / count_cores()
+        ceiling = rest + budget / (os.cpu_count() or 1)
         seconds = min(seconds, ceiling)
         longest = min(ceiling, rest + cost.sum_passes(_rounds(experiment, MANY_ROUNDS))[0])
         longest = max(seconds, longest)
@@ -179,7 +179,8 @@ class _BatchCost:
         times = np.zeros(2)
         for count, factor in passes:
             batches = math.ceil(count / LANES)
-            times += self.batch * factor * np.array([-(-batches // count_cores()), batches])
+            rows = -(-batches // (os.cpu_count() or 1))
+            times += self.batch * factor * np.array([rows, batches])
             times += (count + 1) * self.sweep  # one while kernels are loaded
             times += count * (self.read_time + np.array([WRITE, 0.0]))
         return times
@@ -312,11 +313,6 @@ def describe_work(workflow: Any, figures: bool = True) -> str:
     if not stages:
         return f"{campaign.name}, nothing to be done: the results are in {folder.path}"
     return f"{campaign.name}, {estimate(campaign, stages, share)}{notes}"
-
-
-def count_cores() -> int:
-    """Return the number of processor cores of this machine, 1 if it is unknown."""
-    return os.cpu_count() or 1
 
 
 def _duration(seconds: Any) -> str:

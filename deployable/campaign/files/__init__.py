@@ -55,9 +55,6 @@ def report_damage(path: str | os.PathLike) -> Iterator[None]:
         raise DamagedError(path, f"{words} is missing" if is_missing else words) from error
 
 
-__all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json",
-           "result_file", "whole_file", "write_result", "write_text"]  # fmt: skip
-
 _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", default={})  # noqa: B039
 
 

@@ -128,11 +128,6 @@ class Runs(Sequence[PlannedRun]):
         physical = tuple(values.tolist())
         return PlannedRun(self.id_of(physical), ROLES[role], tuple(points.tolist()), physical)
 
-    def __eq__(self, runs: object) -> bool:
-        return isinstance(runs, Runs) and self.digest == runs.digest
-
-    __hash__ = None  # type: ignore[assignment]  # as Python asks for of what cannot be hashed
-
     @property
     def digest(self) -> str:
         """Digest (16 hex digits) of roles, normalized points and values, to the last bit."""

@@ -19,7 +19,7 @@ def program() -> int:
         if getattr(sys, name) is None:  # closed by who started this
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     from deployable.campaign.cli import main
-    from deployable.campaign.interrupts import end_on_ctrl_c
+    from deployable.campaign.runs.progress import end_on_ctrl_c
 
     end_on_ctrl_c()
     try:

@@ -46,16 +46,8 @@ class Folder:
     measured = _file("measured.json", "What of the box explains measured curves.")
     report = _file("report.html", "The page to open.")
     motions = _file("motions", "The folder of the whole motions of the runs that the page shows.")
-
-    @property
-    def figures(self) -> Path:
-        """Folder of the figures of single responses."""
-        return self / "figures"
-
-    @property
-    def overviews(self) -> Path:
-        """Folder of the figures of the whole campaign, apart from those named after responses."""
-        return self.figures / "campaign"
+    figures = _file("figures", "The folder of the figures of single responses.")
+    overviews = _file("figures/campaign", "The folder of the figures of the whole campaign.")
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
@@ -80,9 +72,3 @@ class Folder:
         """Return the folder of one round of this campaign's `accuracy`; number: of the round, from
         0."""
         return Folder(self / f"rounds/{number}")
-
-    def previous(self) -> "Folder | None":
-        """Return the folder of the previous round, None for the first; only for a round's
-        folder."""
-        number = int(self.path.name)
-        return Folder(self.path.parent / str(number - 1)) if number else None

@@ -11,7 +11,7 @@ from math import comb
 import numpy as np
 
 from .chebyshev import grid, lobatto, product_basis
-from .line_range import line_range
+from .line_range import improve, line_range
 
 _MAX_GRID = 20_000
 _CHUNK = 1 << 23
@@ -129,7 +129,7 @@ def _subdivide(dense, inner, tolerance, degrees):
         corner = patches[vertices].reshape(len(signs), -1)
         vertex = corner.argmax(axis=0)
         top = corner[vertex, np.arange(len(owner))]
-        _record(best, argument, is_improved, owner, top, centre + half * signs[vertex])
+        is_improved[improve(best, argument, owner, top, centre + half * signs[vertex])] = True
         bound = patches.reshape(-1, len(owner)).max(axis=0)
         is_open = bound > best[owner] + tolerance[owner]
         budget -= len(owner)
@@ -150,16 +150,6 @@ def _subdivide(dense, inner, tolerance, degrees):
         patches, owner, centre, half = _halve(patches, owner, centre, half, degrees)
     outer = np.maximum(np.maximum(closed_bound, best), inner) + rounding_error
     return outer, np.where(is_improved, best, -np.inf), argument
-
-
-def _record(best, argument, is_improved, owner, top, points):
-    """Keep vertex values that beat the best ones known."""
-    better = top > best[owner]
-    owner, top, points = owner[better], top[better], points[better]
-    np.maximum.at(best, owner, top)
-    is_best = top == best[owner]
-    argument[owner[is_best]] = points[is_best]
-    is_improved[owner[is_best]] = True
 
 
 def _halve(patches, owner, centre, half, degrees):

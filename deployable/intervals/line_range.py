@@ -61,9 +61,8 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     g2 = -(cosine * k**2) @ c
     keep, newton = _classify(g, g1, g2, third, radius, best + rounding_error)
 
-    state = (c, best, angles)
     cell, column = np.nonzero(newton)
-    _newton(state, column, middle[cell], radius)
+    _newton(c, best, angles, column, middle[cell], radius)
     cell, column = np.nonzero(keep)
     centre = middle[cell]
     sixth = (k**6) @ np.abs(c)
@@ -76,7 +75,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         # a top that is nearly flat would need too many cells with the cubic bound
         terms = 2 if turn < 2 else 5
         waves = _waves(c, column, centre, terms)
-        _improve(state, column, centre, waves[0])
+        improve(best, angles, column, waves[0], centre)
         target = (best + rounding_error)[column]
         keep, newton = _classify(waves[0], waves[1], waves[2], third[column], radius, target)
         if terms > 2:
@@ -84,7 +83,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             for m in range(1, 6):
                 bound += np.abs(waves[m]) * (radius**m / factorial(m))
             keep &= bound > target
-        _newton(state, column[newton], centre[newton], radius)
+        _newton(c, best, angles, column[newton], centre[newton], radius)
         column, centre = column[keep], centre[keep]
     return best, np.cos(angles), rounding_error
 
@@ -114,26 +113,27 @@ def _waves(c, column, t, terms=2):
     return [(1j**m * total).real for m, total in enumerate(sums)]
 
 
-def _improve(state, column, t, g):
-    """Put larger values and their angles into `best` and `angles`."""
-    _, best, angles = state
-    better = g > best[column]
-    column, t, g = column[better], t[better], g[better]
-    np.maximum.at(best, column, g)
-    is_best = g == best[column]
-    angles[column[is_best]] = t[is_best]
+def improve(best, arguments, owner, values, points):
+    """Put values that exceed the `best` of their owners, and their points, in the place of these;
+    returns these owners."""
+    better = values > best[owner]
+    owner, values, points = owner[better], values[better], points[better]
+    np.maximum.at(best, owner, values)
+    is_best = values == best[owner]
+    arguments[owner[is_best]] = points[is_best]
+    return owner[is_best]
 
 
-def _newton(state, column, t, radius):
+def _newton(c, best, angles, column, t, radius):
     """Find the one maximum of each concave cell and improve the best value with it."""
     if not len(column):
         return
     low, high = np.maximum(t - radius, 0.0), np.minimum(t + radius, np.pi)
     for _ in range(6):
-        _, g1, g2 = _waves(state[0], column, t)
+        _, g1, g2 = _waves(c, column, t)
         step = np.where(g2 < 0, g1 / np.where(g2 < 0, g2, -1.0), 0.0)
         t = np.clip(t - step, low, high)
         if np.abs(step).max() < 1e-9:  # the value's error is the square of this
             break
-    (g,) = _waves(state[0], column, t, 0)
-    _improve(state, column, t, g)
+    (g,) = _waves(c, column, t, 0)
+    improve(best, angles, column, g, t)

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
+from .chebyshev import Formula, cubes
 from .errors import IntervalError
-from .formula import Formula, cubes
 from .spline_equations import Polyharmonic, distinct, in_blocks, line_rows, solve_line, squares
 
 MAX_RUNS = 4000  # the spline's matrix is full

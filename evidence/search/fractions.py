@@ -16,9 +16,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from deployable.campaign.answers.evaluations import ModelEvaluator
-from deployable.campaign.answers.limits import list_limits
+from deployable.campaign.answers.limits import judge, list_limits
 from deployable.campaign.answers.quantity_bounds import converge_bounds
-from deployable.campaign.answers.requirements import judge
 from deployable.campaign.plan.plan import RunAccount
 from deployable.intervals import make_design
 from deployable.intervals.box import Box, held_out_points

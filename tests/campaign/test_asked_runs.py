@@ -9,6 +9,7 @@ from stored_runs import curves_in
 from deployable import campaign
 from deployable.campaign.answers.estimate import describe_work
 from deployable.campaign.folder import Folder
+from deployable.campaign.stages.workflow import Workflow
 from fpm.reading.variables import VARIABLES
 
 pytestmark = pytest.mark.slow  # time loops of their own
@@ -22,9 +23,11 @@ def recorded(*runs):
     return {column for curves in runs for column in curves.columns if column[0] in VARIABLES}
 
 
-def list_stages(is_incomplete: bool) -> list[str]:
-    """The stages to be done where all results are there, but not all runs perhaps."""
-    return ["simulate"] if is_incomplete else []
+def describe(config, folder):
+    """What is told of the work where all results are there, but not all runs perhaps."""
+    workflow = Workflow(config, folder.path.parent)
+    workflow.list_stages = lambda is_incomplete, _: ["simulate"] if is_incomplete else []
+    return describe_work(workflow)
 
 
 def run(raw, folder, **responses):
@@ -39,18 +42,18 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     folder = Folder(tmp_path / "test")
     config, told = run(raw, tmp_path)
     assert "simulated again" not in told
-    assert describe_work(config, folder, list_stages).startswith("nothing to be done")
+    assert describe(config, folder).startswith("test, nothing to be done")
     files = sorted(folder.runs("trajectories").glob("*.nc"))
     plain = curves_in(folder.runs("trajectories"))
     assert not recorded(*plain.values())
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
-    said = describe_work(asking, folder, list_stages)
+    said = describe(asking, folder)
     assert said.endswith("; 0 of them are there, others lack stress of all")
-    assert said.startswith("at most 6 runs, about ")
+    assert said.startswith("test, at most 6 runs, about ")
     _, told = run(raw, tmp_path, **STRESS)
     assert "lack stress of all; they are simulated again" in told
-    assert describe_work(asking, folder, list_stages).startswith("nothing to be done")
+    assert describe(asking, folder).startswith("test, nothing to be done")
 
     _, told = run(raw, tmp_path, **SPIN)
     assert "lack angular velocity of B x, B y, B z; they" in told
@@ -89,8 +92,8 @@ def test_with_responses_only_they_are_there_too(raw, tmp_path):
     raw["jobs"] = {"group": 2, "keep": "responses"}
     bounds = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     assert bounds["response_units"].sel(response="stress") == "Pa"
-    said = describe_work(campaign.check_config(raw), Folder(tmp_path / "test"), list_stages)
-    assert said.startswith("nothing to be done")
+    said = describe(campaign.check_config(raw), Folder(tmp_path / "test"))
+    assert said.startswith("test, nothing to be done")
 
 
 def test_memory_counts_what_responses_ask(raw):

@@ -15,7 +15,7 @@ from opening_panel import PANEL, exact_time, panel, run
 from deployable import campaign
 from deployable.campaign.answers import choice as choice_answer
 from deployable.campaign.answers.choice import recheck
-from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
+from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
@@ -286,11 +286,9 @@ def test_a_choice_is_judged_by_runs_about_it_not_by_an_error_from_elsewhere(
 
     monkeypatch.setattr(ModelEvaluator, "evaluate", evaluate)
     monkeypatch.setattr(choice_answer, "_earlier_runs", earlier_runs)
-    monkeypatch.setattr(choice_answer, "read_plan", lambda path: plan)
     monkeypatch.setattr(choice_answer, "write_result", lambda path, text: found.update(text=text))
-    choice_answer.answer(Folder("none"), wanted.choose, wanted.requirements, wanted.verify,
-                         wanted.jobs, lambda text: None, 1,
-                         FurtherRuns(wanted.experiment))  # fmt: skip
+    model = ModelEvaluator(plan, Folder("none"), wanted.jobs, lambda text: None)
+    choice_answer.answer(model, wanted.choose, wanted.requirements, wanted.verify)
     choice = json.loads(found["text"])
     (best,), (goal,) = choice["parameters"], choice["goals"]
     assert choice["kept"] == choice["safe"] == (level > 0.315)

@@ -28,7 +28,7 @@ from deployable.campaign.results.figures import envelope
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.ranges import ranges
 from deployable.campaign.results.response_bounds import read_bounds
-from deployable.campaign.results.summary import summarise
+from deployable.campaign.stages.answers import summarise
 from deployable.campaign.text.numbers import interval
 
 MM = Display(length="mm", angle="deg")
@@ -101,7 +101,7 @@ def test_people_read_the_same_number_everywhere_and_files_stay_in_si_units(
     runs, results = FittedRuns.read(folder), QuantityResults.read(folder)
     experiment = read(data.config)
     figure = ranges(shown_quantities(results, replace(experiment, display=MM)), runs,
-                    runs.surrogates(results.limits))  # fmt: skip
+                    runs.surrogates(experiment))  # fmt: skip
     (line, *_) = figure.axes[0].lines
     assert figure.axes[0].get_ylabel() == "most (mm)" and figure.axes[0].get_xlabel() == "a (mm)"
     assert line.get_ydata().max() == pytest.approx(upper, rel=1e-3)

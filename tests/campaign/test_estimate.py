@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import fpm
-from deployable.campaign.answers.estimate import estimate
+from deployable.campaign.answers.estimate import describe_work, estimate
 from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step
@@ -134,20 +134,20 @@ def test_an_accuracy_has_a_likely_range_below_its_ceiling():
 @pytest.mark.slow
 def test_a_campaign_that_is_finished_has_nothing_to_be_done_or_what_is_left(raw, tmp_path):
     from deployable import campaign
-    from deployable.campaign.cli.commands import _describe_work
+    from deployable.campaign.stages.workflow import Workflow
 
     config = campaign.check_config(raw)
-    assert "of them" not in _describe_work(config, tmp_path)
+    assert "of them" not in describe_work(Workflow(config, tmp_path))
     campaign.run(config, tmp_path, figures=False, notify=str)
-    assert "nothing to be done" in _describe_work(config, tmp_path, figures=False)
-    left = _describe_work(config, tmp_path)
+    assert "nothing to be done" in describe_work(Workflow(config, tmp_path), figures=False)
+    left = describe_work(Workflow(config, tmp_path))
     assert "about" in left and "of them are there" in left
     assert estimate(config, ["figures", "page"], 0.0).seconds < estimate(config).seconds
     first, *rest = (tmp_path / "test/trajectories").glob("*.nc")
     first.unlink()
-    assert f"; {sum(len(read_curves(path)) for path in rest)} of them are there" in _describe_work(
-        config, tmp_path, figures=False
+    assert f"; {sum(len(read_curves(path)) for path in rest)} of them are there" in describe_work(
+        Workflow(config, tmp_path), figures=False
     )
     raw["solver"]["duration"] *= 2
-    other = _describe_work(campaign.check_config(raw), tmp_path)
+    other = describe_work(Workflow(campaign.check_config(raw), tmp_path))
     assert f"{tmp_path / 'test'} holds is of another config or version, and is replaced" in other

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -114,7 +116,7 @@ def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatc
     plan = plan_of(raw)
     write_plan(plan, tmp_path / "plan.json")
     found = read_plan(tmp_path / "plan.json")
-    assert found == plan
+    assert replace(found, runs=plan.runs) == plan and found.runs.digest == plan.runs.digest
     assert found.digest == plan.digest
     assert [run.id for run in found.runs[:5]] == [run.id for run in plan.runs[:5]]
     assert (tmp_path / "plan.json").stat().st_size < 40 * len(plan.runs)

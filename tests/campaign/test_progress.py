@@ -14,8 +14,13 @@ import pytest
 import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _duration, estimate
-from deployable.campaign.interrupts import STEPS
-from deployable.campaign.runs.progress import MessagePrinter, progress_of, report_seconds, warm_up
+from deployable.campaign.runs.progress import (
+    STEPS,
+    MessagePrinter,
+    progress_of,
+    report_seconds,
+    warm_up,
+)
 from deployable.campaign.text.numbers import duration_text, size_text
 from fpm import structures
 from fpm.elements import Beams, Probe
@@ -134,7 +139,7 @@ def test_ctrl_c_says_what_is_there_and_how_to_go_on():
     code = """if True:
         import os, signal, sys, time
         from deployable.campaign.runs.progress import progress_of, report_step
-        from deployable.campaign.interrupts import end_on_ctrl_c
+        from deployable.campaign.runs.progress import end_on_ctrl_c
         signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
         end_on_ctrl_c()
         with report_step(progress_of("mast", 9, lambda: 4), print):

@@ -17,7 +17,7 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import read_json
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.report import from_results
-from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, limits_of
+from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.results.response_bounds import ResponseBounds, read_bounds
 from deployable.campaign.results.run_samples import (
     describe_events,
@@ -79,7 +79,7 @@ def test_quantities_have_their_further_runs(rich):
         assert [row["lower"] for row in results.rows] == file["lower"].values.tolist()
         runs = FittedRuns.read(folder)
         assert results.further_runs == runs.refinement_count == further.sizes["run"]
-        surrogates = runs.surrogates(limits_of(experiment))
+        surrogates = runs.surrogates(experiment)
         errors = [max(s.error, 0.0) for s in surrogates]
         assert all(
             e <= float(told) * (1 + 1e-12) for e, told in zip(errors, file["error"], strict=True)
@@ -111,7 +111,7 @@ def test_events_are_told_in_the_order_of_time():
                     {"time": 0.3, "contact": "b", "closing": False}]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["samples.nc", "bounds.nc", "quantities.nc", "refinement.nc"])
+@pytest.mark.parametrize("name", ["samples.nc", "bounds.nc", "refinement.nc"])
 def test_a_page_is_made_of_whole_results_only(rich, tmp_path, name):
     folder = Path(shutil.copytree(rich[0].path, tmp_path / "rich"))
     content = (folder / name).read_bytes()

@@ -24,10 +24,10 @@ from deployable.campaign.report import make_motions
 from deployable.campaign.results import figures
 from deployable.campaign.results.facts import _extrapolated_error
 from deployable.campaign.results.response_bounds import ResponseBounds
-from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
 from deployable.campaign.stages import figures as draw
 from deployable.campaign.stages import page
+from deployable.campaign.stages.answers import summarise
 from deployable.campaign.text.numbers import pretty
 from evidence.attack.victim import silent
 from fpm.files.seals import unseal

@@ -12,7 +12,7 @@ import pytest
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
-from deployable.campaign.interrupts import end_on_ctrl_c
+from deployable.campaign.runs.progress import end_on_ctrl_c
 from deployable.campaign.stages import STAGES
 from fpm.files.seals import _host
 

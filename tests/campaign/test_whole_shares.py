@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from closed_boxes import LATEST, Closed, ClosedBench, without_runs
 
-from deployable.campaign.answers import limit_states, limits, requirements
+from deployable.campaign.answers import discretization, limits
 from deployable.campaign.answers.discretization import (
     estimate_discretization_errors,
     estimate_fraction_errors,
@@ -97,7 +97,9 @@ def test_the_error_of_an_end_next_to_a_border_is_known_and_covers_the_true_one(k
 def test_a_border_that_finer_runs_confirm_does_not_move():
     model = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
     (end,) = converge_bounds(model, 4, [HAPPENS])
-    found = limit_states.estimate_limit_state_error(model, 0, end.surrogate.occurrence, (0.5, 0.5))
+    found = discretization.estimate_limit_state_error(
+        model, 0, end.surrogate.occurrence, (0.5, 0.5)
+    )
     assert found == (0.0, 0.0)
 
 
@@ -109,7 +111,7 @@ def test_runs_beside_a_border_are_made_again_the_nearest_first(inside, outside):
     happens = np.arange(inside + outside) < inside
     rng = np.random.default_rng(inside + outside)
     size = rng.permutation(inside + outside).astype(float)
-    rounds = list(limit_states._iterate_rows(size, happens))
+    rounds = list(discretization._iterate_rows(size, happens))
     assert all(len(rows) for rows in rounds)
     for side in (happens, ~happens):
         order = np.flatnonzero(side)[np.argsort(size[side])]
@@ -136,7 +138,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
 
     model.evaluate = told
     occurrence = Occurrence(x, np.isfinite(model.numbers[:, 0]))
-    found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
+    found, _ = discretization.estimate_limit_state_error(model, 0, occurrence, None)
     there = float(occurrence.decision(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
     limit = Limit(ScalarSurrogate(None, occurrence), "happens", 1.0, border_error=found)
@@ -152,7 +154,7 @@ def test_runs_that_the_limit_does_not_allow_are_no_runs_without_the_event():
     )
     model.evaluate = lambda plan, points: (_ for _ in ()).throw(AssertionError("not allowed"))
     occurrence = Occurrence(x, np.isfinite(model.numbers[:, 0]))
-    shift, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
+    shift, _ = discretization.estimate_limit_state_error(model, 0, occurrence, None)
     assert shift == 0.0
 
 
@@ -173,7 +175,7 @@ def test_a_margin_that_jumps_in_finer_runs_moves_its_border_by_what_changes_side
         return np.where(fine >= 0, 1.0, np.nan), fine - jump * other_comes_first
 
     model.evaluate = evaluate
-    shift, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
+    shift, _ = discretization.estimate_limit_state_error(model, 0, occurrence, None)
     assert 0.1 <= shift <= 0.41
 
 
@@ -185,12 +187,12 @@ def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_d
     sides = np.where(x < 20, happens, not happens)
     size = np.abs(x - 3.2)
     points = np.column_stack([x - 14.0, 0.5 * x, 0 * x])
-    first, second = limit_states._find_segments(points, sides, differ, size)
+    first, second = discretization._find_segments(points, sides, differ, size)
     assert (first[:, 0] + 14).tolist() == [11, 10, 9, 8, 7, 0, 6, 1]
     assert second.tolist() == [[-2.0, 6.0, 0.0]] * 8
-    for none in limit_states._find_segments(points, sides, sides == happens, size):
+    for none in discretization._find_segments(points, sides, sides == happens, size):
         assert none.shape == (0, 3), "all of that side differ"
-    assert limit_states._bisect_segments(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
+    assert discretization._bisect_segments(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
 
 
 def test_a_border_moves_to_the_farthest_of_several_stretches():
@@ -202,7 +204,7 @@ def test_a_border_moves_to_the_farthest_of_several_stretches():
         return np.where(points > [[0.25], [0.75]], 1.0, np.nan), None
 
     model = SimpleNamespace(evaluate=told, account=RunAccount())
-    size = limit_states._bisect_segments(
+    size = discretization._bisect_segments(
         model, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95)
     )
     exact = float(occurrence.decision(np.array([[0.75]]))[0])
@@ -213,7 +215,7 @@ def test_a_border_that_no_number_tells_of_does_not_move():
     """All runs have the number, and none, or not all, tell by how much."""
     for margins in ([np.nan] * 4, [np.nan, 1.0, 1.0, 1.0]):
         model = SimpleNamespace(numbers=np.ones((4, 1)), margins=np.array(margins)[:, None])
-        border, number = limit_states.estimate_limit_state_error(
+        border, number = discretization.estimate_limit_state_error(
             model, 0, SimpleNamespace(is_mixed=False), None
         )
         assert border == 0.0 and np.isnan(number)
@@ -291,8 +293,8 @@ def verdict(kind, numbers, margins=np.nan, asked=HAPPENS, beyond=(0.0, 0.0), fre
     model.points, model.numbers = unit, np.array(numbers, dtype=float)[:, None]
     model.margins = np.broadcast_to(margins, len(numbers))[:, None]
     found = assess_limits(model, model.surrogates(), [asked], np.array(beyond)[:, None])
-    shares = requirements._find_shares(model, found)
-    return requirements._judge_limits(model, found, (0,), shares)["met"]
+    shares = limits._find_shares(model, found)
+    return limits._judge_limits(model, found, (0,), shares)["met"]
 
 
 X = np.linspace(-1, 1, 9)

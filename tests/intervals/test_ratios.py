@@ -7,9 +7,9 @@ import pytest
 from datasets_for_tests import samples_of
 
 from deployable.intervals import Box, bounds_dataset, make_design
+from deployable.intervals.bounds import ratios_of
 from deployable.intervals.estimates import ErrorEstimate
 from deployable.intervals.ranges import Range
-from deployable.intervals.ratios import ratios_of
 
 WAY = np.linspace(0.0, np.pi / 2, 31)
 NOMINAL = np.array([0.1, np.pi, 0.003, 0.005, 0.02])

@@ -87,7 +87,7 @@ def graph_of(known, *, annotations=False):
     ("package", "upper", "lower", "flat"),
     [
         ("fpm", "elements", "kernels", {"declare", "errors"}),
-        ("deployable.campaign", "runs", "plan", {"errors", "folder", "provenance", "interrupts"}),
+        ("deployable.campaign", "runs", "plan", {"errors", "folder", "provenance"}),
     ],
 )
 def test_rooms_of_a_package_stand_in_eight_floors(package, upper, lower, flat):

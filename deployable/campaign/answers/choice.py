@@ -12,24 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.evaluations import SAME_RUN, FurtherRuns, ModelEvaluator
+from deployable.campaign.answers.evaluations import SAME_RUN, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import (
     Choose,
     Experiment,
-    Jobs,
     Verify,
     design_points,
     widen_intervals,
 )
 from deployable.campaign.files import write_result
-from deployable.campaign.folder import Folder
-from deployable.campaign.plan.plan import Plan, Runs, choose_step, read_plan
+from deployable.campaign.plan.plan import Plan, Runs, choose_step
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults, number
 from deployable.campaign.results.run_samples import describe_failures
-from deployable.campaign.runs.progress import Notify
+from deployable.campaign.text import words_of
 from deployable.campaign.text.numbers import duration_text
-from deployable.campaign.text.words import words_of
 from deployable.intervals.box import ROUNDING
 from deployable.intervals.scalars import ChoiceProblem, Goal, Limit
 
@@ -39,30 +36,21 @@ _LARGE = 0.25  # of the differences between choices: error that calls for runs t
 
 
 def answer(
-    folder: Folder,
-    choose: Choose,
-    requirements: Mapping[str, Mapping],
-    verify: Verify,
-    jobs: Jobs,
-    notify: Notify,
-    threads: int,
-    further_runs: FurtherRuns,
+    evaluator: ModelEvaluator, choose: Choose, requirements: Mapping[str, Mapping], verify: Verify
 ) -> None:
     """Find nominal values of chosen parameters whose worst case is best, by further runs, and write
-    `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
-    jobs: sections of the config; notify: called with each message; threads: how many simulate;
-    further_runs: takes note of the runs."""
-    base_plan = read_plan(folder.plan)
+    `choice.json` into the folder of `evaluator`, which is of the campaign's plan. choose,
+    requirements, verify: sections of the config."""
+    base_plan, folder = evaluator.plan, evaluator.folder
     experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
-    model = ModelEvaluator(plan, jobs, folder, notify, threads)
-    model.further_runs = further_runs
+    model = evaluator.for_plan(plan)
     if base_plan.experiment.is_adaptive:
         results = QuantityResults.read(folder)
         count = base_plan.adaptive.rounds[-1].runs + results.further_runs + results.check_runs
         model.account.limit = base_plan.experiment.accuracy.max_runs - count
     design = design_points(experiment, choose)
-    notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
+    model.notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
     specs, base = list_limits(requirements, list(experiment.quantities)), base_plan.experiment
     best, safest, safe_ranges, trials = _search(model, base, choose, specs, verify.max_iterations)
@@ -142,13 +130,9 @@ def _search(
 
 
 def _confirm(
-    model: ModelEvaluator,
-    base: Experiment,
-    choose: Choose,
-    specs: list[LimitSpec],
-    best: Any,
+    model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], best: Any,
     iterations: int,
-) -> Any:
+) -> Any:  # fmt: skip
     """Judge the values of a choice again with runs at its worst places, until these stay where runs
     are, or so many times. A goal or limit is that of a run in the choice's box that is worse, also
     of a run that the campaign made before."""

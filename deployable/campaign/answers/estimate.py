@@ -3,7 +3,7 @@
 import math
 import os
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -22,7 +22,6 @@ from deployable.campaign.config.sections import (
     design_points,
     widen_intervals,
 )
-from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step, make_plan, read_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
@@ -109,7 +108,7 @@ class Estimate:
         extra_runs = f" and further ones for {self.answers}" if self.answers else ""
         first = _duration(self.compile_time)
         return (
-            f"at most {self.runs} runs{extra_runs}, {time} on {count_cores()} cores"
+            f"at most {self.runs} runs{extra_runs}, {time} on {os.cpu_count() or 1} cores"
             f"{f' ({first} of it to compile, once)' if self.compile_time else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
@@ -123,7 +122,14 @@ def estimate(
     (`fpm.scenes.timestep`). stages: to be done, None for all; missing: fraction of the planned runs
     that are not stored."""
     if campaign.cases:
-        return _sum([estimate(case, stages, missing) for case in campaign.case_campaigns.values()])
+        parts = [estimate(case, stages, missing) for case in campaign.case_campaigns.values()]
+        keys = ("runs", "seconds", "core_time", "bytes")
+        totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
+        compilation = max(
+            part.compile_time for part in parts
+        )  # of kernels, which is done only one time
+        totals["seconds"] += compilation - sum(part.compile_time for part in parts)
+        return replace(parts[0], **totals, compile_time=compilation)
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs, responses = count_runs(experiment), len(experiment.responses)
     cost = _BatchCost(campaign)
@@ -139,7 +145,7 @@ def estimate(
     longest = ceiling = None
     if "rounds" in stage_times:
         rest, budget = seconds - stage_times["rounds"][0], 60 * experiment.accuracy.max_core_minutes
-        ceiling = rest + budget / count_cores()
+        ceiling = rest + budget / (os.cpu_count() or 1)
         seconds = min(seconds, ceiling)
         longest = min(ceiling, rest + cost.sum_passes(_rounds(experiment, MANY_ROUNDS))[0])
         longest = max(seconds, longest)
@@ -173,7 +179,8 @@ class _BatchCost:
         times = np.zeros(2)
         for count, factor in passes:
             batches = math.ceil(count / LANES)
-            times += self.batch * factor * np.array([-(-batches // count_cores()), batches])
+            rows = -(-batches // (os.cpu_count() or 1))
+            times += self.batch * factor * np.array([rows, batches])
             times += (count + 1) * self.sweep  # one while kernels are loaded
             times += count * (self.read_time + np.array([WRITE, 0.0]))
         return times
@@ -254,15 +261,6 @@ def _rounds(experiment: Experiment, number: int) -> Passes:
     return passes
 
 
-def _sum(parts: list[Estimate]) -> Estimate:
-    """Add the estimates of campaigns that run one after another; kernels are compiled once."""
-    keys = ("runs", "seconds", "core_time", "bytes")
-    totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
-    compile_time = max(part.compile_time for part in parts)
-    totals["seconds"] += compile_time - sum(part.compile_time for part in parts)
-    return replace(parts[0], **totals, compile_time=compile_time)
-
-
 def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     """Return the rounds of further runs by their purpose, each with their number and their time
     relative to a planned run."""
@@ -292,14 +290,12 @@ def _refinement_passes(campaign: Campaign) -> dict[str, Passes]:
     return refinement
 
 
-def describe_work(
-    campaign: Campaign, folder: Folder, find_stages: Callable[[bool], Collection[str]]
-) -> str:
-    """Text for users on what one call of `run` takes: all, or what is left. find_stages: returns
-    the names of the stages to be done, called with whether runs are to be simulated."""
-    notes, share = "", 1.0
+def describe_work(workflow: Any, figures: bool = True) -> str:
+    """Text for users on what one call of `run` takes for a `Workflow` of one campaign: all, or what
+    is left. figures: whether it draws."""
+    campaign, folder, notes, share = workflow.campaign, workflow.folder, "", 1.0
     if not campaign.experiment.is_adaptive and folder.runs(campaign.jobs.keep).is_dir():
-        is_planned = "plan" not in find_stages(False)
+        is_planned = "plan" not in workflow.list_stages(False, figures)
         plan = read_plan(folder.plan) if is_planned else make_plan(campaign.experiment)
         keep = campaign.jobs.keep
         store = open_store(keep, folder.runs(keep), campaign.experiment)
@@ -310,17 +306,13 @@ def describe_work(
             notes = f"; {total - missing} of them are there"
         if lacks:
             notes += f", others lack {words(sorted(lacks))}"
-    stages = find_stages(not campaign.experiment.is_adaptive and share > 0)
+    is_incomplete = not campaign.experiment.is_adaptive and share > 0
+    stages = workflow.list_stages(is_incomplete, figures)
     if folder.plan.exists() and {"plan", "rounds"} & {*stages}:
         notes += f"; what {folder.path} holds is of another config or version, and is replaced"
     if not stages:
-        return f"nothing to be done: the results are in {folder.path}"
-    return f"{estimate(campaign, stages, share)}{notes}"
-
-
-def count_cores() -> int:
-    """Return the number of processor cores of this machine, 1 if it is unknown."""
-    return os.cpu_count() or 1
+        return f"{campaign.name}, nothing to be done: the results are in {folder.path}"
+    return f"{campaign.name}, {estimate(campaign, stages, share)}{notes}"
 
 
 def _duration(seconds: Any) -> str:

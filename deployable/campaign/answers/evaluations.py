@@ -23,7 +23,7 @@ from deployable.campaign.plan.plan import (
     read_plan,
     run_id,
 )
-from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, limits_of, number
+from deployable.campaign.results.quantity_results import MAX_FIT_RUNS, FittedRuns, number
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.batch import (
     Simulation,
@@ -83,14 +83,14 @@ class ModelEvaluator:
     max_refinements: float = math.inf
     planned_failures: Sequence[FailedRun] = ()
     failures: Sequence[FailedRun] = ()
-    further_runs: FurtherRuns | None = None
     _last_fit: tuple[Any, list[Any]] = (None, [])
 
     def __init__(
-        self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
-    ) -> None:
-        self.plan, self.jobs, self.folder = plan, jobs, folder
-        self.notify, self.threads = notify, threads
+        self, plan: Plan, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1,
+        further_runs: FurtherRuns | None = None,
+    ) -> None:  # fmt: skip
+        self.plan, self.folder, self.jobs = plan, folder, jobs
+        self.notify, self.threads, self.further_runs = notify, threads, further_runs
         # Single runs must keep whole responses, not only their extremes.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)
@@ -104,12 +104,13 @@ class ModelEvaluator:
 
     @classmethod
     def from_folder(
-        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, refinements: bool = False
-    ) -> "ModelEvaluator":
+        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1,
+        further_runs: FurtherRuns | None = None, refinements: bool = False,
+    ) -> "ModelEvaluator":  # fmt: skip
         """Make an evaluator with the runs of a folder of results, from its plan and `samples.nc`;
         of a scan of more than 10,000 runs those that `fitted_rows` chooses; with `refinements` also
         those in `refinement.nc`, which must exist."""
-        model = cls(plan := read_plan(folder.plan), jobs, folder, notify, threads)
+        model = cls(plan := read_plan(folder.plan), folder, jobs, notify, threads, further_runs)
         if len(plan.runs) <= MAX_FIT_RUNS:
             model.account = RunAccount(known_ids=[run.id for run in plan.runs])
         with open_samples(folder) as samples:
@@ -120,6 +121,11 @@ class ModelEvaluator:
         model.refinements += runs_at(plan, runs.points[len(runs.points) - runs.refinement_count :])
         model.planned_failures, model.failures = runs.failures
         return model
+
+    def for_plan(self, plan: Plan) -> "ModelEvaluator":
+        """Make an evaluator without runs for another plan; its runs go to the same store."""
+        arguments = self.folder, self.jobs, self.notify, self.threads, self.further_runs
+        return ModelEvaluator(plan, *arguments)
 
     @property
     def experiment(self) -> Experiment:
@@ -236,7 +242,7 @@ class ModelEvaluator:
         as long as there are no others."""
         if self._last_fit[0] is not self.points:
             runs = FittedRuns(self.points, self.numbers, self.margins)
-            self._last_fit = self.points, runs.surrogates(limits_of(self.experiment))
+            self._last_fit = self.points, runs.surrogates(self.experiment)
         return self._last_fit[1]
 
     def evaluate(

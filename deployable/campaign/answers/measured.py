@@ -11,17 +11,15 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.answers.discretization import halved
-from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator, runs_at
+from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
 from deployable.campaign.answers.limits import describe_limit, list_limits
 from deployable.campaign.config.measured import MeasuredCurves, read_test
-from deployable.campaign.config.sections import Accuracy, Interval, Jobs, ResolvedTest, Verify
+from deployable.campaign.config.sections import Accuracy, Interval, ResolvedTest, Verify
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
-from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import choose_step
 from deployable.campaign.results.quantity_results import QuantityResults, number
 from deployable.campaign.results.response_bounds import read_bounds
-from deployable.campaign.runs.progress import Notify
 from deployable.intervals.calibration import (
     Calibration,
     Measurement,
@@ -39,33 +37,32 @@ _MOST_LEFT = 32  # runs of what is left, of which quantities are taken
 
 
 def answer(
-    folder: Folder,
-    measured: Mapping[str, ResolvedTest],
-    requirements: Mapping[str, Mapping],
-    verify: Verify,
-    jobs: Jobs,
-    notify: Notify,
-    threads: int,
-    further_runs: FurtherRuns,
-) -> None:
+    model: ModelEvaluator, measured: Mapping[str, ResolvedTest],
+    requirements: Mapping[str, Mapping], verify: Verify,
+) -> None:  # fmt: skip
     """Find the part of a campaign's box that explains its measured curves, with further runs, and
-    write `measured.json` into `folder`, which has `samples.nc`. measured, requirements, verify,
-    jobs: sections of the config. Raises `CampaignError`, also if a file of measured curves has
-    changed."""
-    model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    model.further_runs = further_runs
-    tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
+    write `measured.json` into the folder of `model`, which has the planned runs. measured,
+    requirements, verify: sections of the config. Raises `CampaignError`, also if a file of measured
+    curves has changed."""
+    tests = [_Test(name, test, model) for name, test in measured.items()]
     sources = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
-    result, singles = _calibrate(sources, cube, verify, notify)
+    result, singles = _calibrate(sources, cube, verify)
     checks = []
     for test in tests:
         if test not in sources:
             # Beside tests that nothing explains, the check alone, about what comes nearest to them.
             group = [test] if result.is_refuted else [*sources, test]
             data = () if result.is_refuted else result.data
-            row = _check_row(_calibrate(group, result.hull, verify, notify, data)[0], group)
-            checks.append({"name": test.name, **row})
+            check, _ = _calibrate(group, result.hull, verify, data)
+            bands = np.abs(check.residuals[-1]) / test.curves.bands
+            i, instant = map(int, np.unravel_index(bands.argmax(), bands.shape))
+            checks.append({
+                "name": test.name,
+                "inside": False if check.is_refuted else True if check.attained <= 1.0 else None,
+                **_misfits(check),
+                "worst": _worst(check, group, len(group) - 1, i, instant),
+            })  # fmt: skip
     misfits = result.misfits()
     rows = {
         **_misfits(result),
@@ -79,22 +76,20 @@ def answer(
         ],
         "disjoint": _disjoint_pairs(sources, singles),
         **_parameters(model, result, sources),
-        **_describe_left(model, result, requirements, sources, folder),
+        **_describe_left(model, result, requirements, sources),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
         "misfits": {"points": misfits[:, :-1].tolist(), "values": misfits[:, -1].tolist()},
         "runs": sum(test.runs for test in tests),
     }
-    write_result(folder.measured, json.dumps(rows, indent=1) + "\n")
+    write_result(model.folder.measured, json.dumps(rows, indent=1) + "\n")
 
 
 class _Test:
     """A test of a campaign: its measured curves, and the runs that are compared with them."""
 
-    def __init__(
-        self, name: str, settings: ResolvedTest, model: ModelEvaluator, folder: Folder, threads: int
-    ):
-        self.name, self.settings, self.notify = name, settings, model.notify
+    def __init__(self, name: str, settings: ResolvedTest, model: ModelEvaluator):
+        self.name, self.settings = name, settings
         try:
             self.curves: MeasuredCurves = read_test(settings)
         except CurvesFileError as error:
@@ -116,8 +111,7 @@ class _Test:
         self.plan = replace(
             model.plan, experiment=experiment, time=choose_step(experiment), adaptive=None
         )
-        self.model = ModelEvaluator(self.plan, model.jobs, folder, model.notify, threads)
-        self.model.further_runs = model.further_runs
+        self.model = model.for_plan(self.plan)
         self.responses = list(settings.columns.values())
         self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
         self.rows = [list(base.responses).index(response) for response in self.responses]
@@ -135,7 +129,7 @@ class _Test:
         self.envelope: Any = np.array([np.inf, -np.inf])[:, None, None]
         count, rows = len(self.curves.times), self.curves.rows
         if count < rows:
-            self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
+            model.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
 
     def evaluate(self, points: np.ndarray, halvings: int) -> np.ndarray:
         """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses, with a step that
@@ -154,13 +148,6 @@ class _Test:
         )
         return curves
 
-    def _curves_left(self, result: Calibration, index: int) -> np.ndarray:
-        """Curves (N, n, R) of the test's runs in the narrowed box and start; index: of its fit."""
-        runs = result.data[index]
-        hull = np.concatenate([result.hull[:, self.measurement.axes], result.starts[index]], axis=1)
-        is_inside = ((runs.points >= hull[0] - 1e-9) & (runs.points <= hull[1] + 1e-9)).all(axis=1)
-        return runs.curves[is_inside & (not result.is_refuted)]
-
     def describe(self, result: Calibration, index: int | None) -> dict:
         """Return the test and its curves as plain data; index: of its fit, None if only checked."""
         times, settings = self.curves.times, self.settings
@@ -170,6 +157,11 @@ class _Test:
             "window": [float(times[0]), float(times[-1])],
         }  # fmt: skip
         described_curves = {}
+        if index is not None:  # its runs in the narrowed box and start
+            axes, runs = self.measurement.axes, result.data[index]
+            low, high = np.concatenate([result.hull[:, axes], result.starts[index]], axis=1)
+            is_inside = ((runs.points >= low - 1e-9) & (runs.points <= high + 1e-9)).all(axis=1)
+            inner_curves = runs.curves[is_inside & (not result.is_refuted)]
         for i, (response, unit) in enumerate(zip(self.responses, self.units, strict=True)):
             described_curves[response] = {
                 "units": unit, "times": times.tolist(), "values": self.curves.values[i].tolist(),
@@ -179,7 +171,7 @@ class _Test:
             }  # fmt: skip
             if index is not None:
                 best = self.curves.values[i] + result.residuals[index][i]
-                remainder = self._curves_left(result, index)[:, i]
+                remainder = inner_curves[:, i]
                 ends = (remainder.min(axis=0), remainder.max(axis=0)) if len(remainder) else ()
                 described_curves[response] |= {
                     "best": best.tolist(), "rates": np.gradient(best, times).tolist(),
@@ -189,7 +181,7 @@ class _Test:
 
 
 def _calibrate(
-    tests: Sequence[_Test], hull: np.ndarray, verify: Verify, notify: Notify,
+    tests: Sequence[_Test], hull: np.ndarray, verify: Verify,
     data: Sequence[TestRuns] | None = None,
 ) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
     """Find the part of `hull` that explains the tests together and each of them alone. With `data`,
@@ -197,7 +189,7 @@ def _calibrate(
     times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
 
     def notify_of(indices: Sequence[int], text: str) -> None:
-        notify(f"{', '.join(tests[t].name for t in indices)}: {text}")
+        tests[0].model.notify(f"{', '.join(tests[t].name for t in indices)}: {text}")
 
     def evaluate(t: int, points: np.ndarray, halvings: int) -> np.ndarray:
         return tests[t].evaluate(points, halvings)
@@ -241,18 +233,6 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
     }  # fmt: skip
 
 
-def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
-    """Compare the last of the tests, a check, with the part of the box that the others leave."""
-    t = len(tests) - 1
-    bands = np.abs(result.residuals[t]) / tests[t].curves.bands
-    i, instant = np.unravel_index(bands.argmax(), bands.shape)
-    return {
-        "inside": False if result.is_refuted else True if result.attained <= 1.0 else None,
-        **_misfits(result),
-        "worst": _worst(result, tests, t, int(i), int(instant)),
-    }
-
-
 def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Test]) -> dict:
     """Intervals before and after, and what trades off."""
     axes = {axis for test in tests for axis in test.measurement.axes}
@@ -288,12 +268,9 @@ def _find_trade_off(first: tuple[str, np.ndarray], second: tuple[str, np.ndarray
 
 
 def _describe_left(
-    model: ModelEvaluator,
-    result: Calibration,
-    requirements: Mapping[str, Mapping],
+    model: ModelEvaluator, result: Calibration, requirements: Mapping[str, Mapping],
     tests: Sequence[_Test],
-    folder: Folder,
-) -> dict:
+) -> dict:  # fmt: skip
     """Quantities, limits and the next test, by runs of what is left in the campaign's own case."""
     rows: dict[str, list] = {"quantities": [], "limits": [], "next": []}
     if result.is_refuted or not len(result.samples):
@@ -304,10 +281,10 @@ def _describe_left(
     records: list = model.records(model.plan, runs_at(model.plan, unit))
     is_sound = [record is not None for record in records]
     unit, records = unit[is_sound], [*itertools.compress(records, is_sound)]
-    rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
+    rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests)
     if not model.experiment.quantities:
         return rows
-    intervals = QuantityResults.read(folder).rows
+    intervals = QuantityResults.read(model.folder).rows
     numbers = np.array([record.numbers for record in records])
     center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
     bounds = []
@@ -350,12 +327,10 @@ def _judge_limit(spec: Any, lower: float, upper: float, error: float, happens: n
     return "some" if slack[0] < 0 <= slack[1] else "undecided"
 
 
-def _next_tests(
-    model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test], folder: Folder
-) -> list[dict]:
+def _next_tests(model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test]) -> list[dict]:
     """Find where the remaining runs (R, n, T) differ most: one row for each response, the largest
     difference first."""
-    bounds = read_bounds(folder, of_design=True)
+    bounds = read_bounds(model.folder, of_design=True)
     bands: dict = {}
     for test in tests:
         for response, band in zip(test.responses, test.curves.bands, strict=True):

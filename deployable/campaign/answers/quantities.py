@@ -11,38 +11,27 @@ from deployable.campaign.answers.discretization import (
     estimate_discretization_errors,
     estimate_fraction_errors,
 )
-from deployable.campaign.answers.evaluations import FurtherRuns, ModelEvaluator
+from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
-from deployable.campaign.config.sections import Jobs, Verify
-from deployable.campaign.files.variables import dataset_of
-from deployable.campaign.folder import Folder
+from deployable.campaign.config.sections import Verify
+from deployable.campaign.files import dataset_of
 from deployable.campaign.plan.accuracy import affordable_runs, allow_check_runs, left_tolerances
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.plan.plan import box_columns, failure_columns
 from deployable.campaign.results.bounds import write_dataset
-from deployable.campaign.results.quantity_results import FittedRuns, limits_of
+from deployable.campaign.results.quantity_results import FittedRuns
 from deployable.campaign.results.response_bounds import read_bounds
-from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text import numbers
 from deployable.intervals.scalars import Limit, find_influence, share_of_box
 from fpm.reading.quantities import Quantity
 
 
-def answer(
-    folder: Folder,
-    requirements: Mapping[str, Mapping],
-    verify: Verify,
-    jobs: Jobs,
-    notify: Notify,
-    threads: int,
-    further_runs: FurtherRuns,
-) -> None:
+def answer(model: ModelEvaluator, requirements: Mapping[str, Mapping], verify: Verify) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
-    need them, and write `quantities.nc` and `refinement.nc` into `folder`, which has `samples.nc`.
-    requirements, verify, jobs: sections of the config."""
-    model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
-    model.further_runs = further_runs
+    need them, and write `quantities.nc` and `refinement.nc` into the folder of `model`, which has
+    the planned runs. requirements, verify: sections of the config."""
+    folder = model.folder
     attributes = read_bounds(folder, of_design=True).attributes
     model.account.ids |= set(str(attributes.get("check_ids", "")).split())  # are counted already
     tolerances: list[float] = []
@@ -57,14 +46,24 @@ def answer(
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs, tolerances)
     if count := len(model.refinements):
-        notify(f"{model.experiment.name}: further runs at bounds and limits: {count}")
+        model.notify(f"{model.experiment.name}: further runs at bounds and limits: {count}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     columns = _columns(model, bounds, finer)
     if tolerances:
         columns["search_end"] = _describe_ends(model, bounds, tolerances)
     _write(model, "quantities.nc", columns, folder.quantities, "Intervals of quantities")
+    runs, shape = model.refinements, (-1, model.points.shape[1])
+    first = len(model.numbers) - len(runs)
+    columns = {
+        "run_id": np.array([run.id for run in runs], dtype=object),
+        "normalized": np.reshape([run.normalized for run in runs], shape),
+        "value": np.reshape([run.values for run in runs], shape),
+        "quantities": model.numbers[first:],
+        "margin": model.margins[first:],
+        **failure_columns(model.failures),
+    }
     title = "Further runs for bounds of quantities"
-    _write(model, "refinement.nc", _refinement_columns(model), folder.refinement, title)
+    _write(model, "refinement.nc", columns, folder.refinement, title)
 
 
 def _write(model: ModelEvaluator, result: str, columns: dict, path: Path, title: str) -> None:
@@ -112,7 +111,7 @@ def _columns(
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
     design = slice(len(model.points) - len(model.refinements))
     runs = FittedRuns(model.points[design], model.numbers[design], model.margins[design])
-    previous = runs.surrogates(limits_of(model.experiment))
+    previous = runs.surrogates(model.experiment)
     quantities = zip(model.experiment.quantity_list, bounds, previous, shifts.tolist(), strict=True)
     rows = [_row(model, *quantity) for quantity in quantities]
     columns: dict[str, Any] = {name: [row[name] for row in rows] for name in rows[0]}
@@ -147,7 +146,6 @@ def _row(
         "nominal": surrogate.evaluate(model.nominal[None])[0],
         "error": error if np.isfinite(error) else np.nan,
         "is_time": int(quantity.is_time), "may_be_endless": int(bounds.may_be_endless),
-        "least": np.nan if quantity.least is None else quantity.least,
         "fit": surrogate.fit.kind if surrogate.fit else "none",
         # The search over a part may find more than that over the whole has.
         **{name: np.minimum(getattr(influence, name), upper - lower)
@@ -157,17 +155,3 @@ def _row(
     row |= zip(("unconverged_lower", "unconverged_upper"), unconverged, strict=True)
     return row | dict(zip(("happens", "happens_uncertainty"),
                           share_of_box([limit], box.free), strict=True))  # fmt: skip
-
-
-def _refinement_columns(model: ModelEvaluator) -> dict[str, Any]:
-    """Return the columns of `refinement.nc` by name: the runs that were added beyond the plan."""
-    runs, k = model.refinements, model.points.shape[1]
-    numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
-    return {
-        "run_id": np.array([run.id for run in runs], dtype=object),
-        "normalized": np.array([run.normalized for run in runs]).reshape(-1, k),
-        "value": np.array([run.values for run in runs]).reshape(-1, k),
-        "quantities": numbers,
-        "margin": margins,
-        **failure_columns(model.failures),
-    }

@@ -1,7 +1,7 @@
 """Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,7 +105,8 @@ def converge_bounds(
         max_iterations *= _STEPS
     if max_iterations > 0:
         model.add(_turning_points(model))
-    climbs, progress, confirmations = _Climbs(model), _Progress(tolerances), 2 * max_iterations
+    climbs, confirmations = _Climbs(model), 2 * max_iterations
+    history: list[tuple[int, list[float]]] = []
     is_searched = max_iterations > 0 and bool(climbs.climbs)
     for iteration in itertools.count():
         is_extra = iteration >= max_iterations
@@ -115,7 +116,7 @@ def converge_bounds(
         bounds = [
             _bounds(climbs, q, s, mispredictions[q], is_searched) for q, s in enumerate(surrogates)
         ]
-        unmet = progress.find_unmet(bounds, len(model.points))
+        unmet = _find_unmet(bounds, tolerances, len(model.points), history)
         points = _infill(unmet if is_extra else bounds)
         if not is_extra:
             points += _find_deciding_points(model, bounds, specs, 0 if iteration else _BORDER_RUNS)
@@ -147,25 +148,20 @@ def _turning_points(model: ModelEvaluator) -> list[np.ndarray]:
     return points
 
 
-class _Progress:
-    """Which quantities more runs bring nearer to the errors that are asked for, none without
-    tolerances."""
-
-    def __init__(self, tolerances: Sequence[float]) -> None:
-        self.tolerances = tolerances
-        self.history: list[tuple[int, list[float]]] = []
-
-    def find_unmet(self, bounds: Sequence[QuantityBounds], count: int) -> list[QuantityBounds]:
-        """Bounds whose errors exceed what is asked for, and have fallen since there were half as
-        many runs as the `count` that there are now."""
-        if not self.tolerances:
-            return []
-        shares = [b.relative_error for b in bounds]
-        previous = [row for number, row in self.history if 2 * number <= count]
-        limits = previous[-1] if previous else [np.inf] * len(shares)
-        self.history.append((count, shares))
-        rows = zip(bounds, shares, limits, self.tolerances, strict=True)
-        return [b for b, share, limit, most in rows if most < share <= _STAGNANT * limit]
+def _find_unmet(
+    bounds: Sequence[QuantityBounds], tolerances: Sequence[float], count: int,
+    history: list[tuple[int, list[float]]],
+) -> list[QuantityBounds]:  # fmt: skip
+    """Bounds whose errors exceed what is asked for, and have fallen since there were half as many
+    runs as the `count` that there are now. history: numbers of runs with errors, which grows."""
+    if not tolerances:
+        return []
+    shares = [b.relative_error for b in bounds]
+    previous = [row for number, row in history if 2 * number <= count]
+    limits = previous[-1] if previous else [np.inf] * len(shares)
+    history.append((count, shares))
+    rows = zip(bounds, shares, limits, tolerances, strict=True)
+    return [b for b, share, limit, most in rows if most < share <= _STAGNANT * limit]
 
 
 def _spread(model: ModelEvaluator, count: int) -> np.ndarray:
@@ -238,12 +234,15 @@ class _Climbs:
         for _ in range(_MOST_CLIMBS):
             if len(model.refinements) >= most:
                 break
-            points = [
-                point
-                for climb, *results in self._active()
-                if (point := climb.propose(model.points, *results)) is not None
-            ]
-            if not _grow(model, points):
+            points = []
+            for pair, margin_climb, values, margins in zip(
+                self.climbs, self.margin_climbs, model.numbers.T, model.margins.T, strict=False
+            ):
+                if np.isfinite(values).any():
+                    points += [climb.propose(model.points, values, margins) for climb in pair]
+                elif np.isfinite(margins).all():  # which tell where there is a value
+                    points.append(margin_climb.propose(model.points, margins))
+            if not _grow(model, [point for point in points if point is not None]):
                 break
 
     def remainders(self, q: int) -> tuple[float, float]:
@@ -253,18 +252,6 @@ class _Climbs:
             return 0.0, 0.0
         lower, upper = self.climbs[q]
         return lower.remainder, upper.remainder
-
-    def _active(self) -> Iterator[tuple[Any, ...]]:
-        """Searches, and the values (R) of the runs so far that they go by, with event margins (R)
-        where these tell where there is a value."""
-        numbers, margins = self.model.numbers.T, self.model.margins.T
-        for pair, margin_climb, values, margin in zip(
-            self.climbs, self.margin_climbs, numbers, margins, strict=False
-        ):
-            if np.isfinite(values).any():
-                yield from ((climb, values, margin) for climb in pair)
-            elif np.isfinite(margin).all():
-                yield margin_climb, margin
 
 
 def _bounds(

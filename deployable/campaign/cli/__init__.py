@@ -86,12 +86,14 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
         program, usage="%(prog)s [-h] [--version] COMMAND ...", description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    parser.add_argument(
+        "--version", action=Print, nargs=0, const=_version, help="print the version and exit"
+    )
     commands = parser.add_subparsers(
         metavar="COMMAND", required=True, prog=program, help=argparse.SUPPRESS
     )
     if not is_stage:
-        import_module("deployable.campaign.cli.commands").add_to(commands, command)
+        import_module("deployable.campaign.cli.commands").add_to(commands, command, Print)
     for name, stage in STAGES.items():
         stage_parser = command(commands, name, stage.text, _run_stage)
         stage_parser.set_defaults(stage=stage)
@@ -125,14 +127,19 @@ def command(
     return parser
 
 
-class _Version(argparse.Action):
-    """Prints the version, also of a checkout that was not installed."""
+class Print(argparse.Action):
+    """Prints the text that the function `const` returns, and ends the program."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        details = program()
-        has_commit = details["commit"] != "unknown"
-        print(details["program"] + f", commit {details['commit']}" * has_commit)
+        function: Any = self.const
+        print(function())
         parser.exit()
+
+
+def _version() -> str:
+    """Return the version, also of a checkout that was not installed."""
+    details = program()
+    return details["program"] + f", commit {details['commit']}" * (details["commit"] != "unknown")
 
 
 def _run_stage(options: argparse.Namespace) -> int:

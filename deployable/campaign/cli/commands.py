@@ -8,7 +8,6 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,11 @@ from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.measured import measured_warnings
 from deployable.campaign.config.plausible import requirement_warnings
-from deployable.campaign.config.sections import Campaign, scene_type
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.config.units import number_in
 from deployable.campaign.errors import CampaignError, ConfigError, error_of_files
-from deployable.campaign.export import COLOURS, FORMATS, choose, export
+from deployable.campaign.export import COLOURS, FORMATS, choose
+from deployable.campaign.export import export as write_export
 from deployable.campaign.files import read_json, wrap_error, write_text
 from deployable.campaign.folder import CAMPAIGN
 from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
@@ -35,16 +35,19 @@ from fpm.errors import number_hint
 UNMET = 3  # exit status of `run --require` where not all of the box meets all requirements
 
 
-def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
+def add_to(commands: argparse._SubParsersAction, command: Callable, printer: type) -> None:
     """Add the commands on campaigns and structures to a parser's subcommands, by the function
-    `command`."""
+    `command`; printer: action that prints what its `const` returns."""
     new = command(commands, "new", _new.__doc__, _new)
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")
     new.add_argument(
         "--start", default="panel", metavar="NAME",
         help="campaign or structure to begin with, or the file of a structure (%(default)s)",
     )  # fmt: skip
-    new.add_argument("--starts", action=_Starts, nargs=0, help="print the names and end")
+    new.add_argument(
+        "--starts", action=printer, nargs=0, const=lambda: "\n".join(list_starts()),
+        help="print the names and end",
+    )  # fmt: skip
     check = command(commands, "check", _check.__doc__, _check)
     check.add_argument(
         "files", metavar="FILE", nargs="*", default=[CAMPAIGN], help=f"YAML file ({CAMPAIGN})"
@@ -85,10 +88,7 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
     compare.add_argument("folders", metavar="RESULTS", nargs="+", help="folders of results")
     compare.add_argument("--json", action="store_true", help="print JSON")
     compare.add_argument("--html", type=Path, metavar="FILE", help="write a page with curves")
-    _add_export(command(commands, "export", _export.__doc__, _export))
-
-
-def _add_export(export: argparse.ArgumentParser) -> None:
+    export = command(commands, "export", _export.__doc__, _export)
     export.add_argument(
         "what", metavar="RUN",
         help="folder of a campaign's results, a campaign's config, or a structure's file or name",
@@ -108,14 +108,6 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
-
-
-class _Starts(argparse.Action):
-    """Prints what a new folder can start from."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        print("\n".join(list_starts()))
-        parser.exit()
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -158,20 +150,12 @@ def _check_texts(path: str) -> Iterator[tuple[str, str]]:
     folder = Path("results", campaign.name * bool(campaign.cases))
     for case, variant in variants(campaign):
         experiment = variant.experiment
-        yield "work", f"{case}{_describe_work(variant, folder)}"
+        yield "work", f"{case}{describe_work(Workflow(variant, folder))}"
         texts = [*experiment.warnings, *requirement_warnings(variant)]
         for text in [*texts, *measured_warnings(variant)]:
             yield "warnings", f"{case}warning: {text}"
         for text in doubt_texts(experiment.doubts):
             yield "warnings", f"{case}{text}"
-
-
-def _describe_work(campaign: Campaign, results: Path, figures: bool = True) -> str:
-    """Describe the runs, time and disk that a campaign, or one of its cases, still needs."""
-    workflow = Workflow(campaign, results)
-    find_stages = partial(workflow.list_stages, figures=figures)
-    work = describe_work(campaign, workflow.folder, find_stages)
-    return f"{campaign.name}, {work}"
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -182,7 +166,7 @@ def _run(options: argparse.Namespace) -> int:
     folder = Path(options.results, campaign.name * bool(campaign.cases))
     for prefix, variant in variants(campaign):
         with suppress(OSError):  # the run itself reports it in more detail
-            text = _describe_work(variant, folder, not options.no_figures)
+            text = describe_work(Workflow(variant, folder), not options.no_figures)
             MessagePrinter(sys.stderr)(f"{prefix}{text}")
     complete(campaign, options.results, not options.no_figures)
     answer = Path(
@@ -266,7 +250,7 @@ def _export(options: argparse.Namespace) -> int:
         selection = choose(options.what, options.run, settings, options.duration)
         if selection.folder and not options.output:
             place = selection.folder / "exports"
-        paths = export(selection, options.to, place, options.frames, options.colour)
+        paths = write_export(selection, options.to, place, options.frames, options.colour)
     except (CampaignError, fpm.SceneError):
         raise
     except Exception as error:  # a damaged result, a full disk

@@ -98,22 +98,18 @@ def campaign_of(path: Path, name: str) -> str:
     real = [key for key, p in scene.parameters.items() if p.default and not p.is_whole]
     if not real:
         raise CampaignError(f"{path} has no real parameter, so that nothing can be an interval")
+    seconds, steps = run_duration(scene.sample), (1, 1.5, 2, 3, 5, 7.5, 10)
+    power = 10 ** math.floor(math.log10(seconds))
     latches = [
         e.name.removeprefix("latch ") for e in eventful(scene.sample) if "latches" in e.events
     ]
     text = environment().get_template("campaign.yaml.jinja").render(
         structure=scene, file=name, uncertain=real[0], key=_name, repr=repr,
         campaign=re.sub("[^A-Za-z0-9_-]+", "-", path.stem).strip("-_"),
-        duration=_round_up(run_duration(scene.sample)),
+        duration=next(n for n in steps if seconds <= n * power * 1.000001) * power,
         catches={f"t_{_name(latch)}": latch for latch in latches},
     )  # fmt: skip
     return f"{text.rstrip()}\n"
-
-
-def _round_up(seconds: float) -> float:
-    """Return the next of 1, 1.5, 2, 3, 5, 7.5, 10 times a power of ten."""
-    power = 10 ** math.floor(math.log10(seconds))
-    return next(n for n in (1, 1.5, 2, 3, 5, 7.5, 10) if seconds <= n * power * 1.000001) * power
 
 
 def _name(text: str) -> str:

@@ -75,22 +75,21 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
 
 def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     """Check that a case gives no value to a parameter that is an interval."""
-    return [
-        f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval; allowed: "
-        f"instead `intervals: {{{parameter}: {_shift(intervals.get(parameter, {}), value)}}}` in "
-        "this case, or another parameter"
-        for parameter, value in case.get("scene", {}).items()
-        if parameter in {**intervals, **case.get("intervals", {})}
-    ]
-
-
-def _shift(spec: Mapping, nominal: Any) -> str:
-    """Return, as text, an interval as wide as that of `spec` about another nominal value."""
-    width = {key: spec[key] for key in ("relative", "absolute") if key in spec}
-    if "lower" in spec:
-        width = {"absolute": float(f"{0.5 * (spec['upper'] - spec['lower']):.6g}")}
-    keys = {"nominal": nominal, **(width or {"relative": 0.1})}
-    return f"{{{', '.join(f'{key}: {value}' for key, value in keys.items())}}}"
+    problems = []
+    for parameter, value in case.get("scene", {}).items():
+        if parameter in {**intervals, **case.get("intervals", {})}:
+            spec = intervals.get(parameter, {})
+            width = {key: spec[key] for key in ("relative", "absolute") if key in spec}
+            if "lower" in spec:
+                width = {"absolute": float(f"{0.5 * (spec['upper'] - spec['lower']):.6g}")}
+            keys = {"nominal": value, **(width or {"relative": 0.1})}
+            text = ", ".join(f"{key}: {x}" for key, x in keys.items())
+            problems.append(
+                f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval; "
+                f"allowed: instead `intervals: {{{parameter}: {{{text}}}}}` in this case, or "
+                "another parameter"
+            )
+    return problems
 
 
 def case_problem(name: str, problem: str) -> str:

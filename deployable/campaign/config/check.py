@@ -64,7 +64,12 @@ def load_config(
         campaign = check_config(config, source or ", ".join(str(path) for path in paths))
         return replace(campaign, sources=tuple(map(str, paths)))
     except ConfigError as error:
-        problems = [_place(problem, lines) + problem for problem in error.problems]
+        problems = []
+        for problem in error.problems:
+            key = problem.partition(":")[0]
+            while key and key not in lines:  # the line of the nearest key above
+                key = key.rpartition(".")[0]
+            problems.append(lines.get(key, "") + problem)
         raise ConfigError(error.source, problems) from None
 
 
@@ -83,14 +88,6 @@ def _keys(data: Any, path: str = "") -> Iterator[str]:
     for name, child in data.items() if isinstance(data, Mapping) else ():
         yield (key := f"{path}{name}")
         yield from _keys(child, f"{key}.")
-
-
-def _place(problem: str, lines: Mapping[str, str]) -> str:
-    """Return the line of the key that a problem names, or of the nearest key above it."""
-    key = problem.partition(":")[0]
-    while key and key not in lines:
-        key = key.rpartition(".")[0]
-    return lines.get(key, "")
 
 
 def check_config(raw: Mapping | str | Path, source: str = "the config") -> Campaign:

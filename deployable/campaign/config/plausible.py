@@ -32,7 +32,7 @@ SPARSEST = 30.0
 def experiment_warnings(experiment: Any) -> list[str]:
     """Return sentences on intervals, design, instants and levels of an `Experiment` that are hardly
     meant; [] if there is none."""
-    checks = _interval_texts, _design_texts, _instant_texts, _step_texts, _level_texts
+    checks = _interval_texts, _design_texts, _time_texts, _level_texts
     return [text for check in checks for text in check(experiment)]
 
 
@@ -118,9 +118,11 @@ def _design_texts(experiment: Any) -> Iterator[str]:
             )
 
 
-def _instant_texts(experiment: Any) -> Iterator[str]:
-    """Too few instants for any curve, and instants beyond the end."""
-    count, duration = experiment.solver.instants, experiment.solver.duration
+def _time_texts(experiment: Any) -> Iterator[str]:
+    """Too few instants for any curve, and instants beyond the end; a stated step, longer than a
+    feature of a curve of time; curves that runs hardly reach."""
+    solver, scene = experiment.solver, experiment.nominal_scene
+    count, duration = solver.instants, solver.duration
     if count < FEWEST:
         yield (
             f"solver.instants: {count} for {duration:g} s are {duration / (count - 1):.4g} s "
@@ -133,20 +135,15 @@ def _instant_texts(experiment: Any) -> Iterator[str]:
                 f"{duration:g} s, so that it has no value: take an instant within, or a longer "
                 "solver.duration"
             )
-
-
-def _step_texts(experiment: Any) -> Iterator[str]:
-    """A stated step, longer than a feature of a curve of time; curves that runs hardly reach."""
-    solver, scene = experiment.solver, experiment.nominal_scene
-    feature = find_curve_step(scene, solver.duration)
+    feature = find_curve_step(scene, duration)
     for curve in scene.curves:
-        times, end = curve.times, solver.duration
-        is_outside = times[-1] <= 0 or times[0] >= end
-        is_late = len(times) > 2 and times[1] > SPARSEST * end
-        is_late |= len(times) >= FEWEST and times[-1] > LARGEST * end
-        if np.ptp(curve.values) and (is_outside or is_late):
+        times = curve.times
+        is_odd = times[-1] <= 0 or times[0] >= duration
+        is_odd |= len(times) > 2 and times[1] > SPARSEST * duration
+        is_odd |= len(times) >= FEWEST and times[-1] > LARGEST * duration
+        if np.ptp(curve.values) and is_odd:
             yield (
-                f"solver.duration: {end:g} s, but a curve of {len(times)} values lasts from "
+                f"solver.duration: {duration:g} s, but a curve of {len(times)} values lasts from "
                 f"{times[0]:.12g} to {times[-1]:.12g} s: check the unit of its times, such as ms, "
                 "and where they begin"
             )

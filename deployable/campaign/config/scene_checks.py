@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -30,16 +31,17 @@ from deployable.campaign.config.sections import (
     Campaign,
     Choose,
     Experiment,
+    bytes_of_run,
     corners,
     count_first_runs,
     design_points,
     make_design,
     most_instants,
-    room_problems,
     scene_type,
     steps_problems,
     widen_intervals,
 )
+from deployable.campaign.text.numbers import size_text
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
@@ -77,9 +79,7 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
     if not problems and config.margins:
         problems += _travel_problems(campaign.experiment)
     if not problems:
-        problems += _memory_problems(campaign.experiment)
-    if not problems:
-        problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
+        problems += _run_problems(campaign)
     if not problems and campaign.experiment.is_adaptive:
         campaign, problems = _keep_choice_runs(campaign)
     if not problems and config.measured:
@@ -132,17 +132,6 @@ def _time_problems(experiment: Experiment) -> list[str]:
     return problems
 
 
-def _memory_problems(experiment: Experiment) -> list[str]:
-    """Return whether the runs that are integrated side by side find room in memory."""
-    instants, most = experiment.solver.instants, most_instants(experiment)
-    if instants <= most:
-        return []
-    return [
-        f"solver.instants: {instants} are more than memory should hold of this scene"
-        f"{' and what its responses ask for' if experiment.record else ''}; allowed: at most {most}"
-    ]
-
-
 def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list[str]:
     problems = []
     responses = campaign.experiment.responses
@@ -162,35 +151,27 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
-    """Describe travels that the structure cannot make, at the nominal values and a few
-    positions."""
-    problems = []
+    """Describe travels that the structure cannot make, at the nominal values and a few positions,
+    or that a latch or a stop keeps well before their ends."""
+    from fpm.structures.plausible import GIVES, find_barrier, opening_text
+
+    problems, scene = [], experiment.nominal_scene
     for curve in experiment.response_list:
         if curve.kind == "margin":
-            openings, _ = read_label(curve.columns[0][1])
-            if barrier := _barrier_problems(experiment.nominal_scene, curve, openings):
-                problems += barrier
+            path, _ = read_label(curve.columns[0][1])
+            number = [hinge.name for hinge in scene.hinges].index(path.openings[0])
+            if reason := find_barrier(scene, number, curve.along.last, GIVES):
+                text = opening_text(scene.hinges[number], curve.along.last)
+                text = f"{text} is {reason}; allowed: an opening before that"
+                problems.append(f"margins.{curve.name}.to: {text}")
                 continue
             try:
-                travel = travel_of(experiment.nominal_scene, openings, positions=9)
+                travel = travel_of(scene, path, positions=9)
             except fpm.SceneError as error:
                 problems.append(sentence(f"margins.{curve.name}.along", error))
                 continue
             problems += _spring_out_problems(experiment, curve, travel.work)
     return problems
-
-
-def _barrier_problems(scene: Any, curve: Any, path: Any) -> list[str]:
-    """Return whether a latch or a stop keeps a joint well before the end of the travel of a
-    margin."""
-    from fpm.structures.plausible import GIVES, find_barrier, opening_text
-
-    (number,) = (n for n, hinge in enumerate(scene.hinges) if hinge.name == path.openings[0])
-    reason = find_barrier(scene, number, curve.along.last, GIVES)
-    if not reason:
-        return []
-    text = opening_text(scene.hinges[number], curve.along.last)
-    return [f"margins.{curve.name}.to: {text} is {reason}; allowed: an opening before that"]
 
 
 def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:
@@ -209,21 +190,12 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
     ]
 
 
-def _quantity_problems(experiment: Experiment) -> list[str]:
-    """Describe quantities that cannot be evaluated in a run of the scene."""
-    if not experiment.quantities:
-        return []
-    elements = eventful(experiment.nominal_scene)
-    _, errors = parse(experiment.quantities, experiment.response_list, elements)
-    return [sentence(error.key, error) for error in errors]
-
-
 def _design_problems(campaign: Campaign) -> list[str]:
     """Return whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
     has_none = is_plain and campaign.bounds.model in ("auto", "polynomial")
-    if (problems := keep_problems(campaign)) or experiment.is_adaptive:
+    if (problems := _keep_problems(campaign)) or experiment.is_adaptive:
         return problems
     try:
         choice = replace(design, samples=2) if has_none else design
@@ -304,20 +276,28 @@ def _keep_choice_runs(campaign: Campaign) -> tuple[Campaign, list[str]]:
     return replace(campaign, experiment=experiment), problems
 
 
-def answer_problems(campaign: Campaign) -> list[str]:
-    """Check sections `requirements`, `choose` of a campaign: returns a sentence for each error."""
-    problems = []
-    quantities = campaign.experiment.quantities
+def _run_problems(campaign: Campaign) -> list[str]:
+    """Check what is taken of runs that can be made: whether those side by side find room in memory,
+    and the sections `quantities`, `requirements`, `choose`."""
+    experiment, quantities = campaign.experiment, campaign.experiment.quantities
+    instants, most = experiment.solver.instants, most_instants(experiment)
+    if instants > most:
+        text = " and what its responses ask for" * bool(experiment.record)
+        text = f"{instants} are more than memory should hold of this scene{text}"
+        return [f"solver.instants: {text}; allowed: at most {most}"]
+    elements = eventful(experiment.nominal_scene) if quantities else ()
+    _, errors = parse(quantities, experiment.response_list, elements)
+    problems = [sentence(error.key, error) for error in errors]
     for name, limits in campaign.requirements.items():
         for quantity in limits:
             if quantity not in quantities:
                 text = unknown(quantity, "quantity", quantities)
-                if quantity in campaign.experiment.responses:
+                if quantity in experiment.responses:
                     example = f"`quantities: {{largest_{quantity}: {{largest: {quantity}}}}}`"
                     text = f"this is a response; allowed: a quantity, such as {example}"
                 problems.append(f"requirements.{name}.{quantity}: {text}")
     if campaign.choose.parameters:
-        problems += _choose_problems(campaign.experiment, campaign.choose)
+        problems += _choose_problems(experiment, campaign.choose)
     return problems
 
 
@@ -361,13 +341,19 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
     return ""
 
 
-def keep_problems(campaign: Campaign) -> list[str]:
+def _keep_problems(campaign: Campaign) -> list[str]:
     """Check `jobs.keep` of a campaign: returns a list, with a sentence if it excludes the design or
     the model of the bounds, or the disk lacks room; empty if all is right."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep != "extremes":
-        is_large = design.samples > LARGE and design.method == "sobol"
-        return room_problems(campaign) if is_large else []
+        if design.samples <= LARGE or design.method != "sobol":
+            return []
+        size, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+        if design.samples <= (most := int(room / size)):
+            return []
+        text = f"{design.samples} runs with jobs.keep {campaign.jobs.keep} take about "
+        text += f"{size_text(design.samples * size)}, and the disk has {size_text(room)}"
+        return [f"design.samples: {text}; allowed: at most {most}, or jobs.keep extremes"]
     cause, allowed = f"bounds model {bounds.model}", "responses or trajectories"
     if campaign.experiment.is_adaptive or design.method != "sobol" or design.order is not None:
         cause, allowed = "a surrogate", f"{allowed}, or design method sobol without order"

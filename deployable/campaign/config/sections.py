@@ -10,7 +10,6 @@ import itertools
 import json
 import math
 import re
-import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cache, cached_property, lru_cache
@@ -40,7 +39,6 @@ from deployable.campaign.config.own_runs import own_points
 from deployable.campaign.config.plausible import experiment_warnings
 from deployable.campaign.errors import HeldConfigError
 from deployable.campaign.provenance import program_digest
-from deployable.campaign.text.numbers import size_text
 from fpm import SceneError, structures
 from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
@@ -224,17 +222,12 @@ class Experiment:
         runs with a time step (s); 0: they follow from the instants alone."""
         if not self.peaks:
             return 0
-        intervals, most = self.solver.instants - 1, self._most_readings
-        count = _divide(round(self.solver.duration / intervals / step), most // intervals)
-        return count if count > 1 or self.nominal_scene.curves else 0
-
-    @cached_property
-    def _most_readings(self) -> int:
-        """At how many instants peaks are read at most, as the config or curves of time ask for."""
-        duration = self.solver.duration
+        intervals, duration = self.solver.instants - 1, self.solver.duration
         feature = find_curve_step(self.nominal_scene, duration)
-        count = max(self.solver.peak_instants, math.ceil(duration / feature * (1 - 1e-9)))
-        return min(count, most_instants(self))
+        most = max(self.solver.peak_instants, math.ceil(duration / feature * (1 - 1e-9)))
+        most = min(most, most_instants(self)) // intervals
+        count = _divide(round(duration / intervals / step), most)
+        return count if count > 1 or self.nominal_scene.curves else 0
 
     @cached_property
     def doubts(self) -> dict[str, str]:
@@ -528,16 +521,3 @@ def count_curves(experiment: Experiment) -> int:
     columns = {column for response in experiment.response_list for column in response.reads}
     count = sum(6 if variable == POSITION else 1 for variable, _ in columns)
     return count + len(experiment.nominal_scene.hinges) + _TRAJECTORY_CURVES
-
-
-def room_problems(campaign: Campaign) -> list[str]:
-    """Check that the disk has room for the runs of a campaign's `sobol` design."""
-    run_bytes, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
-    samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
-    if samples * run_bytes <= room:
-        return []
-    return [
-        f"design.samples: {samples} runs with jobs.keep {keep} take about "
-        f"{size_text(samples * run_bytes)}, and the disk has {size_text(room)}; allowed: at most "
-        f"{int(room / run_bytes)}, or jobs.keep extremes"
-    ]

@@ -13,8 +13,11 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from deployable.campaign.config.sections import NAME
 from deployable.campaign.errors import CampaignError, HeldConfigError
@@ -36,15 +39,6 @@ _PATTERNS = {"run_id": RUN_ID, "response": NAME, "quantity": NAME, "parameter": 
 """Patterns of names, by the variable that has them."""
 
 
-def check_names(path: Path, file: Any) -> None:
-    """Raise DamagedError if an open `netCDF4.Dataset` (`file`, at `path`) has a name that files
-    could not be called after, such as a path that leads outside."""
-    for variable in _PATTERNS.keys() & file.variables.keys():
-        for name in file[variable][:].ravel():
-            if not _PATTERNS[variable].fullmatch(str(name)):
-                raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
-
-
 @contextmanager
 def report_damage(path: str | os.PathLike) -> Iterator[None]:
     """Context manager for code that reads the file `path`: errors from malformed content become
@@ -60,9 +54,6 @@ def report_damage(path: str | os.PathLike) -> Iterator[None]:
         is_missing = isinstance(error, LookupError)
         raise DamagedError(path, f"{words} is missing" if is_missing else words) from error
 
-
-__all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json",
-           "result_file", "whole_file", "write_result", "write_text"]  # fmt: skip
 
 _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", default={})  # noqa: B039
 
@@ -89,7 +80,8 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
 
 def open_netcdf(path: str | Path) -> Any:
     """Check a result in netCDF and open it as a `netCDF4.Dataset`, with plain, not masked, arrays.
-    Raises `fpm.files.seals.DamagedError` if the file is not as written."""
+    Raises `fpm.files.seals.DamagedError` if the file is not as written, or has a name that files
+    could not be called after, such as a path that leads outside."""
     import netCDF4
 
     check(path, Path(path).name)
@@ -97,7 +89,10 @@ def open_netcdf(path: str | Path) -> Any:
     with report_damage(path):
         file = netCDF4.Dataset(path)
         file.set_auto_mask(False)
-        check_names(Path(path), file)
+        for variable in _PATTERNS.keys() & file.variables.keys():
+            for name in file[variable][:].ravel():
+                if not _PATTERNS[variable].fullmatch(str(name)):
+                    raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
     return file
 
 
@@ -166,3 +161,67 @@ def csv_text(rows: Iterable[Sequence]) -> str:
         [f"'{x}" if isinstance(x, str) and x.startswith(starts) else x for x in row] for row in rows
     )
     return buffer.getvalue()
+
+
+# -- variables of netCDF, as `variables.json` states them -----------------------------------------
+# A row of that file is of the variables of a result: dimensions; `text` or `number`; names; unit,
+# and what it is. A text in the place of a row stands for all rows of that name.
+
+
+class VariableSpec(NamedTuple):
+    """A variable of a result in netCDF: its dimensions; what it holds:
+    "text" or "number"; and its `attributes`: `long_name` and, if there is a single one, `units`."""
+
+    dims: tuple[str, ...]
+    content: str
+    attributes: dict[str, str]
+
+
+@cache
+def variables_of(result: str) -> dict[str, VariableSpec]:
+    """Variables of a result by name of its file; {} for one of which nothing is stated."""
+    variables: dict[str, VariableSpec] = {}
+    for row in _tables().get(result, ()):
+        if isinstance(row, str):
+            variables |= variables_of(row)
+            continue
+        dims, content, names, units, text = (*row, "", "")[:5]
+        attributes = {"units": units} if units else {}
+        attributes |= {"long_name": text} if text else {}
+        spec = VariableSpec(tuple(dims.split()), content, attributes)
+        variables |= dict.fromkeys(names.split(), spec)
+    return variables
+
+
+@cache
+def _tables() -> dict[str, list]:
+    return json.loads(Path(__file__).with_name("variables.json").read_text(encoding="utf-8"))
+
+
+def create(
+    file: Any, result: str, name: str, values: Any = None, kind: Any = "f8", **options
+) -> Any:
+    """Create a variable of a result in an open `netCDF4.Dataset` with its dimensions, which exist
+    but for one that it names itself, and attributes, and return it. values: None for none yet;
+    kind: netCDF's type of numbers; options: of `createVariable`."""
+    dims, content, attributes = variables_of(result)[name]
+    if content == "text":
+        kind, values = str, np.array([str(value) for value in values], dtype=object)
+    if name in dims:
+        file.createDimension(name, len(values))
+    variable = file.createVariable(name, kind, dims, **options)
+    variable.setncatts(attributes)
+    if np.size(values) and values is not None:
+        variable[:] = values
+    return variable
+
+
+def dataset_of(result: str, columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> Any:
+    """Make the `xarray.Dataset` of a result from the values of its variables and its attributes."""
+    import xarray as xr
+
+    specs, coordinates = variables_of(result), variables_of("answers")
+    variables = {name: (specs[name].dims, np.array(values), specs[name].attributes)
+                 for name, values in columns.items()}  # fmt: skip
+    coords = {name: variables.pop(name) for name in coordinates if name in variables}
+    return xr.Dataset(variables, coords, attributes)

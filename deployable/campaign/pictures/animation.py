@@ -10,8 +10,8 @@ import numpy as np
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
+from deployable.campaign.pictures import make_figure
 from deployable.campaign.pictures.colours import draw_scale, stress_colours
-from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.pictures.paint import (
     View,
     frame_picture,

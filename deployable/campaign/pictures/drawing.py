@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.files import whole_file
-from deployable.campaign.pictures import paint
-from deployable.campaign.pictures.figure import make_figure
+from deployable.campaign.pictures import make_figure
 from deployable.campaign.pictures.paint import (
     View,
     frame_picture,
     limits_of,
     paint_cables,
+    paint_points,
     paint_solid,
 )
 from deployable.campaign.pictures.solid import solid_of_motion, solid_of_scene, values_in
@@ -37,16 +37,16 @@ def draw_structure(scene: Any) -> Any:
         is_on_beam[beams.nodes.ravel()] = True
     particles = np.flatnonzero(is_on_beam | ~scene.fixed.all(axis=1))  # the ground's has no place
     places = [solid.corners, solid.cable_points, scene.position[particles], *points.values()]
-    limits = paint.limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
+    limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     x_span, y_span = limits[1] - limits[0]
     size = max(x_span, y_span)
     height = WIDTH * min(1.1, (y_span + 0.2 * size) / x_span)
     figure = make_figure(figsize=(WIDTH, height))
     ax = figure.add_axes((0, 0, 1, 1))
-    paint.frame_picture(ax, limits, view)
+    frame_picture(ax, limits, view)
     if len(solid.nodes):
-        paint.paint_solid(ax, solid, 0, view)
-    paint.paint_cables(ax, solid, 0, view)
+        paint_solid(ax, solid, 0, view)
+    paint_cables(ax, solid, 0, view)
     for hinge in scene.hinges:
         first = hinge.beams[0]
         place, axis = _place(scene, first), scene.frame[first.particle] @ hinge.axes[0]
@@ -57,7 +57,7 @@ def draw_structure(scene: Any) -> Any:
         ax.plot(*(view.page @ place), **_MARKER)
     particles = np.setdiff1d(particles, solid.nodes)
     ax.plot(*(scene.position[particles] @ view.page.T).T, "o", color="black", markersize=4)
-    paint.paint_points(ax, points, view, size)
+    paint_points(ax, points, view, size)
     return figure
 
 

@@ -99,13 +99,21 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
     for name, particle, arm in zip(*columns, strict=True):
         nodes[first + particle].setdefault("children", []).append(len(nodes))
         nodes.append({"name": f"point {name}", "translation": (TO_GLTF @ arm).tolist()})
+    animation = _animation(motion["time"].values, place, quaternion, joints, buffer, small)
+    loads = {}  # stress (Pa) of elements, tension (N) of cables by frame: colours, shares of `most`
+    for name, key in (("stress", "stress"), ("tension", "cable_tension")):
+        values = motion[key].values if key in motion else np.zeros(0)
+        if values.size:
+            most = float(values.max())
+            shares = np.ceil(65535 * np.clip(values / (most or 1.0), 0.0, 1.0)).ravel()
+            loads[name] = {"most": most, "accessor": buffer.add(shares, "u2", normalized=True)}
     content = {
         "asset": {"version": "2.0", "generator": "deployable-intervals"},
         "scene": 0,
         "scenes": [{"nodes": [0, 1] if meshes else [0]}],
         "nodes": nodes,
-        "animations": [_animation(motion["time"].values, place, quaternion, joints, buffer, small)],
-        "extras": _loads(motion, buffer),
+        "animations": [animation],
+        "extras": loads,
         **meshes,
     }
     if meshes:  # with the inverse of each particle's transform in the first frame, by columns
@@ -117,19 +125,6 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
         content["skins"] = [{"joints": joints, "skeleton": 0, "inverseBindMatrices": bind}]
     content |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
     return content | {"buffers": [{"byteLength": len(buffer.data)}]}
-
-
-def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
-    """Stress (Pa) of elements and tension (N) of cables by frame, for colours: shares of `most`."""
-    loads = {}
-    for name, key in (("stress", "stress"), ("tension", "cable_tension")):
-        values = motion[key].values if key in motion else np.zeros(0)
-        if values.size:
-            most = float(values.max())
-            shares = np.ceil(65535 * np.clip(values / (most or 1.0), 0.0, 1.0))
-            accessor = buffer.add(shares.ravel(), "u2", normalized=True)
-            loads[name] = {"most": most, "accessor": accessor}
-    return loads
 
 
 def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
@@ -209,21 +204,19 @@ def _quads(
     joints = np.zeros((len(points), 4), int)
     joints[:, 0] = follows
     weights = np.tile([1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    light = np.where(  # of colours of screens (sRGB): as shares of it are those of the format
+        colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4
+    )
     triangles = 4 * np.arange(len(points) // 4)[:, None, None] + [[0, 1, 2], [0, 2, 3]]
     return {
         "attributes": {
             "POSITION": buffer.add(points, target=_VERTEX),
-            "COLOR_0": buffer.add(_linear(colours), target=_VERTEX),
+            "COLOR_0": buffer.add(light, target=_VERTEX),
             "JOINTS_0": buffer.add(joints, "u2", _VERTEX),
             "WEIGHTS_0": buffer.add(weights, target=_VERTEX),
         },
         "indices": buffer.add(triangles.ravel(), "u4", _INDEX),
     }
-
-
-def _linear(colours: np.ndarray) -> np.ndarray:
-    """Colours of screens (sRGB) as shares of light, which the format's colours are."""
-    return np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
 
 
 def _animation(

@@ -200,7 +200,13 @@ class RefinementState:
         if reason := self._exceeds_budget("runs"):
             return self._end(reason)
         worst = max(self.reducible, key=lambda error: error.total / error.tolerance)
-        check = COMPONENTS if self._is_last() else ()
+        fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
+        is_enough = all(
+            error.surrogate * fall ** self._rate(error) <= error.allowance
+            for error in self.reducible
+        )
+        is_cheap = self.cost.need_of("check")[1] <= ROUND  # than a round of its own
+        check = COMPONENTS if is_enough and is_cheap else ()
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
@@ -266,15 +272,6 @@ class RefinementState:
             return _RATES[0]
         rate = math.log(previous / current) / math.log(nodes / last.nodes)
         return min(max(rate, _RATES[0]), _RATES[1])
-
-    def _is_last(self) -> bool:
-        """Return whether the next runs should suffice, and a check is cheaper than a round of its
-        own."""
-        fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
-        return self.cost.need_of("check")[1] <= ROUND and all(
-            error.surrogate * fall ** self._rate(error) <= error.allowance
-            for error in self.reducible
-        )
 
     def _end(self, cause: str) -> Decision:
         if "step" not in self.state.check:

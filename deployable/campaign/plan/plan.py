@@ -128,11 +128,6 @@ class Runs(Sequence[PlannedRun]):
         physical = tuple(values.tolist())
         return PlannedRun(self.id_of(physical), ROLES[role], tuple(points.tolist()), physical)
 
-    def __eq__(self, runs: object) -> bool:
-        return isinstance(runs, Runs) and self.digest == runs.digest
-
-    __hash__ = None  # type: ignore[assignment]  # as Python asks for of what cannot be hashed
-
     @property
     def digest(self) -> str:
         """Digest (16 hex digits) of roles, normalized points and values, to the last bit."""
@@ -270,11 +265,6 @@ class Plan:
     time: TimeStep
     runs: Runs
     adaptive: Any = None
-
-    @property
-    def is_finished(self) -> bool:
-        """Whether no rounds of an `accuracy` follow on this plan's; False without an `accuracy`."""
-        return self.adaptive is not None and self.adaptive.met is not None
 
     @cached_property
     def config_hash(self) -> str:

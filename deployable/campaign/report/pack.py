@@ -17,7 +17,7 @@ from deployable.campaign.report.read import MovingRun, PageData
 from deployable.campaign.results.quantity_results import number
 from deployable.campaign.results.response_bounds import LARGE, ResponseBounds
 from deployable.campaign.text.numbers import pretty
-from deployable.intervals.formula import Formula
+from deployable.intervals.chebyshev import Formula
 from deployable.intervals.scalars.fits import choose_fit
 
 MOST_INSTANTS = 4001  # instants of a curve from which it is thinned

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.files import write_result
+from deployable.campaign.pictures import to_png
 from deployable.campaign.pictures.drawing import draw_moments
-from deployable.campaign.pictures.figure import to_png
 from deployable.campaign.report.failing_region import lines, panels, prices
 from deployable.campaign.report.pack import compress, pack_data
 from deployable.campaign.report.read import PageData

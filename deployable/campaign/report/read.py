@@ -15,7 +15,7 @@ from deployable.campaign.files import open_dataset, open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.display import shown_bounds, shown_facts
-from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
+from deployable.campaign.results.quantity_results import FittedRuns
 from deployable.campaign.results.response_bounds import CampaignBounds, read_bounds
 from deployable.campaign.results.run_samples import (
     RunSamples,
@@ -136,7 +136,7 @@ class PageData:
 
 def from_results(path: str | Path) -> PageData:
     """Read all data of a campaign's page. path: of the results' folder, with `samples.nc`,
-    `bounds.nc` and `summary.json`, and for its quantities `quantities.nc` and `refinement.nc`;
+    `bounds.nc` and `summary.json`, and for its quantities `refinement.nc`;
     files that may be absent: `sensitivities.nc` and `motions/*.nc` (of `make_motions`). Raises
     `DamagedError` for a damaged result."""
     folder = Folder(Path(path))
@@ -228,12 +228,13 @@ def _verdicts(
 def _what_if(samples: RunSamples, folder: Folder, summary: Mapping) -> WhatIf:
     """Return the fits that the page evaluates: to quantities over the box, to quantities over the
     nominal values that may be chosen, and, where bounds come from a polynomial, to responses."""
-    limits = QuantityResults.read(folder).limits if summary["quantities"] else ()
+    experiment = samples.experiment
 
     def surrogates(runs: FittedRuns) -> dict[str, Any]:
-        return dict(zip(samples.experiment.quantities, runs.surrogates(limits), strict=True))
+        return dict(zip(experiment.quantities, runs.surrogates(experiment), strict=True))
 
-    fits: dict[str, Any] = {"quantities": surrogates(FittedRuns.read(folder)) if limits else {}}
+    fits: dict[str, Any] = {}
+    fits["quantities"] = surrogates(FittedRuns.read(folder)) if experiment.quantities else {}
     if "choice" in summary:
         record = read_json(folder.choice)["fitted"]
         keys = ("points", "numbers", "margins")

@@ -12,7 +12,7 @@ from deployable.campaign.config.models import Display
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.results.quantity_results import QuantityResults
 from deployable.campaign.results.response_bounds import CampaignBounds
-from deployable.campaign.text.words import name_response, words_of
+from deployable.campaign.text import name_response, words_of
 from fpm.arithmetic.units import unit
 
 _KINDS = {kind: get_args(names) for kind, names in get_type_hints(Display).items()}

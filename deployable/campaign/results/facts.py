@@ -31,8 +31,8 @@ from deployable.campaign.results.run_samples import (
     open_samples,
     read_refinement,
 )
+from deployable.campaign.text import name_response, words_of
 from deployable.campaign.text.numbers import code, percent
-from deployable.campaign.text.words import name_response, words_of
 from deployable.intervals.box import ROUNDING
 from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch
@@ -70,7 +70,10 @@ def facts_of(
         by_name = {row["name"]: row for row in facts["quantities"]}
         for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
-            row["late_parts"] = _late_parts(quantity, by_name)
+            parts = [by_name[part.name] for part in getattr(quantity, "parts", ())]
+            row["late_parts"] = [  # times that go on beyond the runs, or may have no upper end
+                part["name"] for part in parts if part["censored_at"] or part["may_be_endless"]
+            ]
             if not row["runs_with"] and (approach := _approach(quantity, experiment, bounds)):
                 row["reached"] = approach
     for name in answers:
@@ -112,13 +115,6 @@ def facts_of(
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
-
-
-def _late_parts(quantity: Any, rows: Mapping[str, Mapping]) -> list[str]:
-    """Return the times in an expression of quantities that go on beyond the end of the runs, or may
-    have no upper end. rows: of all quantities by name."""
-    names = [part.name for part in getattr(quantity, "parts", ())]
-    return [name for name in names if rows[name]["censored_at"] or rows[name]["may_be_endless"]]
 
 
 def why_idle(limit: Mapping, row: Mapping, least: float | None) -> str | None:

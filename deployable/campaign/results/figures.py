@@ -12,8 +12,8 @@ import numpy as np
 
 from deployable.campaign.files import result_file
 from deployable.campaign.folder import PICTURES
+from deployable.campaign.pictures import make_figure
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
-from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.results.response_bounds import LARGE, CampaignBounds, ResponseBounds
 from deployable.campaign.text.numbers import pretty
 

@@ -1,7 +1,7 @@
 """Quantities over the box as `quantities.nc` has them, and their surrogates, fitted to the runs of
 `samples.nc` and `refinement.nc`. Nothing else that shows or tells results knows that file."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,15 +32,13 @@ class QuantityResults(NamedTuple):
     the runs leave open if a time has an upper bound. parameters: dicts of name,
     units, lower, nominal, upper; further_runs, check_runs: how many runs the search for the bounds
     added, and the estimate of errors made; errors (2, q): by mesh and step, of values and of event
-    margins, by which shares of the box are uncertain; None where these were not estimated.
-    limits: of each, as of `limits_of`."""
+    margins, by which shares of the box are uncertain; None where these were not estimated."""
 
     rows: list[dict[str, Any]]
     parameters: list[dict[str, Any]]
     further_runs: int
     check_runs: int
     errors: np.ndarray | None
-    limits: Sequence[tuple[float | None, float | None]] = ()
 
     @classmethod
     def read(cls, folder: Folder) -> "QuantityResults":
@@ -53,9 +51,7 @@ class QuantityResults(NamedTuple):
         names = [parameter["name"] for parameter in parameters]
         rows = [_row(data, i, names, duration) for i in range(len(data["quantity"]))]
         errors = [data[name] for name in ("error_limit", "error_border") if name in data]
-        pairs = zip(data["least"], data["is_time"], strict=True)
-        limits = [(number(least), duration if is_time else None) for least, is_time in pairs]
-        return cls(rows, parameters, *counts, np.array(errors) if errors else None, limits)
+        return cls(rows, parameters, *counts, np.array(errors) if errors else None)
 
 
 def _row(data: Mapping[str, Any], i: int, parameters: list[str], duration: float) -> dict[str, Any]:
@@ -159,17 +155,11 @@ class FittedRuns(NamedTuple):
         first, last = failures
         return cls(table.points, table.numbers, table.margins, rest, count, (first, last))
 
-    def surrogates(self, limits: Iterable[tuple[float | None, float | None]]) -> list[Any]:
-        """Fit the `ScalarSurrogate` of each quantity to the runs, in order. limits: of each, its
-        physical lower bound and, of a time, the end of the runs (s); None: there is none."""
-        columns = zip(self.numbers.T, self.margins.T, limits, strict=True)
+    def surrogates(self, experiment: Experiment) -> list[Any]:
+        """Fit the `ScalarSurrogate` of each of an experiment's quantities to the runs, in order."""
+        end, quantities = experiment.solver.duration, experiment.quantity_list
+        columns = zip(quantities, self.numbers.T, self.margins.T, strict=True)
         return share_borders([
-            fit_scalar(self.points, column, latest, least, margin)
-            for column, margin, (least, latest) in columns
+            fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
+            for q, column, margin in columns
         ])  # fmt: skip
-
-
-def limits_of(experiment: Experiment) -> list[tuple[float | None, float | None]]:
-    """Return the limits of an experiment's quantities as `FittedRuns.surrogates` takes them."""
-    end = experiment.solver.duration
-    return [(q.least, end if q.is_time else None) for q in experiment.quantity_list]

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from deployable.campaign.pictures import make_figure
 from deployable.campaign.pictures.colours import BLUE, RED
-from deployable.campaign.pictures.figure import make_figure
 from deployable.campaign.results.quantity_results import FittedRuns, QuantityResults
 from deployable.campaign.text.numbers import pretty
 

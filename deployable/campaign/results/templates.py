@@ -126,10 +126,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
     """Text that a macro of `sentences.jinja` makes, for use outside of the templates; name: of the
     macro; facts: its arguments in order; escapes: whether texts in these are escaped."""
-    return getattr(_sentences(), name)(*(map(_escape, facts) if escapes else facts))
+    return getattr(_macros(), name)(*(map(_escape, facts) if escapes else facts))
 
 
-@cache
-def _sentences() -> Any:
-    """Return the macros, compiled once."""
-    return environment().get_template("sentences.jinja").module
+_macros = cache(lambda: environment().get_template("sentences.jinja").module)

@@ -1,8 +1,10 @@
-"""Messages of a batch while it runs."""
+"""Messages of a process while it works, and when Ctrl-C ends it."""
 
 import logging
+import os
 import re
 import shutil
+import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +12,6 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, TextIO
 
 import fpm
-from deployable.campaign.interrupts import STEPS
 from deployable.campaign.text.numbers import duration_text
 from fpm.scenes.timestep import compile_seconds
 
@@ -19,6 +20,11 @@ FIRST, PAUSE = 5.0, 20.0
 each pause is at least a tenth of the time since the step began."""
 
 TICK = 1.0  # seconds between two looks at a step
+
+EXIT_CODE = 130  # exit status after Ctrl-C
+
+STEPS: list[Callable[[], str]] = []
+"""What this process does, the innermost step last: functions that return it in words."""
 
 Notify = Callable[[str], None]
 
@@ -150,3 +156,27 @@ def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
 
     with report_step(describe, notify):
         fpm.warm_up(scene, record)
+
+
+# -- Ctrl-C: what a process has made is whole, and the next run removes what it had begun ----------
+
+_OWNER = os.getpid()  # the others that it forks say nothing
+
+
+def end_on_ctrl_c() -> None:
+    """Have Ctrl-C end this process at once with one sentence and status 130, unless Ctrl-C is
+    ignored or handled otherwise already."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _end)
+
+
+def _end(*rest: object) -> None:
+    text = ""
+    with suppress(Exception):  # a step that has just ended
+        text = f" at: {STEPS[-1]()}"
+    # By no file of Python, which may be in the midst of printing.
+    end = "what is finished is kept, the same command goes on from there"
+    start = "\n" if os.isatty(2) and text else ""  # below the line that moves
+    if os.getpid() == _OWNER:
+        os.write(2, f"{start}stopped{text}; {end}\n".encode())
+    os._exit(EXIT_CODE)

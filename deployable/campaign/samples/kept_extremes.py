@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Jobs
-from deployable.campaign.files import result_file
-from deployable.campaign.files.variables import create
+from deployable.campaign.files import create, result_file
 from deployable.campaign.plan.plan import Plan
 from deployable.campaign.runs.batch import check_failures, make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk

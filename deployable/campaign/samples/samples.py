@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Jobs
-from deployable.campaign.files import EVENT_VARIABLES, result_file
-from deployable.campaign.files.variables import create
+from deployable.campaign.files import EVENT_VARIABLES, create, result_file
 from deployable.campaign.plan.plan import FailedRun, Plan, Runs, box_columns, failure_columns
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.batch import check_failures, make_again

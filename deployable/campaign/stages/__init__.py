@@ -160,13 +160,10 @@ def _list_answers(campaign: Campaign) -> list[str]:
     return names + ["measured.json"] * bool(campaign.measured)
 
 
-def _pictures(*names: str) -> list[str]:
-    return [f"figures/{name}.{kind}" for name in names for kind in PICTURES]
-
-
 def _figures(campaign: Campaign) -> list[str]:
-    experiment = campaign.experiment
-    return _pictures(*experiment.responses, *(f"campaign/{n}" for n in drawings(experiment)))
+    overviews = (f"campaign/{name}" for name in drawings(campaign.experiment))
+    names = *campaign.experiment.responses, *overviews
+    return [f"figures/{name}.{kind}" for name in names for kind in PICTURES]
 
 
 STAGES = {
@@ -190,7 +187,8 @@ STAGES = {
               ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
               ("figures",), (SAMPLES, BOUNDS, SENSITIVITIES, "summary.json"),
-              lambda _: ("report.html", *_pictures("campaign/moments")), ("frames",), draws=True),
+              lambda _: ("report.html", *(f"figures/campaign/moments.{x}" for x in PICTURES)),
+              ("frames",), draws=True),
         Stage("cases", "Compare the cases of a campaign, from their summaries.",
               ("cases",), (), lambda _: ("cases.json", "summary.md", "report.html")),
     )

@@ -3,8 +3,9 @@
 from functools import partial
 from typing import Any
 
-from deployable.campaign.answers.discretization import check_bounds, checked_components
+from deployable.campaign.answers.discretization import check_bounds
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.decide import COMPONENTS
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.runs.progress import Notify, report_seconds
@@ -22,20 +23,14 @@ def work(
     files of runs to be extracted first. Raises `CampaignError` for a bundle that is none, and if
     runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
-    bound(folder, notify, bounds, verify, jobs, threads)
-
-
-def bound(
-    folder: Folder, notify: Notify, bounds: Any, verify: Any, jobs: Any, threads: int
-) -> None:
-    """Gather the runs of the plan in `folder`, fit the surrogate, and write its bounds with
-    errors."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
     name = plan.experiment.name
     with report_seconds(f"{name}: gathering the runs", notify):
         collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
-    components = checked_components(plan, verify)
+    components = COMPONENTS if verify.discretization else ()
+    if plan.experiment.is_adaptive:
+        components = plan.adaptive.check
     add_errors = partial(
         check_bounds, folder, jobs=jobs, notify=notify, threads=threads, components=components
     )

@@ -34,6 +34,6 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
             save(shares(bounds), folder.overviews / "sensitivities")
         if "ranges" in names:
             runs, results = FittedRuns.read(folder), QuantityResults.read(folder)
-            fits = runs.surrogates(results.limits)
+            fits = runs.surrogates(experiment)
             figure = ranges(shown_quantities(results, experiment), runs, fits)
             save(figure, folder.overviews / "ranges")

@@ -11,7 +11,7 @@ from deployable.campaign.results.response_bounds import read_bounds
 from deployable.campaign.results.run_samples import open_samples
 from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import BOUNDS_FILES, PLAN, simulate
-from deployable.campaign.stages.bounds import bound
+from deployable.campaign.stages import bounds as bounds_stage
 from deployable.campaign.stages.plan import warn
 
 
@@ -21,29 +21,20 @@ def work(
 ) -> None:  # fmt: skip
     """Do the work of the stage `rounds`: simulate in rounds until an accuracy is met or its budget
     is spent, and leave plan, samples and bounds of the last round in `folder`."""
-    number = 0
-    while not _plan_round(place := folder.round(number), notify, experiment):
+    warn(notify, experiment)
+    place, plan = folder.round(number := 0), start_plan(experiment)
+    while True:
+        write_plan(plan, place.plan)
+        if plan.adaptive.met is not None:  # nothing follows
+            break
+        notify(f"{experiment.name}: {len(plan.unique_runs)} runs")
         with results_of(check_results(place, (PLAN,))):
             simulate.work(place, notify, jobs, threads=threads)
-            bound(place, notify, bounds, verify, jobs, threads)
-        number += 1
-    previous: Any = place.previous()
-    last = [place.plan, *(previous / name for name in BOUNDS_FILES)]
-    for path in last:
-        shutil.copy(path, folder.path)
-
-
-def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
-    """Choose the runs of the next round towards an accuracy; whether there is to be none."""
-    if previous := folder.previous():
-        with open_samples(previous) as samples:
-            bounds = read_bounds(previous, of_design=True)
-            plan = extend_plan(experiment, read_plan(previous.plan), samples, bounds)
+            bounds_stage.work(place, notify, bounds, verify, jobs, threads)
+        with open_samples(place) as samples:
+            results = read_bounds(place, of_design=True)
+            plan = extend_plan(experiment, read_plan(place.plan), samples, results)
         notify(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
-    else:
-        warn(notify, experiment)
-        plan = start_plan(experiment)
-    write_plan(plan, folder.plan)
-    if not plan.is_finished:
-        notify(f"{experiment.name}: {len(plan.unique_runs)} runs")
-    return plan.is_finished
+        previous, place = place, folder.round(number := number + 1)
+    for path in (place.plan, *(previous / name for name in BOUNDS_FILES)):
+        shutil.copy(path, folder.path)

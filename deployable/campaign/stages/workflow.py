@@ -42,7 +42,9 @@ class Workflow:
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
         """Make the workflow of the config in YAML files; later files win over earlier ones, and
         `overrides` (Snakemake's `--config`; None: nothing) over all. Raises `ConfigError`."""
-        return cls(load_config([_relative(path) for path in paths], restore_types(overrides or {})))
+        folder = Path.cwd()  # messages have paths as users write them
+        paths = [p.relative_to(folder) if p.is_relative_to(folder) else p for p in map(Path, paths)]
+        return cls(load_config(paths, restore_types(overrides or {})))
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
@@ -169,12 +171,6 @@ class Workflow:
             return []
         text = unseal(summary).decode().partition("\n## ")[0].strip() + "\n"
         return [text, *([f"Open {report}"] if report.exists() else [])]
-
-
-def _relative(path: str | Path) -> Path:
-    """Return the path as the user would write it, for messages."""
-    path = Path(path)
-    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
 def run(

@@ -14,10 +14,9 @@ import numpy as np
 import scipy
 
 from ..box import MOST_FULL, ROUNDING, keys
-from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
+from ..chebyshev import Formula, Surrogate, least_squares, polynomial, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
-from ..formula import Formula, polynomial
 from ..spline_equations import distinct, in_blocks, stands_alone
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from ..chebyshev import Formula
 from ..designs import scan_points, spread_points
-from ..formula import Formula
 from ..spline_equations import distinct, in_blocks, squares, stands_alone
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ import numpy as np
 import scipy
 
 from ..box import MOST_FULL
+from ..chebyshev import Formula
 from ..designs import spread_points
-from ..formula import Formula
 from .fits import choose_fit, root_fit
 from .occurrence import FittedOccurrence, JointOccurrence, Occurrence
 

@@ -110,6 +110,8 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     if not (is_entered or is_inside):
         return
     entry, change = -first / (last - first) if is_entered else 0.0, sign * (half - last_rate)
+    if end < 1.5 * step:  # the last rate is that at the start, half a step before
+        change *= 2.0
     entry_rate = sign * half + (entry - 0.5) * change
     rate = min(max(entry_rate, 0.0), part.numbers[i, MAX_RATE, s])
     wait = 0.0

@@ -421,6 +421,10 @@ def test_what_stops_a_joint_in_the_first_steps_takes_all_of_its_energy(action, o
         np.testing.assert_allclose(values, whole, atol=1e-9)
     np.testing.assert_allclose(work, -loss, atol=1e-9)
     assert np.abs(outcome.energies["balance"]).max() < 1e-9
+    for words in ({"energy": "kinetic"}, {"loss": "all"}, {"energy": "joint_loss"}):
+        response = parse("e", words, scene)
+        assert response.least == 0.0 <= response.evaluate(outcome).min()
+    assert parse("e", {"energy": "balance"}, scene).least is None
 
 
 @pytest.mark.slow

@@ -111,9 +111,10 @@ class Response:
         return 0.0 if self.component == "norm" or positive is True or is_positive else None
 
     def evaluate(self, run: Curves) -> np.ndarray:
-        """Return the response's values (t,), in `unit`, in one run (its recorded series); raises
-        KeyError if the run did not record the columns in `needs`."""
-        return KINDS[self.kind].values(self, run)
+        """Return the response's values (t,), in `unit`, in one run (its recorded series), at least
+        `least`; raises KeyError if the run did not record the columns in `needs`."""
+        values = KINDS[self.kind].values(self, run)
+        return values if self.least is None else np.maximum(values, self.least)
 
 
 def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
@@ -423,6 +424,13 @@ def _energies(scene: Scene) -> Iterable[str]:
     return "kinetic", *(energy.name for energy in energies), "balance"
 
 
+_POSITIVE = (
+    "kinetic", "strain", "spring", "contact", "friction", "stop", "latch", "release", "motor",
+    "loop", "pin", "cable", "joint_loss", "damping_work", "cable_friction",
+)  # fmt: skip
+"""Energies that are sums of squares, or losses. Recorded ones may be below 0 by errors of the step,
+as products of velocities half a step apart (`fpm.kernels.record`)."""
+
 KINDS = {
     "distance": ResponseType(partial(_pair, noun="points", names_of=_points, column=False),
                              _distance, positive=True),
@@ -443,11 +451,9 @@ KINDS = {
     "pin_eccentricity": ResponseType(partial(_by_name, unit="m", text="eccentricity of pin {}",
                                              names=_pins, variable="pin_eccentricity"),
                                      positive=True),
-    # Sums of squares; the kinetic energy is a product of velocities half a step apart
-    # (`fpm.kernels.record`), which can differ in sign.
     "energy": ResponseType(partial(_by_name, unit="J", text="{} energy", names=_energies),
                    lambda response, run: run.energies[response.subjects[0]],
-                   positive=("strain", "spring", "contact")),
+                   positive=_POSITIVE),
     **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
     "latch_impact": ResponseType(_latch, optional=("component",)),
     **{name: ResponseType(FORMS[v.response_form][0], mandatory=FORMS[v.response_form][1],
@@ -456,7 +462,7 @@ KINDS = {
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
     "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),
-    "loss": ResponseType(_loss, _dissipated_energy),
+    "loss": ResponseType(_loss, _dissipated_energy, positive=True),
     "margin": ResponseType(
         margins.read_margin, margins.values, ("to", "standard"), margins.OPTIONAL
     ),

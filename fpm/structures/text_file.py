@@ -29,7 +29,6 @@ from fpm.structures.reading import (
     OF_CAMPAIGNS,
     Node,
     Problems,
-    SkippedError,
     check_keys,
     commas,
     correct_keys,
@@ -135,26 +134,31 @@ class _File:
         return lambda sample: group.build(self._values(sample))
 
     def find_turns(self, parameters: Mapping, name: str, lower: float, upper: float) -> list[float]:
-        """Values between two of one parameter at which an expression that depends on it turns back
-        or bends, at values given of the others, each in its parameter's unit."""
+        """Values between two of one parameter at which an expression that depends on it, or a part
+        of one, turns back or bends, at values given of the others, each in its parameter's unit."""
         model = self._model(self._values(parameters), Problems(self.source))
         names, numbers = model.names, model.names.dependents([name])
         order = [number for number in names.order if number in numbers]
         pairs = ((b, b.full.values()) for b in names.bounds)
         bounds = {(b.expression.text, *x): b for b, x in pairs if not numbers.isdisjoint(x)}
+        functions = [
+            (part, b.full)
+            for b in bounds.values()
+            for part in (b.expression.value, *b.expression.parts)
+        ]
         build = Builder(Problems(self.source))
         find_numbers(build, model, self._values(parameters), names.order)
 
         def evaluate(value: float) -> np.ndarray:
             find_numbers(build, model, self._values({**parameters, name: value}), order)
-            values = np.full(len(bounds), np.nan)  # of vectors, the coordinates are numbers as well
-            for k, bound in enumerate(bounds.values()):
-                with suppress(SceneError, SkippedError, TypeError):
-                    values[k] = float(build.number(bound, ""))
+            values = np.full(len(functions), np.nan)  # of vectors, coordinates are numbers as well
+            for k, (function, full) in enumerate(functions):
+                with suppress(KeyError, ArithmeticError, ValueError, TypeError):
+                    values[k] = float(function({x: build.numbers[y] for x, y in full.items()}))
             return values
 
         with np.errstate(all="ignore"):
-            return find_turns(evaluate, len(bounds), lower, upper)
+            return find_turns(evaluate, len(functions), lower, upper)
 
     def _values(self, parameters: Mapping) -> dict[str, float]:
         return {name: p.si(parameters[name]) for name, p in self.parameters.items()}

@@ -15,7 +15,7 @@ from deployable.campaign.answers.discretization import (
     estimate_fraction_errors,
 )
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
-from deployable.campaign.answers.quantity_bounds import converge_bounds
+from deployable.campaign.answers.quantity_bounds import _turning_points, converge_bounds
 from deployable.campaign.plan.plan import RunAccount
 from deployable.campaign.text.numbers import interval
 from deployable.intervals import Box
@@ -491,3 +491,20 @@ def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, pl
         assert found.points[-1] is found.failure_point
     expected = level - numbers[:, 0] if kind == "at_most" else numbers[:, 0] - level
     assert found.margins[0] == pytest.approx(expected)
+
+
+def test_where_turns_of_several_parameters_meet_there_is_a_run():
+    """As at the peak of a product of needles, which no line through the nominal values meets."""
+    turns = {"a": [4.3], "b": [], "c": [-2.0, 5.0]}
+    interval = SimpleNamespace(lower=-10.0, upper=10.0)
+    experiment = SimpleNamespace(
+        intervals=dict.fromkeys(turns, interval), nominal=[0.0, 1.0, 0.0], parameters=dict,
+        scene_type=SimpleNamespace(find_turns=lambda values, name, *ends: turns[name]),
+    )  # fmt: skip
+    model = SimpleNamespace(
+        experiment=experiment, numbers=np.zeros((1, 1)), nominal=np.array([0.0, 0.1, 0.0]),
+        points=np.zeros((1, 3)),
+    )  # fmt: skip
+    points = np.round(_turning_points(model), 9).tolist()
+    assert [0.43, 0.1, 0.0] in points and [0.0, 0.1, -0.2] in points
+    assert [0.43, 0.1, -0.2] in points and [0.43, 0.1, 0.5] in points

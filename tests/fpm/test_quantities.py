@@ -72,6 +72,9 @@ def test_numbers_of_a_decaying_wave(definition, exact):
         ("top/(2*half) - 1 m/s", "m s-1", 1 / np.log(4) - 1, False, None),
         ("sqrt(abs(shut - half)/(20 ms))", "1", np.sqrt(50 * (np.log(2) - 0.5)), False, 0.0),
         ("top/(shut - 0.5 s)", "m s-1", np.nan, False, None),
+        ("2*(shut - half)**2 + shut**2", "s2", 2 * (0.5 - np.log(2)) ** 2 + 0.25, False, 0.0),
+        ("sin(half/(1 s))**2", "1", np.sin(np.log(2)) ** 2, False, 0.0),
+        ("half - abs(top)*(1 s)/(1 m)", "s", np.log(2) - 1, False, None),
     ],
 )
 def test_arithmetic_of_quantities(text, unit, exact, is_time, least):

@@ -386,6 +386,47 @@ def test_latches_in_one_step_or_the_next_have_times_and_impulses_of_their_own(se
         assert outcome.openings[f"j{k}"][-1] == pytest.approx(openings[k], abs=1e-9)
 
 
+STOPPED = """
+points: {o: [0, 0, 0], q: [0, 0, 1]}
+bodies:
+  b: {mass: 2, centre: o, inertia: [0.1, 0.1, 0.1]}
+  c: {mass: 2, centre: q, inertia: [1, 1, 1]}
+joints:
+  h: {type: revolute, parts: [ground, b], at: o, axis: x}
+  k: {type: revolute, parts: [ground, c], at: q, axis: x}
+opening_rates: {g: {joint: h, rate: 3 rad/s}}
+actions: {a: ACTION}
+record: {o: {part: b, at: o}}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.05, 0.025, 0.0125, 0.005])
+@pytest.mark.parametrize(
+    ("action", "opening"),
+    [
+        ("{type: latch, joint: h, angle: 0.012 rad}", 0.012),
+        ("{type: friction, joint: h, moment: 20, sticks: exactly}", 3**2 * 0.1 / 2 / 20),
+    ],
+)
+def test_what_stops_a_joint_in_the_first_steps_takes_all_of_its_energy(action, opening, step):
+    """It is J w²/2, however long the first kick is, by whose momenta the energy is told."""
+    scene = loads(STOPPED.replace("ACTION", action)).build()
+    asked = [("joint_work", f"h {action[7:].split(',')[0]}")]
+    (outcome,) = fpm.simulate(scene, duration=0.3, instants=7, step=step, record=asked)
+    assert outcome.openings["h"][-1] == pytest.approx(opening, abs=1e-9)
+    kinetic, loss = outcome.energies["kinetic"], outcome.energies["joint_loss"]
+    work = outcome.columns[asked[0]]
+    for values, whole in ((kinetic[[0, -1]], [0.45, 0]), (loss[[0, -1]], [0, 0.45])):
+        np.testing.assert_allclose(values, whole, atol=1e-9)
+    np.testing.assert_allclose(work, -loss, atol=1e-9)
+    assert np.abs(outcome.energies["balance"]).max() < 1e-9
+    for words in ({"energy": "kinetic"}, {"loss": "all"}, {"energy": "joint_loss"}):
+        response = parse("e", words, scene)
+        assert response.least == 0.0 <= response.evaluate(outcome).min()
+    assert parse("e", {"energy": "balance"}, scene).least is None
+
+
 @pytest.mark.slow
 def test_the_impact_of_a_latch_converges_with_the_square_of_the_step():
     """A wheel against a damper and a spring: J w, w by the damped oscillation up to the latch."""

@@ -24,6 +24,8 @@ TABLE = "interpolate(T, 10, 0, 30, 1, 40, 3, 41, 1)"
         ("1/(1 + (T + 60)**2)", [-60.0]),
         ("sin(0.1 rad*T)", (np.arange(-3, 3) + 0.5) * 10 * np.pi),
         ("abs(T - 12.3)", [12.3]),
+        # Of a product that is next to nothing at the other one's value.
+        ("exp(-((T - 45)/0.7)**2)*exp(-((w - 9)/0.1)**2) + T/100", [45.0]),
         ("(T/100)**3", []),
         ("2*T/100 + w", []),
         ("0*T", []),

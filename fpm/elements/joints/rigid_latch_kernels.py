@@ -3,7 +3,7 @@
 import math
 
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET
-from fpm.elements.joints.turn_kernels import end_work, moment_of, register_losses
+from fpm.elements.joints.turn_kernels import begin_loss, end_work, moment_of, register_losses
 from fpm.elements.openings import latch_kernels as latch
 from fpm.elements.openings.latch_kernels import (
     AGE,
@@ -164,6 +164,8 @@ def work_after(part, world, timing):
         if part.turn[i] < 0:
             continue
         moment = moment_of(part.turns, part.turn[i], timing, world)
+        if timing.time == 0.0:
+            begin_loss(part, world, timing, i, moment, WORKS)
         impulse = timing.kick * moment
         store(part.state, i, latch.MOMENT, moment)
         store(part.state, i, latch.IMPULSE, load(part.state, i, latch.IMPULSE) + impulse)

@@ -5,16 +5,18 @@ the trapezium rule it does half of its work on the way to the positions at which
 on the way from there, as all other moments do (losses_kernels.add_loss)."""
 
 from fpm.elements.joints.closure import mean_force
-from fpm.elements.joints.joint_arrays import TURN_IMPULSE
+from fpm.elements.joints.joint_arrays import RATE, TURN_IMPULSE
+from fpm.elements.openings.losses_kernels import RATE as START_RATE
 from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import ACCOUNTS
+from fpm.kernels.lanes import load, store, where_negative
+from fpm.kernels.layout import ACCOUNTS, KINETIC
 from fpm.kernels.vectors import kernel
 
 # Kept for each element from one step to the next, in this order from a first field.
-HOLD_MOMENT, WORK_DUE = 0, 1  # last moment (N m), and work of the half step up to it (J)
+HOLD_MOMENT, WORK_DUE = 0, 1  # last moment (N m), and work of the half step up to it (J);
+# at the start the loss that belongs to no half step (`begin_loss`)
 HOLD_FIELDS = 2
 
 
@@ -44,7 +46,15 @@ def add_late_moment(moments, openings, h, moment):
     if openings.parts > 0:
         row = h * openings.parts + openings.part
         store(moments, row, OPENING_MOMENT, load(moments, row, OPENING_MOMENT) + moment)
-        store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
+        add_late_work(moments, openings, h, work_on(openings, h, moment))
+
+
+@kernel
+def add_late_work(moments, openings, h, work):
+    """Add `work` (J) to what is recorded of joint coordinate h. moments: Openings.moments."""
+    if openings.parts > 0:
+        row = h * openings.parts + openings.part
+        store(moments, row, WORK, load(moments, row, WORK) + work)
 
 
 def register_losses(arrays, first):
@@ -53,9 +63,14 @@ def register_losses(arrays, first):
 
     @hook(arrays)
     def work_before(part, world, timing):
-        """Add half of the loss (J) of the moments of the last step."""
+        """Add half of the loss (J) of the moments of the last step, and that of the start."""
         for i in range(part.hinge.shape[0]):
-            work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HOLD_MOMENT))
+            h = part.hinge[i]
+            work = work_on(part.openings, h, load(part.state, i, first + HOLD_MOMENT))
+            if timing.time < 1.5 * timing.step:
+                loss = load(part.state, i, first + WORK_DUE)
+                add_late_work(part.openings.moments, part.openings, h, -1.0 * loss)
+                work = work - loss
             add_to_account(world, part.account, -1.0 * work)
 
     register_work_due(arrays, first)
@@ -68,9 +83,10 @@ def register_work_due(arrays, first):
 
     @hook(arrays)
     def work_due(part, world, energies, row, timing):
-        """Add the work (J) that `end_work` counted after the instant was recorded."""
+        """Add the work (J) that `end_work` counted after the instant was recorded; at the start,
+        to the kinetic energy, what `begin_loss` found."""
+        account = KINETIC if timing.time == 0.0 else ACCOUNTS + part.account
         for i in range(part.hinge.shape[0]):
-            account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
             store(energies, row, account, total)
 
@@ -93,3 +109,14 @@ def end_work_of(part, world, i, moment, first, sign):
     add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)
     store(part.state, i, first + WORK_DUE, work)
+
+
+@kernel
+def begin_loss(part, world, timing, i, moment, first):
+    """Store as WORK_DUE of element i the energy (J) that its `moment` (N m) takes in the first kick
+    beyond its work by the mean rate after it: half of its impulse times the change of the rate. By
+    just that the kinetic energy of velocities reflected about the start (`reflect`) is too small,
+    which a stop within the first step makes most of it."""
+    change = load(part.turns.state, part.turn[i], RATE) - load(part.rates, i, START_RATE)
+    loss = 0.5 * change * moment / mean_force(world, timing)
+    store(part.state, i, first + WORK_DUE, where_negative(loss, 0.0, loss))

@@ -9,6 +9,7 @@ from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET
 from fpm.elements.joints.turn_kernels import (
     HOLD_MOMENT,
     add_late_moment,
+    begin_loss,
     end_work_of,
     moment_of,
     register_losses,
@@ -149,8 +150,11 @@ def slow_down(part, world, i, timing):
     """Add the moment (N m) of element i, which sticks exactly, where it slips."""
     h = part.hinge[i]
     if timing.time > 0.0:
-        store(part.rates, i, PREVIOUS_RATE, load(part.rates, i, LAST))
-        store(part.rates, i, LAST, half_rate(part.openings, h, timing))
+        last, rate = load(part.rates, i, LAST), half_rate(part.openings, h, timing)
+        if timing.time < 1.5 * timing.step:  # that half a step before the start, reflected
+            last = 2.0 * last - rate
+        store(part.rates, i, PREVIOUS_RATE, last)
+        store(part.rates, i, LAST, rate)
     hold = load(part.turns.state, part.turn[i], HOLDS)
     moment = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, FRICTION)
     moment = where_negative(hold, 0.0, moment)
@@ -319,3 +323,5 @@ def work_after(part, world, timing):
         late_moment = moment - load(part.state, i, LAST_BRAKE)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)
+        if timing.time == 0.0:
+            begin_loss(part, world, timing, i, moment, WORKS)

@@ -92,14 +92,16 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     psi_start, psi_end: coordinate at both ends of the step (rad), linear between; last_rate: in the
     step before (rad/s); end: time of the step's end (s), 0 at the start of a run, where both
     coordinates are the same and the rate is `last_rate`; step: its length (s). `first` and `last`
-    (rad) are measured from the edge of the capture range that is met first."""
+    (rad) are measured from the edge of the capture range that is met first. The rate is linear
+    through the middles of both steps: within the range it may fall to the largest one at which the
+    latch catches, or reverse into its direction, at a share of the step."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     approach, half = part.numbers[i, APPROACH, s], (psi_end - psi_start) / step
     if end == 0.0:
         half = last_rate
-    if approach * half < 0.0:
-        return
-    sign = -1.0 if half < 0.0 or (half == 0.0 and approach < 0.0) else 1.0
+    sign = approach
+    if approach == 0.0:
+        sign = -1.0 if half < 0.0 else 1.0
     first, last = sign * (psi_start - angle) + reach, sign * (psi_end - angle) + reach
     is_entered = first < 0.0 and last >= 0.0 and end > 0.0
     is_inside = 0.0 <= first <= 2.0 * reach and reach > 0.0
@@ -107,18 +109,25 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
         is_inside = -AT_START <= first <= 2.0 * reach + AT_START
     if not (is_entered or is_inside):
         return
-    part_of_step = -first / (last - first) if is_entered else 1.0
-    rate = half + (part_of_step - 0.5) * (half - last_rate)
-    if abs(rate) <= part.numbers[i, MAX_RATE, s]:
-        place = 0.0 if is_entered else min(last, 2.0 * reach)
-        place = last if end == 0.0 else place
+    entry, change = -first / (last - first) if is_entered else 0.0, sign * (half - last_rate)
+    if end < 1.5 * step:  # the last rate is that at the start, half a step before
+        change *= 2.0
+    entry_rate = sign * half + (entry - 0.5) * change
+    rate = min(max(entry_rate, 0.0), part.numbers[i, MAX_RATE, s])
+    wait = 0.0
+    if rate != entry_rate:
+        wait = (rate - entry_rate) / change if change != 0.0 else -1.0
+    place = max(first, 0.0) + wait * (last - first)
+    if end == 0.0:
+        place = first
+    if 0.0 <= wait <= 1.0 - entry and (end == 0.0 or 0.0 <= place <= 2.0 * reach):
         part.state[i, IS_CAUGHT, s] = 1.0
         part.state[i, HOLD_ANGLE, s] = angle + sign * (place - reach)
         part.state[i, SIGN, s] = sign
         part.state[i, NEWS, s] = 1.0
-        part.state[i, CATCH_TIME, s] = end - (1.0 - part_of_step) * step
-        part.state[i, CATCH_RATE, s] = rate
-    elif last > 2.0 * reach or reach == 0.0:
+        part.state[i, CATCH_TIME, s] = end - (1.0 - entry - wait) * step if end > 0.0 else 0.0
+        part.state[i, CATCH_RATE, s] = sign * rate
+    elif last > max(first, 2.0 * reach) or (reach == 0.0 and entry_rate > 0.0):
         fraction = (2.0 * reach - first) / (last - first) if end > 0.0 else 1.0
         part.state[i, NEWS, s] = 2.0
         part.state[i, CATCH_TIME, s] = end - (1.0 - fraction) * step

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import scipy
 from numpy.polynomial.chebyshev import chebvander
 
 from . import chebyshev
 from .box import MAX_DIMENSION, MOST_FULL, Box, axis_points, corner_points, match_points
 from .chebyshev import Surrogate, least_squares, product_basis
 from .errors import IntervalError, check_choice, check_integer, check_options
+from .sobol import sobol
 from .splines import predict_runs
 
 MAX_ORDER = 64
@@ -246,8 +246,7 @@ def scan_points(
     points[:first] = corner_points(free)[:first]
     rest = samples - first
     if rest > 0:
-        sampler = scipy.stats.qmc.Sobol(int(free.sum()), scramble=True, rng=seed)
-        points[first:, free] = 2 * sampler.random_base2((rest - 1).bit_length())[:rest] - 1
+        points[first:, free] = 2 * sobol(rest, int(free.sum()), seed) - 1
     return points
 
 

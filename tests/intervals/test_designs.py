@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import qmc
 
 from deployable.intervals import Box, IntervalError, fit, held_out_points, make_design
 from deployable.intervals.box import find_other_runs, match_points
@@ -15,6 +16,7 @@ from deployable.intervals.chebyshev import (
     total_degree,
 )
 from deployable.intervals.designs import complete_runs, scan_points
+from deployable.intervals.sobol import sobol
 
 
 def keys(points):
@@ -36,6 +38,12 @@ def test_lobatto_points_of_the_doubled_order_contain_the_old_ones_to_the_last_bi
     many = box.from_unit(make_design("tensor_lobatto", 2, 2 * min(order, 8)).points)
     assert keys(few) <= keys(many)
     assert keys(box.from_unit(box.corners())) <= keys(few)
+
+
+@pytest.mark.parametrize(("dimension", "seed"), [(1, 0), (3, 2**32 - 1), (60, 7)])
+def test_sobol_points_are_those_of_scipy_to_the_last_bit(dimension, seed):
+    points = qmc.Sobol(dimension, rng=seed).random(1 << 9)
+    assert (sobol(500, dimension, seed) == points[:500]).all()
 
 
 def test_smolyak_and_scan_are_nested_too():

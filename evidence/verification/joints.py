@@ -61,8 +61,9 @@ def pendulum(bench: Bench) -> None:
     (outcome,) = bench.simulate(scene, duration=4.0, instants=2001)
     swing = outcome.openings["O"]
     bench.check("period, bar of elements (s)", period(outcome.time, swing), exact, 1e-3, source)
-    bench.check_small("gap of the hinge", outcome.gap.max() / length, 1e-10, "required", "L")
-    bench.check_small("tilt of the hinge (rad)", outcome.axis_gap.max(), 1e-9, "required", "1")
+    gap, tilt = (outcome.records[f"hinge_{name}gap"].values.max() for name in ("", "axis_"))
+    bench.check_small("gap of the hinge", gap / length, 1e-10, "required", "L")
+    bench.check_small("tilt of the hinge (rad)", tilt, 1e-9, "required", "1")
 
 
 def contact_bounce(bench: Bench) -> None:

@@ -78,20 +78,6 @@ class Outcome(Curves):
         """Tensions (t,), N, of all cables by name, at the recorded instants."""
         return self.select_columns("cable_tension")
 
-    @property
-    def gap(self) -> np.ndarray:
-        """Largest error in position (t,), m, of hinges solved alone (`are_alone`) at the recorded
-        instants; of others: `records["joint_gap"]`."""
-        return self._recorded_or_zero("hinge_gap")
-
-    @property
-    def axis_gap(self) -> np.ndarray:
-        """Largest error in axes (t,), sine, of them; else `records["joint_axis_gap"]`."""
-        return self._recorded_or_zero("hinge_axis_gap")
-
-    def _recorded_or_zero(self, name: str) -> np.ndarray:
-        return self.records[name].values if name in self.records else np.zeros(len(self.time))
-
     def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
         """Return the trajectory as an xarray.Dataset; raises the failure of a run that failed.
 

@@ -109,11 +109,18 @@ def answer(
 def _search(
     model: ModelEvaluator, base: Experiment, choose: Choose, specs: list[LimitSpec], iterations: int
 ) -> tuple[Any, Any, list, list]:
-    """Return the results of `_best` after the deciding places are simulated, or after `iterations`.
-    The best choice is judged with runs at its worst places."""
+    """Find the best and the safest choice (`intervals.scalars.Choice`), the safe range of each
+    chosen value, and the choices that were tried; without a safe choice no safest and no ranges.
+    The places that decide are simulated, in at most so many iterations, and the best choice is
+    judged with runs at its worst places."""
     start = time.monotonic()
     for iteration in range(iterations + 1):
-        best, safest, safe_ranges, trials = _best(model, base, choose, specs)
+        problem = _problem(model, base, choose, specs)
+        best, trials = problem.find_best()
+        safest, safe_ranges = None, []
+        if best.is_safe and np.isfinite(best.safety):
+            safe_ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
+            safest = problem.find_safest(trials, best)
         points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
         points += [] if safest is None else [*safest.worst]
         points = model.find_missing([point for point in points if np.isfinite(point).all()])
@@ -239,20 +246,6 @@ def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
         for margin, point in zip(trial.margins, trial.worst, strict=True)
         if margin == -np.inf
     ]
-
-
-def _best(
-    model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
-) -> tuple[Any, Any, list, list]:
-    """Find the best and the safest choice (`intervals.scalars.Choice`), the safe range of each
-    chosen value, and the choices that were tried. Without a safe choice the safest is None and the
-    ranges are empty."""
-    problem = _problem(model, experiment, choose, specs)
-    best, trials = problem.find_best()
-    if not best.is_safe or not np.isfinite(best.safety):
-        return best, None, [], trials
-    ranges = [problem.find_safe_range(best, i) for i in range(len(problem.ranges))]
-    return best, problem.find_safest(trials, best), ranges, trials
 
 
 def _problem(

@@ -13,7 +13,6 @@ from fpm.structures.curves_file import NO_UNIT, CsvTable, CurvesFileError
 LABELS = ("", "run", "id", "no", "number", "name", "note")
 """Names of columns that are of no parameter, in lower case."""
 
-
 CONSTANT_TEXT = "No run varies {}, so no bound and no answer includes its influence."
 
 

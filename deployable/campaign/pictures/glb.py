@@ -141,7 +141,8 @@ def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
         cable = np.repeat(cables.cable[ends[:, 0]], _STRAND)
         primitives[-1]["attributes"]["_OF"] = buffer.add(cable, target=_VERTEX)
     if motion.sizes["hinge"]:
-        half = solid.thickness or 0.02 * span
+        bars = solid.nodes[:, 0] != solid.nodes[:, 1]  # of whose widths pins take the largest
+        half = float(np.abs(solid.sections[bars]).max(initial=0.0)) or 0.02 * span
         pins, nodes = _pins(motion, 0.9 * half)
         primitives.append(_strands(pins, nodes, 0.11 * half, PIN, buffer) | {"material": 2})
     if not primitives:

@@ -72,20 +72,11 @@ class Solid:
         return corners.reshape(len(corners), len(self.nodes), 8, 3)
 
     @cached_property
-    def thickness(self) -> float:
-        """Half of the largest width of a bar (m); 0 without bars."""
-        bars = self.nodes[:, 0] != self.nodes[:, 1]
-        return float(np.abs(self.sections[bars]).max(initial=0.0))
-
-    @cached_property
-    def bars(self) -> tuple[str, ...]:
-        """Names of the bars in their order, such as `AB`, whose elements are called `AB[3]`."""
-        return tuple(dict.fromkeys(map(bar_of, self.elements)))
-
-    @cached_property
     def bar(self) -> np.ndarray:
-        """Index (m) into `bars` of the bar that each element belongs to."""
-        return np.array([self.bars.index(bar_of(name)) for name in self.elements], dtype=int)
+        """Number (m) of the bar, such as `AB`, that each element, such as `AB[3]`, belongs to."""
+        names = [*map(bar_of, self.elements)]
+        numbers = {name: number for number, name in enumerate(dict.fromkeys(names))}
+        return np.array([numbers[name] for name in names], dtype=int)
 
     @cached_property
     def visible(self) -> np.ndarray:

@@ -90,12 +90,6 @@ RUN, EVENTS = "run", ("event_time", "event_of", "event_number")
 """The dimension of runs with their names; columns of `Curves.events`, of all runs in a file."""
 
 
-_UNREAD: dict[str, tuple[tuple[int, ...], Mapping[str, NetcdfVariable]]] = {}
-"""By path: state of a file that this process wrote, and its variables, until they are read."""
-
-_MOST_UNREAD = 1 << 28  # bytes
-
-
 class Contents(NamedTuple):
     """Contents of a trajectory file to write. attributes (global ones), variables: by name."""
 
@@ -348,15 +342,6 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike, **fa
     trajectory.attributes["coordinates"] = " ".join(names)
     with seals.whole_file(path, {"name": "a trajectory", **facts}) as temporary:
         write_arrays(temporary, *trajectory)
-    columns = [column for _, columns in _UNREAD.values() for column in columns.values()]
-    if sum(column.values.nbytes for column in columns) < _MOST_UNREAD:
-        _UNREAD[os.fspath(path)] = _state(path), trajectory.variables
-
-
-def _state(path: str | os.PathLike) -> tuple[int, ...]:
-    """What changes when a file is written again, or damaged."""
-    state = os.stat(path)
-    return state.st_ino, state.st_size, state.st_mtime_ns
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
@@ -377,29 +362,22 @@ def read_curves(
     seals.DamagedError if it is not as it was written, or has no dimension of runs."""
     import netCDF4
 
-    state, variables = _UNREAD.pop(os.fspath(path), (None, {}))
-    if state != _state(path):
-        seals.check(path, name)
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            variables = {
-                key: NetcdfVariable(v.dimensions, v[...], v.__dict__)
-                for key, v in file.variables.items()
-            }
-    if RUN not in variables:
-        raise seals.DamagedError(path, "it is of one run alone")
-    values = {key: variable.values for key, variable in variables.items()}
+    seals.check(path, name)
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        if RUN not in file.variables:
+            raise seals.DamagedError(path, "it is of one run alone")
+        variables = {key: (v.dimensions, v[...], v.__dict__) for key, v in file.variables.items()}
+    values = {key: array for key, (_, array, _) in variables.items()}
     names = values[RUN].tolist()
     selection = set(names if runs is None else runs)
     events = np.stack([values[key] for key in EVENTS], axis=1)
     labels = [tuple(text.split(" ")) for text in values["event_names"]]
     elements = [*zip(values["event_element"], labels, values["event_joint"], strict=True)]
-    energies = [
-        (v.attributes["energy"], v.values) for v in variables.values() if "energy" in v.attributes
-    ]
+    energies = [(v[2]["energy"], v[1]) for v in variables.values() if "energy" in v[2]]
     columns = {
         (key, label): array[..., i]
-        for key, (dims, array, *_) in variables.items()
+        for key, (dims, array, _) in variables.items()
         if dims[:1] == (RUN,) and dims[1:-1] in (("time",), (LED_OVER,), (READING,))
         for i, label in enumerate(values[dims[-1]].tolist())
     }

@@ -62,6 +62,16 @@ class Occurrence:
         where the event occurs, below 0 where not, undecided where its size is below `band`.
         Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
         points = np.asarray(points, dtype=float)
+        if (key := points.tobytes()) not in self._latest:  # masks and fits ask for the same again
+            self._latest.clear()
+            self._latest[key] = self._decide(points)
+        return self._latest[key]
+
+    @cached_property
+    def _latest(self) -> dict[bytes, np.ndarray]:
+        return {}
+
+    def _decide(self, points: np.ndarray) -> np.ndarray:
         if not self.is_mixed:
             return np.full(len(points), np.inf if self.happens.all() else -np.inf)
         return self._border(points)
@@ -277,7 +287,7 @@ class FittedOccurrence(Occurrence):
         agreement = decision[self.happens] >= -self.error
         return bool(agreement.all() and (decision[~self.happens] < tolerance).all())
 
-    def decision(self, points: np.ndarray) -> np.ndarray:
+    def _decide(self, points: np.ndarray) -> np.ndarray:
         values = self.fit.evaluate(points)
         return values if self.latest is None else self.latest - values
 
@@ -303,7 +313,7 @@ class JointOccurrence(Occurrence):
 
     parts: tuple[FittedOccurrence, ...] = field(default=(), kw_only=True)
 
-    def decision(self, points: np.ndarray) -> np.ndarray:
+    def _decide(self, points: np.ndarray) -> np.ndarray:
         return self._decisions(points).min(axis=0)
 
     def band(self, points: np.ndarray) -> np.ndarray:
@@ -318,16 +328,8 @@ class JointOccurrence(Occurrence):
         return self._over_sizes(rows)[least, np.arange(len(points))]
 
     def _decisions(self, points: np.ndarray) -> np.ndarray:
-        """Decision functions (parts, P) at points, over their sizes; kept for those asked last, as
-        a band is asked for where the decision was."""
-        if self._last.get("points") is not points:
-            rows = self._over_sizes([part.decision(points) for part in self.parts])
-            self._last.update(points=points, rows=rows)
-        return self._last["rows"]
-
-    @cached_property
-    def _last(self) -> dict[str, np.ndarray]:
-        return {}
+        """Decision functions (parts, P) at points, over their sizes."""
+        return self._over_sizes([part.decision(points) for part in self.parts])
 
     def _over_sizes(self, rows: Sequence[np.ndarray]) -> np.ndarray:
         return np.array([row / size for row, size in zip(rows, self._part_sizes, strict=True)])

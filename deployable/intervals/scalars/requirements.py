@@ -500,7 +500,8 @@ def find_max_scale(
     return low, worst_limit[1], worst_limit[2]
 
 
-_GRID, _ZOOM_GRID, _ZOOMS, _SPREAD = 33, 7, 22, 128
+_GRID, _ZOOM_GRID, _SPREAD = 33, 7, 128
+_FINEST = 1e-4  # of a range: the finest grid of choices reaches no farther
 
 # From choices (c) to the corners (k each), in unit coordinates, of the box that they leave.
 BoxOf = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -696,11 +697,12 @@ class ChoiceProblem:
         ends = np.array(self.ranges, dtype=float)
         wide = ends[:, 1] > ends[:, 0]
         best = min(trials, key=rank)
-        reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(trials) ** (1 / len(ends)))
+        reach = 1.5 / len(trials) ** (1 / len(ends))
         steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
-        for _ in range(_ZOOMS):
+        while reach > _FINEST:
             for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
-                point = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
+                steps_away = reach * np.array(offset) * (ends[:, 1] - ends[:, 0])
+                point = np.clip(best.values + steps_away, ends[:, 0], ends[:, 1])
                 best = self._judge(point, rank, rank(best)) or best
-            reach = reach * (0.45 if len(ends) == 1 else 0.6)
+            reach *= 0.45 if len(ends) == 1 else 0.6
         return best

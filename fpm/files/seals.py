@@ -138,7 +138,7 @@ def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
 def _compare(path: str | os.PathLike, facts: dict[str, str], content, name: str | None) -> None:
     header = {key: value for key, value in facts.items() if key != "digest"}
     if _with_digest(content, header)["digest"] != facts["digest"]:
-        raise DamagedError(path, "its contents are not those that were written")
+        raise DamagedError(path, "its contents have changed: run the campaign again")
     if name is not None and facts["name"] != name:
         raise DamagedError(path, f"it is {facts['name']}, not {name}")
 

@@ -65,7 +65,10 @@ def read_text(path: str | Path) -> str:
         damage = error.reason if isinstance(error, DamagedError) else ""
         reason = damage or getattr(error, "strerror", None) or str(error)
         reason += search_hint(path) if isinstance(error, FileNotFoundError) else ""
-        if Path(path).is_dir():
+        if "\n" in str(path):
+            lines, path = len(str(path).splitlines()), str(path).splitlines()[0]
+            reason = f"{lines} lines of text are no path; allowed: a path, or a dict of sections"
+        elif Path(path).is_dir():
             reason = "it is a folder; allowed: a YAML file"
         problem = Problem(0, f"the file cannot be read: {reason}")
         raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None

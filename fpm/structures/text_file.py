@@ -202,7 +202,7 @@ def build_type(node: Node, problems: Problems) -> SceneType:
     file; if there are any, they are raised as StructureError."""
     source = problems.source
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
-        remedy = f"use `check {source}`, or in Python `campaign.run`"
+        remedy = f"use `check {source}`, in Python `campaign.run`, or the file of its `scene`"
         problems.say(0, f"this is a campaign's file, not a structure's: {remedy}")
         problems.stop()
     table = correct_keys(node, KEYS, problems)

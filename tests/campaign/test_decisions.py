@@ -91,7 +91,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
     assert f"met in {100 * together['share']:.4g} % of the tolerance box ({VOLUME})" in text
-    assert "On its edge, `in_time`" in text
+    assert "Just beyond that size, `in_time`" in text
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):

@@ -51,7 +51,7 @@ LIMIT = {
     "quantity": "t_open", "units": "s", "words": TIME["words"], "event": TIME["event"],
     "kind": "at_most", "level": 9.0, "margin": 0.8, "error": 0.1, "kept": True, "at": {"k": 0.4},
     "ran": True, "simulated": 8.2, "requirement": "in_time", "met": "some", "share": 0.9,
-    "share_uncertainty": 0.01, "runs": 125,
+    "share_uncertainty": 0.01, "runs": 125, "halved": {"k": 0.95, "c": None},
 }  # fmt: skip
 HAPPENS = LIMIT | {"kind": "happens", "level": True, "margin": None, "kept": False}
 SOFT = LIMIT | {"quantity": "v", "units": "m s-1", "words": SPEED["words"], "level": 0.8}
@@ -129,6 +129,7 @@ def parameter(**changes):
 LARGE = curve(grade="large", error_at_largest_difference=0.5,
               trusted={"difference": 0.9, "error": 0.05, "time": 3.0})  # fmt: skip
 NEVER = TIME | {"lower": None, "runs_with": 0, "runs_without": 20}
+UNFINISHED = {"name": "root", "duration": 12.0, "at": {"k": 0.4}}
 REACHED = {"name": "root", "units": "rad", "value": 1.2, "level": 1.57, "time": 2.0, "moves": True}
 ROWS = [{"state": "met", "clause": "4.7", "of": "v"}, {"state": "not analysed", "clause": "4.8",
                                                        "of": ""}]  # fmt: skip
@@ -201,6 +202,8 @@ CASES = {
         ("occurrences", [TIME | {"runs_without": 2}, SPEED | {"runs_without": 2}]),
         ("occurrences", [TIME | {"runs_without": 2}]),
         ("occurrences", [TIME | {"runs_without": 2}, SPEED | {"runs_without": 2, "happens": 0.5}]),
+        *(("occurrences", [TIME | {"runs_without": 3, "unfinished": UNFINISHED | counts}], [K])
+          for counts in ({"late": 1, "stuck": 1}, {"late": 2, "stuck": 0, "at": {}})),
         ("occurrences", [NEVER]),
         ("occurrences", [NEVER | {"reached": REACHED}]),
         ("occurrences", [NEVER | {"reached": REACHED | {"moves": False}}]),
@@ -214,7 +217,10 @@ CASES = {
         ("tolerance", rows(TIME | {"constant": True}, parameters=[K])),
         ("tolerance", facts(FREE, parameters=[ANGLE])),
         ("tolerance", chosen()),
-        ("tolerance", together(halved={"k": HALF, "c": HALF})),
+        ("tolerance", facts(together={"halved": {"k": HALF, "c": HALF}}, requirements=[
+            PART | {"limits": [LIMIT | {"halved": {"k": 0.95, "c": 0.1}}]}
+        ])),
+        ("tolerance", facts(requirements=[PART | {"limits": [LIMIT | {"halved": {"k": -0.1}}]}])),
         ("tolerance", together(halved={n: HALF | {"gain": 0} for n in "kc"})),
         ("tolerance", together(met="undecided")),
         ("tolerance", rows(TIME | {"influence": {
@@ -234,7 +240,7 @@ CASES = {
         ("choice", chosen(safe=False)),
         *(("choice", chosen(
             limits=[LIMIT | {"error": 0.7}], goals=CHOICE["goals"] * 2,
-            tried=[{"values": [k], "kept": kept} for k in (0.4, 0.5, 0.6)],
+            tried=[{"values": [k], "goals": [0.6, 0.7], "kept": kept} for k in (0.4, 0.5, 0.6)],
         )) for kept in (True, False)),
         ("choice", chosen({"requirements": [PART | {"limits": [LIMIT]}] * 2})),
         ("choice", chosen({"together": {"met": "none"}}, limits=[LIMIT | {"error": 0.7}])),
@@ -285,6 +291,9 @@ CASES = {
         }}])),
         ("soft", facts(contacts=["K_C"], responses=[LATE])),
         ("soft", facts(closures=[])),
+        ("soft", facts(contacts=["K_C"], late_peaks=["t_open"], fixed=[
+            {"name": "K_C", "value": 1e4, "units": "N rad-1", "description": "contact stiffness"}
+        ])),
         ("remedy", facts(accuracy={}), CURVE),
         ("remedy", facts(parameters=[K] * 9), CURVE),
         ("remedy", FACTS, LATE),
@@ -340,8 +349,11 @@ CASES = {
         ("where", LIMIT | {"lower_at": {"k": 0.1}}, [K]),
         *(("reliable", row) for row in (curve(grade="none"), curve(grade="unknown"), CURVE, LARGE,
                                         curve(error_at_largest_difference=1e-9),
+                                        curve(largest_error=0.4),
                                         LARGE | {"trusted": None})),
         *(("goal_name", CHOICE["goals"][0] | {"end": end}) for end in ("upper", "lower", "width")),
+        ("halved_margin", LIMIT, "k"), ("halved_margin", LIMIT | {"margin": 0.94}, "k"),
+        ("cut", TOGETHER), ("cut", {"max_interval_scale": 0.00123}),
         ("narrowed", TIME, "k", "halved"), ("narrowed", TIME | {"constant": True}, "k", "fixed"),
         ("sheet_head", FACTS, ROWS, ["met", "not met", "not analysed"], "ECSS"),
         ("sheet_head", facts(parameters=[]), ROWS[1:], ["met"], "ECSS"),
@@ -372,7 +384,9 @@ CASES_OF_CASES = {
         ("headline", compared(met="none", failing=["heavy", "hot"])),
         ("headline", compared(met="undecided", undecided=["heavy"])),
         ("headline", compared(met="undecided", undecided=["heavy", "hot"])),
-        ("trust", facts(COMPARED, runs=125)),
+        ("trust", facts(COMPARED, runs=125)), ("trust", compared(met="some") | {"runs": 125}),
+        ("overall", compared()), ("overall", compared(met="some", failing=["heavy"])),
+        ("overall", compared(met="none", failing=["heavy", "hot"])),
         ("next_case", MEASURED["next"][0] | {"case": "heavy"}),
     ],
     "Cells of tables of cases": [

@@ -94,7 +94,7 @@ TOLD = {
         "k = {k:.2f} N m/rad, c = {c:.2f} N m s/rad, friction {dry:.1f} N m".format(
             **a.requirements[0]["limits"][0]["at"]
         ),
-        f"every tolerance is cut to just under {100 * a.together['max_interval_scale']:.0f} %",
+        f"every tolerance is cut to {int(100 * a.together['max_interval_scale'])} %",
         "k = {k:.3f}, c = {c:.2f}, friction {dry:.2f}".format(**a.together["fails"]["at"]),
         f"latches after {a.together['fails']['simulated']:.1f} s",
         f"{100 * a.t_open.influence['dry']['share']:.0f} % of the interval of the time",

@@ -53,7 +53,7 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index("all requirements are met in ") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "Least at k = ", 'id="requirements"',
-                   "On its edge, <code>in_time</code>",
+                   "Just beyond that size, <code>in_time</code>",
                    "The best choice found is <code>k</code> = ",
                    'id="choice"', "6", "<b>The box</b> is ", "<b>The fit</b> is "):  # fmt: skip
         assert words_ in page

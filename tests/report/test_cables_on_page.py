@@ -79,7 +79,7 @@ def test_the_page_draws_them(folder, data):
             write_page(shown, page)
             browser.open(page)
             browser.settle()
-            assert ("grey: slack" in browser.ask(key)) == (name == "with")
+            assert ("grey: no force" in browser.ask(key)) == (name == "with")
             seen[name] = browser.ask("document.getElementById('view').toDataURL()")
             assert browser.errors() == []
     assert seen["with"] != seen["without"]

@@ -288,6 +288,13 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
         margin, point = float(runs.min()), model.points[runs.argmin()]
     error = number(result.limits[i].error)
     fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
+    free, halved = model.experiment.box.free.astype(float), {}
+    for j in np.flatnonzero(free):
+        middle = np.where(np.arange(len(free)) == j, model.nominal, 0.0)
+        size = np.where(np.arange(len(free)) == j, 0.5, 1.0) * free
+        worst, _ = result.limits[i].worst(middle / 2 - size, middle / 2 + size)
+        halved[model.experiment.box.names[j]] = number(worst)
+    fields["halved"] = halved
     return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
 
 

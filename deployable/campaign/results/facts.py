@@ -58,6 +58,9 @@ def facts_of(
     experiment, bounds = plan.experiment, read_bounds(folder)
     with open_samples(folder) as samples:
         facts, failures = bounds_facts(bounds, samples, published), [*samples.failures]
+        peaks = _late_peaks(samples, facts["closures"], bounds.time)
+        late = [_late_runs(i, quantity, samples, bounds.time)
+                for i, quantity in enumerate(experiment.quantity_list)]  # fmt: skip
     facts |= _structure(experiment, facts["parameters"])
     facts["quantities"], by_name = [], {}
     bounds_checks = int(bounds.attributes.get("check_runs", 0))
@@ -68,8 +71,9 @@ def facts_of(
         runs["checks"] += results.check_runs
         failures += read_refinement(folder)[2]
         by_name = {row["name"]: row for row in facts["quantities"]}
-        for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
-            row |= words_of(quantity)
+        rows = zip(facts["quantities"], experiment.quantity_list, late, strict=True)
+        for row, quantity, late_runs in rows:
+            row |= words_of(quantity) | ({"unfinished": late_runs} if late_runs else {})
             parts = [by_name[part.name] for part in getattr(quantity, "parts", ())]
             row["late_parts"] = [  # times that go on beyond the runs, or may have no upper end
                 part["name"] for part in parts if part["censored_at"] or part["may_be_endless"]
@@ -113,6 +117,7 @@ def facts_of(
         facts["unseen_from"] = float(bounds.attributes["unseen_from"])
     if facts["overlap"] > SOFT:
         facts["contacts"] = _contact_names(experiment, facts["fixed"])
+        facts["late_peaks"] = peaks
     facts["runs"] = {**runs, "all": sum(runs.values())}
     return facts
 
@@ -218,6 +223,18 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     ]  # fmt: skip
     description = experiment.scene_type.description.strip().rstrip(".")
     return {"about": description, "fixed": fixed}
+
+
+def _late_peaks(samples: RunSamples, closures: list[dict], time: np.ndarray) -> list[str]:
+    """Return the quantities that are peaks after the first contact, in the nominal run."""
+    responses, names = samples.experiment.response_list, []
+    for quantity in samples.experiment.quantity_list if closures else ():
+        choose = {"largest": np.argmax, "smallest": np.argmin}.get(quantity.kind)
+        if choose and quantity.response in responses and not samples.keeps_extremes:
+            nominal: Any = samples.nominal
+            (curve,) = samples.curves(nominal, [responses.index(quantity.response)])
+            names += [quantity.name] * bool(time[choose(curve)] > closures[0]["time"])
+    return names
 
 
 def _contact_names(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
@@ -355,19 +372,9 @@ def _is_met(share: float | None, target: float, **_: Any) -> bool:
 
 
 def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[str, Any]:
-    """Return how close the response of a crossing, or of a latch's joint, comes to its level over
-    the box, when (s), and whether it still `moves` then, at the end of the run. Empty if there is
-    no such response."""
-    response, level = quantity.response, quantity.level
-    if quantity.event == "latches":
-        scene = experiment.nominal_scene
-        latch = Latch.find(scene)[Latch.names(scene).index(quantity.places[0])]
-        opening = "opening", (scene.hinges[latch.hinge].name,)
-        matches = (c for c in experiment.response_list if (c.kind, c.subjects) == opening)
-        response = next(matches, None)
-        level = latch.angle
-    elif quantity.kind != "crossing":
-        response = None
+    """Return how close the response of an event comes to its level over the box, when (s), and
+    whether it still `moves` then, at the end of the run. Empty if there is no such response."""
+    response, level = _find_level(quantity, experiment)
     if response is None:
         return {}
     row = next(row for row in bounds.responses if row.name == response.name)
@@ -376,6 +383,39 @@ def _approach(quantity: Any, experiment: Any, bounds: CampaignBounds) -> dict[st
     value = float(curves[side, instant]) + 0.0  # no -0
     return {"name": response.name, "units": response.unit, "value": value, "level": level,
             "time": float(time[instant]), "moves": bool(instant >= 0.98 * len(time))}  # fmt: skip
+
+
+def _find_level(quantity: Any, experiment: Any) -> tuple[Any, float | None]:
+    """Return the response of a crossing, or of a latch's joint, and the level that it has to reach;
+    None for both if there is no such response."""
+    if quantity.event == "latches":
+        scene = experiment.nominal_scene
+        latch = Latch.find(scene)[Latch.names(scene).index(quantity.places[0])]
+        opening = "opening", (scene.hinges[latch.hinge].name,)
+        matches = (c for c in experiment.response_list if (c.kind, c.subjects) == opening)
+        return next(matches, None), latch.angle
+    return (quantity.response, quantity.level) if quantity.kind == "crossing" else (None, None)
+
+
+def _late_runs(index: int, quantity: Any, samples: RunSamples, time: np.ndarray) -> dict[str, Any]:
+    """Count the design's runs without an event, whose quantity has this index, by what they do at
+    their end: those that are `late` would reach the level within another duration at their last
+    rate; those that are `stuck` would not, one of them `at` a place. Empty where nothing tells."""
+    response, level = _find_level(quantity, samples.experiment)
+    rows = np.flatnonzero(np.isnan(samples.table.numbers[:, index]))
+    if response is None or samples.keeps_extremes or not len(rows):
+        return {}
+    number = samples.experiment.response_list.index(response)
+    last = np.searchsorted(time, time[0] + 0.98 * (time[-1] - time[0]))
+    gaps = np.array([abs(samples.curves(int(r), [number])[0, [last, -1]] - level) for r in rows])
+    rates = (gaps[:, 0] - gaps[:, 1]) / (time[-1] - time[last])
+    stuck = rows[rates * (time[-1] - time[0]) < gaps[:, 1]]
+    names = samples.experiment.intervals
+    at = (
+        dict(zip(names, samples.table.values[stuck[0]].tolist(), strict=True)) if len(stuck) else {}
+    )
+    return {"name": response.name, "late": len(rows) - len(stuck), "stuck": len(stuck), "at": at,
+            "duration": float(time[-1] - time[0])}  # fmt: skip
 
 
 def decisive(row: Mapping) -> str | None:

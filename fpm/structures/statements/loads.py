@@ -210,7 +210,7 @@ def cable(build, args):
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
     if (args.rest is None) == (args.preload is None):
-        pair = None if args.rest is None else [args.rest, args.preload]
+        pair = None if args.rest is None else f"{args.rest:g} m and {args.preload:g} N"
         build.refuse("rest", pair, "either `rest` or `preload`")
     if args.reel is None and args.curve is not None and args.drum is None:
         build.refuse("reel", None, "a length, with a `curve`")
@@ -370,7 +370,7 @@ def _length(build, args) -> float:
 def spring(build, args):
     """A spring that pushes or pulls two points towards a distance."""
     if (args.rest is None) == (args.preload is None):
-        pair = None if args.rest is None else [args.rest, args.preload]
+        pair = None if args.rest is None else f"{args.rest:g} m and {args.preload:g} N"
         build.refuse("rest", pair, "either `rest` or `preload`")
     if args.rest is None and not args.stiffness > 0:
         build.refuse("stiffness", args.stiffness, "above 0, with a `preload`")

@@ -206,7 +206,7 @@ function viewerControls(viewer) {
   byId("few").hidden = boxes.length <= COLOURS.length + 1;
   const [{ loads, meshes }] = viewer.runs, gradient = (colourOf) => `background:linear-gradient(90deg,${[0, 0.25, 0.5, 0.75, 1].map((share) => `#${colourOf(share).getHexString()}`).join(",")})`;
   if (meshes.cables) {
-    byId("runs-shown").append(make("span", { id: "cables" }, "cables 0 ", make("i", { style: gradient(cableColour) }), ` ${digits(MOTION.largestTension, 3)} N, grey: slack`));
+    byId("runs-shown").append(make("span", { id: "cables" }, "cables and struts 0 ", make("i", { style: gradient(cableColour) }), ` ${digits(MOTION.largestTension, 3)} N, grey: no force`));
   }
   byId("coloured").hidden = !MOTION.largestStress; // of rigid bodies only
   viewer.top = usualTop(loads.stress);

@@ -8,7 +8,8 @@ import xarray
 from opening_panel import exact_time, panel, run
 
 from deployable.campaign.cli import main
-from deployable.campaign.results.compare import _curve
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.compare import _curve, _state
 from deployable.campaign.results.response_bounds import ResponseBounds
 
 
@@ -99,3 +100,12 @@ def test_what_cannot_be_compared_is_refused(names, words, capsys, tmp_path, monk
             (tmp_path / folder / name).touch()
     assert main(["compare", *names]) == 1
     assert words in capsys.readouterr().err
+
+
+def test_own_runs_that_changed_are_said_by_the_name_of_their_file(tmp_path, monkeypatch):
+    facts = {"scene": "panel", "duration": 1.0, "fixed": [], "parameters": [], "bounds": "b"}
+    plan = {"config": {"design": {"file": "doe.csv", "digest": "d9c1"}}, "mechanics": "m"}
+    monkeypatch.setattr("deployable.campaign.results.compare.read_json", lambda path: plan)
+    state = _state(facts, Folder(tmp_path))
+    assert state["design.file"] == "doe.csv" and state["checksum of doe.csv"] == "d9c1"
+    assert "design.digest" not in state

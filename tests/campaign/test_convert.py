@@ -117,7 +117,8 @@ def test_other_joints_move_as_in_mujoco(kind, made):
     assert mjcf.distance(mjcf.motion(structure.build(), "end", 2e-4), places) < 1e-3
 
 
-URDF = """<robot name="two"><link name="base"><collision><geometry><box size="1 1 1"/></geometry>
+URDF = """<robot name="two"><mujoco><option gravity="0 0 -9.81"/></mujoco>
+<link name="base"><collision><geometry><box size="1 1 1"/></geometry>
 </collision></link>
 <link name="maß-²"><inertial><origin xyz="0.2 0 0"/><mass value="1"/>
 <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0.001" ixz="0" iyz="0"/></inertial></link>
@@ -145,6 +146,7 @@ def test_urdf_swings_by_its_closed_equation(made):
     (outcome,) = fpm.simulate([scene], duration=1.0, instants=11, step=5e-4)
     exact = solve_ivp(swing, (0, 1), (0, 0), rtol=1e-10, atol=1e-12, t_eval=np.linspace(0, 1, 11))
     np.testing.assert_allclose(outcome.openings["hinge"], exact.y[0], atol=2e-5)
+    assert not any(note.startswith("<option>") for note in notes)
     assert "link base has the mass of its shapes at 1000 kg/m3" in notes
     assert "body tool is held rigidly on maß-²" in notes
     assert "maß-² is called maß_2 among bodies" in notes

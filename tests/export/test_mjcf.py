@@ -125,10 +125,10 @@ actions:
 """
 
 
-def test_stops_push_as_in_mujoco_and_come_back(tmp_path):
-    """Without loads, as a limit of MuJoCo gives what it is struck with its own acceleration."""
+@pytest.mark.parametrize("gravity", [0, -9.81])
+def test_stops_push_as_in_mujoco_and_come_back(gravity, tmp_path):
     source, back = tmp_path / "flap.yaml", tmp_path / "back.yaml"
-    source.write_text(FLAP + STRUCK)
+    source.write_text(f"gravity: [0, 0, {gravity}]{FLAP}{STRUCK}")
     (path,) = export(choose(str(source)), "mjcf", tmp_path)
     places = mjcf.simulate(mujoco.MjModel.from_xml_path(str(path)), "start", 0.5)["tip"]
     assert mjcf.distance(_run(source, 1e-4).points["tip"][0], places) < 1e-3
@@ -196,6 +196,7 @@ FOREIGN = {  # what is added to a flap, and what is said of it
               "curves:\n  c: {times: [0, 1], values: [0, 1]}\n", "hinge that follows a curve"),
     "gas spring": ("struts:\n  gas: {type: gas spring, between: [{part: ground, at: C}, B], "
                    "force: 1, length: 1.2, stroke: 0.5, ratio: 1.3}\n", "strut gas"),
+    "bristle": (HINGED % "friction, joint: hinge, moment: 1", "friction hinge"),
     "load": ("loads:\n  push: {part: lid, at: B, force: [0, 0, 1]}\n", "load"),
     "damping": ("damping: 0.1 /s\n", "damping"),
     "support": ("supports:\n  guide: {part: lid, at: B, translations: y, rotations: none}\n",
@@ -218,6 +219,12 @@ def test_what_has_no_equivalent_is_refused_by_name(what, tmp_path):
     with pytest.raises(CampaignError, match=f"^MJCF has no equivalent of .*{said}.*; allowed: "):
         export(run, "mjcf", tmp_path)
     assert not (tmp_path / "flap.xml").exists()
+
+
+def test_a_body_with_the_name_of_the_ground_is_refused(tmp_path):
+    (tmp_path / "flap.yaml").write_text(FLAP.replace("lid", "world"))
+    with pytest.raises(CampaignError, match="no equivalent of the body world, "):
+        export(choose(str(tmp_path / "flap.yaml")), "mjcf", tmp_path)
 
 
 def test_a_loop_in_which_all_joints_are_acted_on_is_refused(tmp_path):

@@ -259,7 +259,6 @@ OF_SLIDES = [
     ("type: prismatic", "type: sledge", "'sledge' is not allowed; allowed: revolute"),
     ("type: prismatic, ", "", "joints.boom.type: missing"),
     ("force: 0.5 N", "force: 0.5 N m", "allowed: a value in N of at least 0"),
-    ("force: 0.5 N", "force: 1, sticks: exactly", "bristle, on a slide"),
     ("lower: 0", "lower: 1 m", "an opening below `upper`, 0.4 m"),
     ("joint: knuckle_other", "joint: knuckle", "knuckle_axis or knuckle_other"),
     ("joint: knuckle_other", "joint: boom", "for a slide there is `spring`"),

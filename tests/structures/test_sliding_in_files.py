@@ -39,8 +39,6 @@ def test_openings_have_the_names_and_starts_that_are_stated():
         ("cylindrical", SPRING + "j_slide", "actions.k.joint", "for a slide there is `spring`"),
         ("cylindrical", "damper, damping: 1, joint: j", "actions.k.joint", "j_turn or j_slide"),
         ("cylindrical", "contact, stiffness: 1, joint: j_turn", "actions.k.joint", "revolute"),
-        ("pin in slot, x: x", "friction, joint: j_slide, force: 1, sticks: exactly",
-         "actions.k.sticks", "bristle, on a slide"),
         ("pin in slot, x: x", "bearing, joint: j_turn, mu: 0.1", "actions.k.radius", "a length"),
         ("spherical", SPRING + "j", "actions.k.joint", "the name of a revolute or screw joint"),
     ],

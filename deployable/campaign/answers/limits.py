@@ -287,7 +287,7 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     if runs.min() < margin:
         margin, point = float(runs.min()), model.points[runs.argmin()]
     error = number(result.limits[i].error)
-    fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
+    fields: dict[str, Any] = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
     free, halved = model.experiment.box.free.astype(float), {}
     for j in np.flatnonzero(free):
         middle = np.where(np.arange(len(free)) == j, model.nominal, 0.0)

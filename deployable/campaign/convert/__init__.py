@@ -44,7 +44,8 @@ ACTIONS: dict[str, tuple] = {
 GROUPS = "gravity parameters points bodies joints actions cables struts initial_velocities record"
 URDF = (
     "robot link inertial origin mass inertia visual collision geometry box cylinder sphere capsule "
-    "mesh material color texture joint parent child axis limit dynamics mimic mujoco compiler"
+    "mesh material color texture joint parent child axis limit dynamics mimic mujoco compiler "
+    "option size"
 )
 """Elements of URDF that MuJoCo reads, or that only say how things look."""
 
@@ -322,18 +323,16 @@ class Draft:
         self.add("joints", name, **keys)
 
     def _limit(self, name: str, stop: str, soft: list) -> dict[str, Any]:
-        """Return stiffness and damping of MuJoCo's soft limit, whose force is d/A (-b v - k r) with
-        the impedance d (its documentation, Computation), or nothing where they are not finite.
-        name, stop: of what has the limit, and of what it becomes; soft: solref, solimp, and A, the
-        acceleration by a unit force."""
-        (a, b), (_, d, *_), inverse = soft
-        d = float(np.clip(d, 1e-4, 0.9999))
+        """Return stiffness and damping of MuJoCo's soft limit beyond its width (its documentation,
+        Computation), or nothing where they are not finite. name, stop: of what has the limit, and
+        of what it becomes; soft: solref, and the acceleration by a unit force."""
+        (a, b), inverse = soft
         if inverse <= 1e-12 * self.m.body_invweight0.max() or b == 0 < a:
             text = f"MuJoCo's limit has no finite stiffness; add a {stop} with that of the real one"
             self.leave_out(f"range of {name}", text)
             return {}
         self.notes.append(f"range of {name} is a {stop} about as soft as MuJoCo's limit")
-        values = (1 / (d * a**2 * b**2), 2 / a) if a > 0 else (-a / d, -b)
+        values = (1 / (a**2 * b**2), 2 / a) if a > 0 else (-a, -b)
         return {"stiffness": digits(values[0] / inverse), "damping": digits(values[1] / inverse)}
 
     def add_joint_forces(self) -> None:
@@ -341,11 +340,10 @@ class Draft:
         for joint, (opening, sign, unit) in self.openings.items():
             j = self.m.joint(joint)
             rest = with_unit(sign * j.qpos_spring[0], unit)
-            sticks = {"sticks": "exactly"} if unit == "rad" else {"bristle_deflection": "0.01 mm"}
             self.act(joint, opening, "stiffness", j.stiffness[0], rest=rest)
             self.act(joint, opening, "damping", j.damping[0])
-            self.act(joint, opening, "frictionloss", j.frictionloss[0], **sticks)
-            soft = [j.solref, j.solimp, j.invweight0[0]]
+            self.act(joint, opening, "frictionloss", j.frictionloss[0], sticks="exactly")
+            soft = [j.solref, j.invweight0[0]]
             if j.limited[0] and (keys := self._limit(opening, "stop", soft)):
                 lower, upper = (with_unit(x, unit) for x in sorted(sign * j.range))
                 keys |= {"type": "stop", "joint": opening, "lower": lower, "upper": upper}
@@ -379,7 +377,7 @@ class Draft:
             elif damping:
                 self.leave_out(f"damping of tendon {name}")
             if m.tendon_limited[i]:
-                soft = [m.tendon_solref_lim[i], m.tendon_solimp_lim[i], m.tendon_invweight0[i]]
+                soft = [m.tendon_solref_lim[i], m.tendon_invweight0[i]]
                 low, rest = digits(m.tendon_range[i])
                 if keys := self._limit(name, "cable", soft):
                     text, EA = f"{name}_range" if stiffness else name, rest * keys["stiffness"]

@@ -25,7 +25,7 @@ EMPTY = """<mujoco><compiler angle="radian" autolimits="true"/>
 <worldbody/><equality/><tendon/><actuator/><keyframe/></mujoco>"""
 """Loops and friction of MuJoCo are soft: by these numbers they differ little from exact ones."""
 
-IMPEDANCE = 0.9999  # of limits, with which `solref` says a stop's stiffness and damping
+IMPEDANCE = 1e-4  # of limits: the least, by which loads act on in a stop, as they do in ours
 CLOSING = {"fixed": ["weld"], "spherical": ["connect"], "revolute": ["connect", "connect"]}
 """Equalities that close a loop, by the type of the joint there."""
 
@@ -36,7 +36,7 @@ CONDITIONS: dict = dict.fromkeys([*KINDS, e.Stop], lambda action: True) | {
     e.Damping: lambda damping: not damping.rate,
     e.Hinge: lambda hinge: hinge.type in JOINTS and not hinge.support,
     e.Joint: lambda joint: joint.type in JOINTS,
-    e.Friction: lambda friction: not friction.angles and friction.load is None,
+    e.Friction: lambda friction: friction.is_exact,
     e.TorqueMotor: lambda motor: motor.curve < 0 and np.isinf(motor.no_load),
     e.Cable: lambda cable: not cable.has_friction and cable.drum < 0 and cable.curve < 0,
     e.Strut: lambda strut: len(strut.lengths) == 1 and not strut.forces[0],
@@ -52,9 +52,12 @@ def write_mjcf(run: Any, folder: Path, frames: int) -> list[Path]:
     pairs = [(kind, element) for kind, members in scene.kinds.items() for element in members]
     names = [_title(scene, x) for k, x in pairs if k not in CONDITIONS or not CONDITIONS[k](x)]
     is_held = np.any(scene.fixed, axis=1) & ~np.all(scene.fixed, axis=1)
+    names += ["the body world, which has the name of the ground"] * ("world" in scene.bodies)
     names += [f"the support of {name}" for name, p in scene.bodies.items() if is_held[p]]
-    allowed = "rigid bodies in joints, with springs, dampers, constant friction, stops, constant "
-    allowed += "torques, cables without pulleys that rub, drums or winches, and struts that are "
+    allowed = "rigid bodies in joints, with springs, dampers, friction that sticks exactly, stops, "
+    allowed += (
+        "constant torques, cables without pulleys that rub, drums or winches, and struts that are "
+    )
     _refuse(names, f"{allowed}springs or dampers")
     tree = Tree(scene, run.name)
     try:
@@ -135,7 +138,7 @@ class Tree:
                 _refuse([f"the stops of {name}"], allowed)
             ends = {"below": -1e3, "above": 1e3} | {stop.side: stop.angle for stop in pair}
             k, c = model.dof_invweight0[model.joint(name).dofadr[0]] * np.array(values.pop())
-            keys = {"solreflimit": [-IMPEDANCE * k, -c], "range": [*ends.values()]}
+            keys = {"solreflimit": [-k, -c], "range": [*ends.values()]}
             keys["solimplimit"] = [IMPEDANCE, IMPEDANCE, 1e-3]
             _put(self.root.find(f".//joint[@name='{name}']"), **keys)
         data, motion = mujoco.MjData(model), moving_at_start(scene)

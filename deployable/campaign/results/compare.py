@@ -78,7 +78,9 @@ def _state(facts: Mapping[str, Any], folder: Folder) -> dict[str, str]:
         is_said = section in ("name", "scene", "intervals")  # above
         for key, value in (keys if isinstance(keys, dict) else {"": keys}).items():
             if not is_said and key != "duration" and value not in (None, "", [], {}):
-                state[join_key(section, key)] = re.sub("[\"'{}]", "", str(value))
+                is_file = key == "digest"  # stands beside the file's name
+                name = f"checksum of {keys['file']}" if is_file else join_key(section, key)
+                state[name] = re.sub("[\"'{}]", "", str(value))
     for row in facts.get("requirements", ()):
         texts = [sentence("limit", limit, escapes=False) for limit in row["limits"]]
         state[f"requirements.{row['name']}"] = " and ".join(texts)

@@ -71,8 +71,9 @@ def facts_of(
         runs["checks"] += results.check_runs
         failures += read_refinement(folder)[2]
         by_name = {row["name"]: row for row in facts["quantities"]}
-        rows = zip(facts["quantities"], experiment.quantity_list, late, strict=True)
-        for row, quantity, late_runs in rows:
+        for row, quantity, late_runs in zip(
+            facts["quantities"], experiment.quantity_list, late, strict=True
+        ):
             row |= words_of(quantity) | ({"unfinished": late_runs} if late_runs else {})
             parts = [by_name[part.name] for part in getattr(quantity, "parts", ())]
             row["late_parts"] = [  # times that go on beyond the runs, or may have no upper end

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fpm.declare import damping, number, specs
+from fpm.declare import damping, number
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.turn import ExactConnector
@@ -123,10 +123,9 @@ class Friction(ExactConnector):
 
     def check(self, scene):
         super().check(scene)
-        hinge = scene.hinges[self.hinge]
-        if self.is_exact and (hinge.slides or self.load is not None or self.angles):
-            subject, allowed = self.subject(scene, specs(Friction)["hinge"]), "an angle"
-            raise SceneError(subject, f"{hinge.name} ({hinge.type})", allowed)
+        if self.is_exact and (self.load is not None or self.angles):
+            allowed = "a bristle, where friction goes with the angle or the force"
+            raise SceneError(f"bristle_deflection of {self.title(scene)}", None, allowed)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
         if self.angles or self.shares:
@@ -154,7 +153,9 @@ class Friction(ExactConnector):
 
     def held_at_start(self, scene):
         (rate,) = turning_at_start(scene, [self.hinge])
-        fastest = np.abs(moving_at_start(scene).spin).max(initial=0.0)
+        motion = moving_at_start(scene)
+        speeds = motion.velocity if scene.hinges[self.hinge].slides else motion.spin
+        fastest = np.abs(speeds).max(initial=0.0)
         return scene.hinges[self.hinge].opening if abs(rate) <= RATE_TOL * fastest else None
 
     @classmethod

@@ -299,7 +299,7 @@ def change(part, world, timing, i, slips, turns, sticks):
     brake = where_negative(slips, slip_moment(part, i, sign * most, timing), last)
     brake = where_negative(turns, (1.0 - 2.0 * fraction) * old * most, brake)
     brake = where_negative(sticks, 0.0, brake)
-    push(part.openings, world.state, h, (brake - last) / mean_force(world, timing))
+    push(part.openings, world, h, (brake - last) / mean_force(world, timing))
     store(part.state, i, BRAKE, brake)
     store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
     hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))

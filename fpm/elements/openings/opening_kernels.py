@@ -7,7 +7,7 @@ import numpy as np
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
-from fpm.kernels.layout import BY_SPIN, IJ, F, M, P, X
+from fpm.kernels.layout import BY_SPIN, IJ, IM, F, M, P, V, X
 from fpm.kernels.rotation import arctan2, frame
 from fpm.kernels.vectors import (
     add3,
@@ -115,31 +115,40 @@ def turn(openings, state, h, moment):
     """Apply a moment (N m, lanes) about the axis of hinge h to its second particle, its opposite to
     the first, and record it as of openings.part. On a slide it is a force (N) along the axis, on
     both at the second's point, so that they are in balance."""
-    first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
-    axis = get3(openings.axes, h, 0)
+    add_to_ends(openings, state, h, moment, M)
     if is_slide(openings.slides, h):
-        arm = to_global(frame(state, second), get3(openings.sides, 2 * h + 1, REFERENCE))
-        force = moment * axis
-        lever = get3(state, second, X) + arm - get3(state, first, X)
-        add3(state, second, F, force)
-        add3(state, second, M, cross(arm, force))
-        add3(state, first, F, -1.0 * force)
-        add3(state, first, M, -1.0 * cross(lever, force))
-    else:
-        couple = moment * axis
-        put3(state, second, M, get3(state, second, M) + couple)
-        put3(state, first, M, get3(state, first, M) - couple)
+        force = moment * get3(openings.axes, h, 0)
+        add3(state, openings.ends[2 * h + 1], F, force)
+        add3(state, openings.ends[2 * h], F, -1.0 * force)
     add_moment(openings.moments, openings, h, moment)
 
 
 @kernel
-def push(openings, state, h, impulse):
-    """Apply an impulse (N m s, lanes) about the axis of hinge h (no slide) to its second particle,
-    and the opposite to the first, once the step's forces are in the momenta."""
+def push(openings, world, h, impulse):
+    """Apply an impulse (N m s, on a slide N s; lanes) to both particles of hinge h as `turn`
+    applies a moment, once the step's forces are in the momenta."""
+    add_to_ends(openings, world.state, h, impulse, P)
+    if is_slide(openings.slides, h):
+        first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
+        kick = impulse * get3(openings.axes, h, 0)
+        add3(world.state, second, V, load(world.particles, second, IM) * kick)
+        add3(world.state, first, V, -1.0 * load(world.particles, first, IM) * kick)
+
+
+@kernel
+def add_to_ends(openings, state, h, moment, field):
+    """Add a `moment` about the axis of hinge h to a field (M, P) of its second particle, and the
+    opposite to the first; of a slide the moments of a force at the second's point."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
-    kick = impulse * get3(openings.axes, h, 0)
-    put3(state, second, P, get3(state, second, P) + kick)
-    put3(state, first, P, get3(state, first, P) - kick)
+    part = moment * get3(openings.axes, h, 0)
+    if is_slide(openings.slides, h):
+        arm = to_global(frame(state, second), get3(openings.sides, 2 * h + 1, REFERENCE))
+        lever = get3(state, second, X) + arm - get3(state, first, X)
+        add3(state, second, field, cross(arm, part))
+        add3(state, first, field, -1.0 * cross(lever, part))
+    else:
+        add3(state, second, field, part)
+        add3(state, first, field, -1.0 * part)
 
 
 @kernel

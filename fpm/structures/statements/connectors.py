@@ -77,13 +77,10 @@ DEFLECTION_KEY = key_of(elements.Friction, "bristle_deflection", default=None)
 )
 def friction(build, args):
     """Dry (Coulomb) friction in a joint."""
-    slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
             allowed = "bristle, or neither `bristle_deflection` nor `damping`"
             build.refuse("sticks", args.sticks, allowed)
-        if slides:
-            build.refuse("sticks", args.sticks, "bristle, on a slide")
         build.scene.add(elements.Friction(args.joint, args.moment, None))
         return
     deflection = args.bristle_deflection or _deflection(build.scene, args.joint)

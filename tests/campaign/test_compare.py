@@ -22,7 +22,8 @@ def pair(tmp_path_factory):
             panel(campaign="strong", intervals=strong, requirements=early)]  # fmt: skip
     raws[1]["design"]["order"], raws[1]["solver"]["instants"] = 4, 801
     raws[1]["responses"]["speed"] = {"opening_rate": "hinge"}
-    raws[1]["requirements"] = early | {"far": {"wide": {"at_least": 0.1}}}
+    for raw, level in zip(raws, (9.0, 0.1), strict=True):  # one name, two limits
+        raw["requirements"] = early | {"far": {"wide": {"at_least": level}}}
     raws[1]["verify"] = {"max_iterations": 5}
     return [str(run(raw, results).path) for raw in raws]
 
@@ -34,18 +35,20 @@ def test_requirements_quantities_and_curves_stand_side_by_side(pair, capsys, tmp
     assert [case["name"] for case in facts["cases"]] == ["weak", "strong"]
     assert [case["changes"] for case in facts["cases"]] == [
         "k 0.1 N m/rad, ± 5 %; solver.instants 401; design.order 3; verify.max_iterations 6; "
-        "no responses.speed; no requirements.far",
+        "requirements.far final opening of the `hinge` is at least 9 rad; no responses.speed",
         "k 0.2 N m/rad, ± 5 %; solver.instants 801; design.order 4; verify.max_iterations 5; "
-        "responses.speed opening_rate: hinge; requirements.far final opening of the `hinge` is at "
-        "least 0.1 rad"]  # fmt: skip
+        "requirements.far final opening of the `hinge` is at least 0.1 rad; "
+        "responses.speed opening_rate: hinge"]  # fmt: skip
     (t_open,) = [row for row in facts["quantities"] if row["name"] == "t_open"]
     for row, k in zip(t_open["by_case"], (0.1, 0.2), strict=True):
         expected = [exact_time(1.05 * k), exact_time(0.95 * k)]
         np.testing.assert_allclose([row["lower"], row["upper"]], expected, rtol=2e-3)
-    early, _ = facts["requirements"]
+    early, far = facts["requirements"]
     met = [row["met"] for row in early["limits"][0]["by_case"]]
     expected = [exact_time(0.95 * k) <= 1.9 for k in (0.1, 0.2)]
     assert [m == "all" for m in met] == expected
+    assert [(x["level"], x["met"], x["cases"]) for x in far["limits"]] == [
+        (9.0, "none", ["weak"]), (0.1, "all", ["strong"])]  # fmt: skip
     curve, only = facts["curves"]
     assert only["name"] == "speed" and [bool(row) for row in only["by_case"]] == [False, True]
     files = [xarray.load_dataset(f"{folder}/bounds.nc") for folder in pair]

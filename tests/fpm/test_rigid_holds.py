@@ -105,8 +105,8 @@ def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
         (Latch(1, 1.0, 1.0), "no other latch"),
         (Release(0), "time of release root"),
         (Release(0, time=-1.0), "time of release root"),
-        (Release(2, time=1.0), "a hinge without a release"),
-        (Release(2, 1.0, 0.0, 0.0, time=1.0), "a hinge without a release"),
+        (Release(2, time=1.0), "one release on a joint"),
+        (Release(2, 1.0, 0.0, 0.0, time=1.0), "one release on a joint"),
         (Release(0, watch=1, level=0.0), "level of release root"),
     ],
 )

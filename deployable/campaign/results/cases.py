@@ -111,6 +111,16 @@ def combine_met(verdicts: Iterable[str]) -> str:
     return "some" if verdicts & {"none", "some"} else "undecided"
 
 
+def _verdict(by_case: Mapping[str, Mapping]) -> dict[str, Any]:
+    """Return the verdict on what stands in some cases, and which of these decide it."""
+    return {
+        "met": combine_met(row["met"] for row in by_case.values()),
+        "cases": list(by_case),
+        "failing": _select_cases(by_case, "none", "some"),
+        "undecided": _select_cases(by_case, "undecided"),
+    }
+
+
 def _select_cases(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
     """Names of the cases of which a verdict is one of these."""
     return [name for name, row in rows.items() if row and row["met"] in verdicts]
@@ -138,10 +148,7 @@ def _requirements(summaries: Mapping[str, Mapping], severity: Severity) -> list[
         comparisons = [_compare(group, [*summaries], severity) for group in limits.values()]
         rows.append({
             "name": name,
-            "met": combine_met(row["met"] for row in by_case.values()),
-            "cases": list(by_case),
-            "failing": _select_cases(by_case, "none", "some"),
-            "undecided": _select_cases(by_case, "undecided"),
+            **_verdict(by_case),
             "worst": min((limit["worst"] for limit in comparisons), key=severity),
             "limits": comparisons,
         })  # fmt: skip
@@ -158,6 +165,7 @@ def _compare(limits: Mapping[str, Mapping], cases: list[str], severity: Severity
     keys = ("quantity", "units", "words", "event", "kind", "level")
     return {
         **{key: worst[key] for key in keys if key in worst},
+        **_verdict(limits),
         "worst": {**worst, "close": close},
         "by_case": [limits.get(case) for case in cases],
     }

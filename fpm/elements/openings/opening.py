@@ -134,8 +134,8 @@ class Connector(ConnectorElement):
         (`noun`, as "motor"), of whatever type; raises SceneError if it has."""
         kinds = [k for k in scene.kinds if issubclass(k, Connector) and k.noun == self.noun]
         if self.hinge in [element.hinge for kind in kinds for element in kind.find(scene)]:
-            allowed = f"a hinge without a {self.noun}"
-            raise SceneError(f"hinge of {self.noun}", self.hinge, allowed)
+            name, allowed = self.label(scene), f"one {self.noun} on a joint"
+            raise SceneError(f"joint of a second {self.noun}", name, allowed)
 
     @classmethod
     def eventful(cls, scene):

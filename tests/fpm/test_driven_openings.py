@@ -148,7 +148,10 @@ def release(**more):
         (motor(damping=-1.0), "damping of motor H1"),
         (motor(turn=np.nan), "opening of motor H1"),
         (motor(curve=3), "curve of motor H1 = 3"),
-        (motor(hinge=0, stiffness=None), "joint of a second motor = .H0. is not allowed; expected one motor on a joint"),
+        (
+            motor(hinge=0, stiffness=None),
+            "joint of a second motor = .H0. is not allowed; expected one motor on a joint",
+        ),
         (motor(stiffness=None, start=0.1), "opening of motor H1 at the start"),
         (motor(stiffness=None, turn=np.inf), "opening of motor H1"),
         (motor(stiffness=None, curve=7), "curve of motor H1"),

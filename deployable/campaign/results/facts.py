@@ -59,8 +59,8 @@ def facts_of(
     with open_samples(folder) as samples:
         facts, failures = bounds_facts(bounds, samples, published), [*samples.failures]
         peaks = _late_peaks(samples, facts["closures"], bounds.time)
-        late = [_late_runs(i, quantity, samples, bounds.time)
-                for i, quantity in enumerate(experiment.quantity_list)]  # fmt: skip
+        late_runs = [_late_runs(i, quantity, samples, bounds.time)
+                     for i, quantity in enumerate(experiment.quantity_list)]  # fmt: skip
     facts |= _structure(experiment, facts["parameters"])
     facts["quantities"], by_name = [], {}
     bounds_checks = int(bounds.attributes.get("check_runs", 0))
@@ -71,10 +71,10 @@ def facts_of(
         runs["checks"] += results.check_runs
         failures += read_refinement(folder)[2]
         by_name = {row["name"]: row for row in facts["quantities"]}
-        for row, quantity, late_runs in zip(
-            facts["quantities"], experiment.quantity_list, late, strict=True
+        for row, quantity, counts in zip(
+            facts["quantities"], experiment.quantity_list, late_runs, strict=True
         ):
-            row |= words_of(quantity) | ({"unfinished": late_runs} if late_runs else {})
+            row |= words_of(quantity) | ({"unfinished": counts} if counts else {})
             parts = [by_name[part.name] for part in getattr(quantity, "parts", ())]
             row["late_parts"] = [  # times that go on beyond the runs, or may have no upper end
                 part["name"] for part in parts if part["censored_at"] or part["may_be_endless"]
@@ -412,10 +412,10 @@ def _late_runs(index: int, quantity: Any, samples: RunSamples, time: np.ndarray)
     rates = (gaps[:, 0] - gaps[:, 1]) / (time[-1] - time[last])
     stuck = rows[rates * (time[-1] - time[0]) < gaps[:, 1]]
     names = samples.experiment.intervals
-    at = (
+    place = (
         dict(zip(names, samples.table.values[stuck[0]].tolist(), strict=True)) if len(stuck) else {}
     )
-    return {"name": response.name, "late": len(rows) - len(stuck), "stuck": len(stuck), "at": at,
+    return {"name": response.name, "late": len(rows) - len(stuck), "stuck": len(stuck), "at": place,
             "duration": float(time[-1] - time[0])}  # fmt: skip
 
 

@@ -59,7 +59,7 @@ def test_what_is_alone_on_its_hinge_may_stand_beside_a_kind_with_its_fields(elem
     assert parts_on(scene, "hinge") == [element.acts_as]
     (text,) = list_actions(scene)
     assert text.startswith(f"{element.noun} hinge (on hinge")
-    with pytest.raises(fpm.SceneError, match=r"without a|no other latch"):
+    with pytest.raises(fpm.SceneError, match=r"of a second|no other latch"):
         scene.add(element)
 
 

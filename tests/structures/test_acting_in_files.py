@@ -249,7 +249,7 @@ OF_MOTORS = [
     ("stiffness: 10 N m/rad, damping", "damping", "actions.pin.hold: 0.366519"),
     ("stiffness: 10 N m/rad, damping: 1, ", "", "actions.pin.hold: 0.366519"),
     ("time: 0.5 s", "time: 0", "actions.pin.time: 0"),
-    ("joint: root, stiffness: 10 N", "joint: knee, stiffness: 10 N", "without a release"),
+    ("joint: root, stiffness: 10 N", "joint: knee, stiffness: 10 N", "one release on a joint"),
 ]
 OF_SLIDES = [
     ("40 N/m", "0", "above 0, with a `preload`"),

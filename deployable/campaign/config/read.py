@@ -86,7 +86,9 @@ def _load(key: Rule, value: Any, path: tuple, faults: list, is_entry: bool) -> A
             inner = is_entry or name not in key.children
             if name not in key.children and not key.names.fits(name):
                 allowed = f"not a name that can be used; allowed: {key.names.allowed}"
-                faults.append((place, f"{'.'.join(place)}: {allowed}"))
+                example = re.sub("[^A-Za-z0-9_]+", "_", name)[:60].lstrip("_")
+                example = example if example[:1].isalpha() else f"x{example}"
+                faults.append((place, f"{'.'.join(place)}: {allowed}, such as {example}"))
                 raise RefusedError
             result[name] = _load(child, value[name], place, faults, inner)
         except RefusedError:

@@ -113,13 +113,15 @@ class Expression:
     """An arithmetic expression with units, parsed once; ExpressionError if `text` is none. names:
     set of those in it (`P.x`: a coordinate of P); dimension(names): its physical dimension from
     theirs; parts: functions of the names' values, inner ones first, for what operations and
-    functions in it give, and for differences that vanish where `min`, `max`, `interpolate` bend."""
+    functions in it give, and the borders: differences that vanish where `min`, `max` and
+    `interpolate` bend."""
 
     def __init__(self, text: str):
         self.text = text
         self.names: set[str] = set()
         self.constants: dict[str, tuple[float, Unit]] = {}
         self.parts: list[Evaluator] = []
+        self.borders: list[Evaluator] = []
         self._divisors: set[str] = set()  # those right behind a slash, but for rad
         if len(text) > LONGEST:
             raise ExpressionError(f"longer than {LONGEST} characters; allowed: several under `let`")
@@ -220,9 +222,11 @@ class Expression:
                     pairs = list(combinations(values, 2))
                     if name == "interpolate":
                         pairs = [(values[0], place) for place in values[1::2]]
-                    self.parts += [
+                    borders = [
                         partial(lambda a, b, names: a(names) - b(names), *pair) for pair in pairs
                     ]
+                    self.borders += borders
+                    self.parts += borders
                 return (
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _call_dimension(

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -49,38 +50,54 @@ ROUNDING = 1e-9
 """Share of an expression's size below which a change is none."""
 
 
-def find_turns(
-    evaluate: Callable[[float], np.ndarray], count: int, lower: float, upper: float
-) -> list[float]:
-    """Return the values of a parameter between `lower` and `upper` at which any of m expressions
-    has an extreme, then those at which a slope jumps. evaluate(value): expressions (m,), NaN: none.
-    A feature below a thousandth of the interval is not seen, of more than 200 expressions a
-    65th."""
-    from scipy.optimize import minimize_scalar
+SAME = 1e-6, 1e-12
+"""Shares of the interval: two extremes, or two knots, that are no farther apart are the same."""
 
-    if not count:
+
+def find_turns(
+    evaluate: Callable[[float], np.ndarray], borders: Sequence[bool], lower: float, upper: float
+) -> list[float]:
+    """Return the values of a parameter between `lower` and `upper` at which any of m functions has
+    an extreme, then the exact ones (knots) at which a border among them vanishes, then those at
+    which a slope jumps elsewhere. evaluate(value): functions (m,), NaN: none; borders (m).
+    An extreme or jump of slope below a thousandth of the interval is not seen, of more than 200
+    functions a 65th."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    if not borders:
         return []
-    grid = np.linspace(lower, upper, int(np.clip(MOST_VALUES // count, COARSEST, FINEST)))
+    count, width = int(np.clip(MOST_VALUES // len(borders), COARSEST, FINEST)), upper - lower
+    grid = np.linspace(lower, upper, count)
     values = np.array([evaluate(x) for x in grid])
-    extremes, bends = set(), set()
-    for column, (series, size) in enumerate(zip(values.T, np.abs(values).max(axis=0), strict=True)):
+    extremes, knots, bends = set(), set(), set()
+    for k, (series, size) in enumerate(zip(values.T, np.abs(values).max(axis=0), strict=True)):
+        function = lambda x, k=k: evaluate(x)[k]  # noqa: E731
         steps = np.diff(series)
         rows = np.flatnonzero(np.abs(steps) > ROUNDING * size)  # not where it is flat
         turns = np.flatnonzero(np.diff(np.sign(steps[rows])))
+        places = dict(zip(grid, series, strict=True))
         for first, last in zip(rows[turns], rows[turns + 1] + 1, strict=True):
-            sign, ends = -np.sign(steps[first]), grid[[first, last]]
-            loss = lambda x, k=column, s=sign: s * evaluate(x)[k]  # noqa: E731
-            options = {"xatol": 1e-9 * (upper - lower)}
-            extremes.add(minimize_scalar(loss, bounds=ends, method="bounded", options=options).x)
+            loss = lambda x, f=function, step=steps[first]: -np.sign(step) * f(x)  # noqa: E731
+            bounds, options = grid[[first, last]], {"xatol": 1e-9 * width}
+            x = minimize_scalar(loss, bounds=bounds, method="bounded", options=options).x
+            extremes.add(x)
+            places[x] = function(x)
+        signs = [(x, np.sign(y)) for x, y in sorted(places.items())] if borders[k] else []
+        for (start, left), (end, right) in pairwise(signs):
+            if left != right and left * right <= 0:
+                with suppress(ValueError):  # no number between
+                    knots.add(brentq(function, start, end, xtol=1e-15 * width))
         change = np.abs(np.diff(steps))
         sides = np.abs(change[:-4]) + np.abs(change[4:])
         sharp = change[2:-2] > SHARP * sides + ROUNDING * size
         bends |= set(grid[np.flatnonzero(sharp & ~np.append(False, sharp[:-1])) + 3])
-    places: list[float] = []
-    for x in map(float, [*sorted(extremes), *sorted(bends)]):
-        if lower < x < upper and all(abs(x - y) > 2 * (grid[1] - grid[0]) for y in places):
-            places.append(x)
-    return places
+    turned = [x for y in extremes for x in knots if abs(x - y) <= SAME[0] * width]
+    found, shares = [lower, upper], (SAME[1], *SAME, 2 / (count - 1))
+    for group, share in zip((turned, extremes, knots, bends), shares, strict=True):
+        for x in map(float, sorted(group)):
+            if lower < x < upper and min(abs(x - y) for y in found) > share * width:
+                found.append(x)
+    return found[2:]
 
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")
@@ -142,7 +159,7 @@ class _File:
         pairs = ((b, b.full.values()) for b in names.bounds)
         bounds = {(b.expression.text, *x): b for b, x in pairs if not numbers.isdisjoint(x)}
         functions = [
-            (part, b.full)
+            (part, b.full, part in b.expression.borders)
             for b in bounds.values()
             for part in (b.expression.value, *b.expression.parts)
         ]
@@ -152,13 +169,13 @@ class _File:
         def evaluate(value: float) -> np.ndarray:
             find_numbers(build, model, self._values({**parameters, name: value}), order)
             values = np.full(len(functions), np.nan)  # of vectors, coordinates are numbers as well
-            for k, (function, full) in enumerate(functions):
+            for k, (function, full, _) in enumerate(functions):
                 with suppress(KeyError, ArithmeticError, ValueError, TypeError):
                     values[k] = float(function({x: build.numbers[y] for x, y in full.items()}))
             return values
 
         with np.errstate(all="ignore"):
-            return find_turns(evaluate, len(functions), lower, upper)
+            return find_turns(evaluate, [is_border for *_, is_border in functions], lower, upper)
 
     def _values(self, parameters: Mapping) -> dict[str, float]:
         return {name: p.si(parameters[name]) for name, p in self.parameters.items()}

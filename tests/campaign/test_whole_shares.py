@@ -508,3 +508,4 @@ def test_where_turns_of_several_parameters_meet_there_is_a_run():
     points = np.round(_turning_points(model), 9).tolist()
     assert [0.43, 0.1, 0.0] in points and [0.0, 0.1, -0.2] in points
     assert [0.43, 0.1, -0.2] in points and [0.43, 0.1, 0.5] in points
+    assert [0.43, 1.0, -0.2] in points and [0.43, -1.0, 0.5] in points

@@ -134,7 +134,8 @@ def converge_bounds(
 def _turning_points(model: ModelEvaluator) -> list[np.ndarray]:
     """Unit points (k) at which an expression of the structure's file turns back or bends as one
     parameter varies: others nominal, then as in the runs at which a quantity is least, largest;
-    and where those of several parameters meet, as the peaks of a product do."""
+    and where those of several parameters meet, as the peaks of a product do, or one meets the end
+    of an interval."""
     experiment, points = model.experiment, []
     numbers = [values for values in model.numbers.T if np.isfinite(values).any()]
     rows = [find(values) for values in numbers for find in (np.nanargmin, np.nanargmax)]
@@ -146,7 +147,7 @@ def _turning_points(model: ModelEvaluator) -> list[np.ndarray]:
         ends = np.interp(values, arguments[2:], (-1.0, 1.0))
         pairs = itertools.islice(itertools.product(bases, ends), _MOST_TURNS)
         points += [np.where(np.arange(len(base)) == j, end, base) for base, end in pairs]
-        turns.append(ends if len(ends) else model.nominal[[j]])
+        turns.append(ends if len(ends) else [model.nominal[j], -1.0, 1.0])
     peaks = itertools.islice(itertools.product(*turns), _MOST_TURNS if points else 0)
     return [*points, *map(np.array, peaks)]
 

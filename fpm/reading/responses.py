@@ -77,7 +77,8 @@ class Response:
     computed from, besides points and energies; along: what it is a function of, None: time
     (margins: the opening of a hinge); factors: of margins: (output torque, its factor), then
     (actuation factor, resistance factor, class) of each component; else (); ends: where stops and
-    latches end the way of an opening, down and up; None: nowhere."""
+    latches end the way of an opening, down and up; None: nowhere; is_signed: whether it can be
+    below 0 though others of its kind cannot, as losses in wind, which drives what it drags."""
 
     name: str
     kind: str
@@ -89,6 +90,7 @@ class Response:
     along: Abscissa | None = None
     factors: tuple = ()
     ends: tuple[float | None, float | None] = (None, None)
+    is_signed: bool = False
 
     @property
     def needs(self) -> tuple[Column, ...]:
@@ -108,6 +110,8 @@ class Response:
             return -1.0
         positive = KINDS[self.kind].positive
         is_positive = isinstance(positive, tuple) and self.subjects[0] in positive
+        if self.is_signed:
+            return None
         return 0.0 if self.component == "norm" or positive is True or is_positive else None
 
     def evaluate(self, run: Curves) -> np.ndarray:
@@ -330,7 +334,10 @@ def _loss(spec: Definition) -> Response:
     kind = spec.one_of(["all", *losses, *LOSSES])
     columns = [("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts]
     actor = "everything" if kind == "all" else kind
-    return spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
+    response = spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
+    elements = [element for each in [*spec.scene.kinds] for element in each.find(spec.scene)]
+    is_blown = any(np.any(getattr(element, "wind", 0.0)) for element in elements)
+    return replace(response, is_signed=is_blown and kind in ("all", "damping"))
 
 
 # -- values ---------------------------------------------------------------------------------------
@@ -426,7 +433,7 @@ def _energies(scene: Scene) -> Iterable[str]:
 
 _POSITIVE = (
     "kinetic", "strain", "spring", "contact", "friction", "stop", "latch", "release", "motor",
-    "loop", "pin", "cable", "joint_loss", "damping_work", "cable_friction",
+    "loop", "pin", "cable", "joint_loss", "cable_friction",
 )  # fmt: skip
 """Energies that are sums of squares, or losses. Recorded ones may be below 0 by errors of the step,
 as products of velocities half a step apart (`fpm.kernels.record`)."""

@@ -50,7 +50,7 @@ ROUNDING = 1e-9
 """Share of an expression's size below which a change is none."""
 
 
-SAME = 1e-6, 1e-12
+LEAST_GAPS = 1e-6, 1e-12
 """Shares of the interval: two extremes, or two knots, that are no farther apart are the same."""
 
 
@@ -83,21 +83,21 @@ def find_turns(
             extremes.add(x)
             places[x] = function(x)
         signs = [(x, np.sign(y)) for x, y in sorted(places.items())] if borders[k] else []
-        for (start, left), (end, right) in pairwise(signs):
-            if left != right and left * right <= 0:
+        for (start, sign), (end, next_sign) in pairwise(signs):
+            if sign != next_sign and sign * next_sign <= 0:
                 with suppress(ValueError):  # no number between
                     knots.add(brentq(function, start, end, xtol=1e-15 * width))
         change = np.abs(np.diff(steps))
         sides = np.abs(change[:-4]) + np.abs(change[4:])
         sharp = change[2:-2] > SHARP * sides + ROUNDING * size
         bends |= set(grid[np.flatnonzero(sharp & ~np.append(False, sharp[:-1])) + 3])
-    turned = [x for y in extremes for x in knots if abs(x - y) <= SAME[0] * width]
-    found, shares = [lower, upper], (SAME[1], *SAME, 2 / (count - 1))
-    for group, share in zip((turned, extremes, knots, bends), shares, strict=True):
+    peaks = [x for y in extremes for x in knots if abs(x - y) <= LEAST_GAPS[0] * width]
+    turns, shares = [lower, upper], (LEAST_GAPS[1], *LEAST_GAPS, 2 / (count - 1))
+    for group, share in zip((peaks, extremes, knots, bends), shares, strict=True):
         for x in map(float, sorted(group)):
-            if lower < x < upper and min(abs(x - y) for y in found) > share * width:
-                found.append(x)
-    return found[2:]
+            if lower < x < upper and min(abs(x - y) for y in turns) > share * width:
+                turns.append(x)
+    return turns[2:]
 
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")

@@ -122,7 +122,7 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("{event: latches, of: catch}", "{crossing: psi, level: 45}", "2578 deg: did you mean"),
     ("{event: latches, of: catch}", "{crossing: psi, level: 2}", "is beyond 90 deg, where"),
     ("at_most: 3", "at_least: 5", "5 s, but runs end at 2 s, so that none can meet it"),
-    ("at_most: 3", "at_least: 0", "0, but t is never below 0, so that no run can break it: take"),
+    ("at_most: 3", "at_least: 0", "but t is never below 0, so that it asks only that it happens"),
     ("at_most: 3", "at_most: -1", "-1, but t is never below 0, so that none can meet it"),
     ("at_most: 3", "at_most: 30", "30 s, but runs end at 2 s, so that all where it happens"),
     ("instants: 201", "instants: 12", "12 for 2 s are 0.1818 s apart", "take 201 or more"),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from balances import TURN, blown, tumbling
 
 import fpm
 from deployable.campaign.config.sections import scene_type
@@ -245,3 +246,15 @@ def test_scene_types_check_what_they_are_given():
         BENNETT.build(E=-1.0)
     with pytest.raises(fpm.SceneError, match="a whole number"):
         BENNETT.build(elements=2.5)
+
+
+def test_losses_are_not_below_zero_but_in_wind():
+    """Wind drives what it drags: the work against it can be negative, and is told as it is."""
+    loss, work = {"loss": "all"}, {"energy": "damping_work"}
+    assert fpm.responses.parse("l", loss, tumbling(**TURN)).least == 0.0
+    responses = [fpm.responses.parse(n, d, blown()) for n, d in {"l": loss, "w": work}.items()]
+    assert [response.least for response in responses] == [None, None]
+    (run,) = fpm.simulate(blown(), duration=1.0, instants=101, record=())
+    curves = [response.evaluate(run) for response in responses]
+    assert min(map(np.min, curves)) < -1e-3
+    np.testing.assert_allclose(*curves, atol=1e-12)

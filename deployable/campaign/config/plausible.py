@@ -55,7 +55,10 @@ def requirement_warnings(campaign: Any) -> list[str]:
     for key, end, quantity, limit in limits:
         least = quantity.least
         if least is not None and (limit <= least if end == "at_least" else limit < least):
-            verdict = "no run can break it" if end == "at_least" else "none can meet it"
+            verdict = "none can meet it"
+            if end == "at_least":
+                is_sure = quantity.always_exists
+                verdict = "no run can break it" if is_sure else "it asks only that it happens"
             texts.append(f"{key}: {limit:g}, but {quantity.name} is never below {least:g}, so that "
                          f"{verdict}: take another limit")  # fmt: skip
         elif quantity.is_time and limit > duration * (1 if end == "at_least" else LONGEST):

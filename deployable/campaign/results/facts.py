@@ -85,7 +85,10 @@ def facts_of(
         answer = read_json(folder / f"{name}.json")
         keys = ("requirements", "together") if name == "requirements" else ()
         facts |= {key: answer[key] for key in keys} or {name: answer}
-    least = {quantity.name: quantity.least for quantity in experiment.quantity_list}
+    least = {
+        quantity.name: quantity.least if quantity.always_exists else None
+        for quantity in experiment.quantity_list
+    }
     for limit in (limit for row in facts.get("requirements", ()) for limit in row["limits"]):
         name = limit["quantity"]
         if reason := why_idle(limit, by_name[name], least[name]):

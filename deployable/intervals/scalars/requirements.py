@@ -501,7 +501,7 @@ def find_max_scale(
 
 
 _GRID, _ZOOM_GRID, _SPREAD = 33, 7, 128
-_FINEST = 1e-4  # of a range: the finest grid of choices reaches no farther
+_FINEST = 3e-7  # of a range: the finest grid of choices reaches no farther
 
 # From choices (c) to the corners (k each), in unit coordinates, of the box that they leave.
 BoxOf = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]

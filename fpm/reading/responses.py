@@ -335,7 +335,8 @@ def _loss(spec: Definition) -> Response:
     columns = [("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts]
     actor = "everything" if kind == "all" else kind
     response = spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
-    elements = [element for each in [*spec.scene.kinds] for element in each.find(spec.scene)]
+    scene = spec.scene
+    elements = [element for element_type in [*scene.kinds] for element in element_type.find(scene)]
     is_blown = any(np.any(getattr(element, "wind", 0.0)) for element in elements)
     return replace(response, is_signed=is_blown and kind in ("all", "damping"))
 

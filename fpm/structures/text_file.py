@@ -92,12 +92,12 @@ def find_turns(
         sharp = change[2:-2] > SHARP * sides + ROUNDING * size
         bends |= set(grid[np.flatnonzero(sharp & ~np.append(False, sharp[:-1])) + 3])
     peaks = [x for y in extremes for x in knots if abs(x - y) <= LEAST_GAPS[0] * width]
-    turns, shares = [lower, upper], (LEAST_GAPS[1], *LEAST_GAPS, 2 / (count - 1))
+    results, shares = [lower, upper], (LEAST_GAPS[1], *LEAST_GAPS, 2 / (count - 1))
     for group, share in zip((peaks, extremes, knots, bends), shares, strict=True):
         for x in map(float, sorted(group)):
-            if lower < x < upper and min(abs(x - y) for y in turns) > share * width:
-                turns.append(x)
-    return turns[2:]
+            if lower < x < upper and min(abs(x - y) for y in results) > share * width:
+                results.append(x)
+    return results[2:]
 
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")

@@ -292,6 +292,8 @@ def _name_with_unit(cell: str) -> tuple[str, Any]:
             if form is _BEHIND_SLASH and words[1:] and isinstance(_unit(words[-1]), Unit):
                 continue  # `v m/s`
             column_unit = _unit(next(filter(None, match.groups()[1:]), ""))
+            if isinstance(column_unit, Unit) and isinstance(_name_with_unit(match[1])[1], Unit):
+                return fold_name(cell), f"{cell!r} has two units; allowed: one"
             if isinstance(column_unit, Unit) or (form is _IN_BRACKETS and cell.endswith("]")):
                 return fold_name(match[1]), column_unit
             if form is _IN_BRACKETS:

@@ -120,7 +120,7 @@ def command(
     parser = commands.add_parser(name, description=description.splitlines()[0])
     parser.set_defaults(act=function, level=logging.INFO, parser=parser)
     group = parser.add_mutually_exclusive_group()
-    quiet = "quiet", logging.WARNING, "print no progress, but results, warnings and errors"
+    quiet = "quiet", logging.WARNING, "print no progress, but warnings and errors"
     for word, level, text in (quiet, ("verbose", logging.DEBUG, "print what each stage takes")):
         options: Any = {"action": "store_const", "const": level, "dest": "level", "help": text}
         group.add_argument(f"-{word[0]}", f"--{word}", **options)

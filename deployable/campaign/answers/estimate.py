@@ -125,11 +125,9 @@ def estimate(
         parts = [estimate(case, stages, missing) for case in campaign.case_campaigns.values()]
         keys = ("runs", "seconds", "core_time", "bytes")
         totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
-        compilation = max(
-            part.compile_time for part in parts
-        )  # of kernels, which is done only one time
-        totals["seconds"] += compilation - sum(part.compile_time for part in parts)
-        return replace(parts[0], **totals, compile_time=compilation)
+        times = [part.compile_time for part in parts]
+        totals["seconds"] += max(times) - sum(times)  # kernels are compiled once
+        return replace(parts[0], **totals, compile_time=max(times))
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs, responses = count_runs(experiment), len(experiment.responses)
     cost = _BatchCost(campaign)

@@ -112,9 +112,10 @@ _UNITS = {  # name: numerator, denominator, powers of kg, m, s
 NAMES = tuple(_UNITS)
 
 _NAME = "|".join(sorted(_UNITS, key=len, reverse=True))
-_TERM = rf"(?:{_NAME})[234]?(?![\w.(])"
-CHAIN = rf"/?\s*{_TERM}(?:(?:\s*/\s*|\s+){_TERM})*"
-"""Regular expression of a unit behind a number: `mm`, `N m/rad`, `m/s2`, `/s`."""
+_TERM = rf"(?:{_NAME})(?:\^?[234]|[²³⁴])?(?![\w.(])"
+CHAIN = rf"/?\s*{_TERM}(?:(?:\s*[/·]\s*|\s+){_TERM})*"
+"""Regular expression of a unit behind a number: `mm`, `N m/rad`, `m/s2`, `m/s²`, `m/s^2`, `/s`."""
+_PLAIN = str.maketrans("²³⁴·", "234 ", "^")
 
 _FACTOR = re.compile(rf"\s*(/?)\s*({_NAME})(-?[1-4])?(?![A-Za-z])")
 
@@ -131,7 +132,7 @@ def is_unit(name: str) -> bool:
 def unit(text: str) -> Unit:
     """Return the unit of a text such as "N m/rad" or "N m rad-1"; "" and "1" are that of pure
     numbers. Raises UnitError for anything else."""
-    rest = re.sub(r"^\s*1?\s*(?=/|$)", "", text)
+    rest = re.sub(r"^\s*1?\s*(?=/|$)", "", text).translate(_PLAIN)
     top = bottom = 1.0
     dimension, factors = NUMBER, []
     while rest.strip():

@@ -128,7 +128,14 @@ def test_units_that_do_not_fit_are_refused(text):
 
 
 def test_quotients_that_can_be_meant_in_one_way_only_are_taken():
-    found = {"90 deg/5 deg": 18.0, "a/90 deg": 2.0, "180/(90 deg)": 360 / math.pi, "1/2 rad": 0.5}
+    found = {
+        "90 deg/5 deg": 18.0,
+        "a/90 deg": 2.0,
+        "180/(90 deg)": 360 / math.pi,
+        "1/2 rad": 0.5,
+        "2 kg m^2/(1 kg·m²)": 2.0,
+        "3 m²/m": 3.0,
+    }
     for text, right in found.items():
         parse(text).dimension({"a": NUMBER})
         assert value(text, a=math.pi) == pytest.approx(right)
@@ -147,7 +154,8 @@ def test_dimensions_follow_the_arithmetic(text):
 
 def test_units_are_spelt_as_netcdf_has_them():
     spelt = {"N m/rad": "N m rad-1", "N m rad-1": "N m rad-1", "1/s": "s-1", "deg": "degree",
-             "kg/m3": "kg m-3", "": "1", "1": "1", "mm2": "mm2"}  # fmt: skip
+             "kg/m3": "kg m-3", "": "1", "1": "1", "mm2": "mm2",
+             "N·m·s²/rad^2": "N m s2 rad-2"}  # fmt: skip
     assert {text: unit(text).udunits for text in spelt} == spelt
 
 
